@@ -10,7 +10,7 @@
 enum { n_coefficients = 6 };
 
 /// Beyond these only the peaks bound the command, because products might exceed 64 bits.
-enum { most_per_ms_log2 = 10, most_ahead_log2 = 10 };
+enum { most_per_ms = 1 << 10, most_ahead = 1 << 10 };
 
 /// Factors of the feed-forward, for derivatives per knot interval.
 typedef struct {
@@ -19,85 +19,67 @@ typedef struct {
     int64_t swept_q16;  ///< [intervals / 2^16] of u', of either sign: a spindle that accelerates
 } ahead_t;
 
-/// @return [um/s] peak of u' omega
-static uint64_t speed_um_per_s(const cam_cut_t *c)
-{
-    return cam_cut_um_per_s(c, c->t->u1_peak_nm_per_rad);
-}
-
-/// @return [um/s2] peak of u'' omega^2
-static uint64_t acceleration_um_per_s2(const cam_cut_t *c)
-{
-    return cam_cut_um_per_s2(c, c->t->u2_peak_nm_per_rad2);
-}
-
 /// @return [m/s3] peak of u''' omega^3 at uniform speed
-static uint64_t jerk_m_per_s3(const cam_cut_t *c)
+static double jerk_m_per_s3(const cam_cut_t *c)
 {
-    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
-    return c->t->speed.knots != NULL
-               ? 0u
-               : cam_cut_scaled_up(cam_cut_um_per_s2(c, c->t->u3_peak_nm_per_rad3), omega,
-                                   1000000000);
+    const double by_second = cam_cut_mm_per_s2(c, c->t->u3_peak_nm_per_rad3);
+    return c->t->speed.knots != NULL ? 0.0 : by_second * cam_cut_omega(c->mean_mrpm) * 1e-3;
 }
 
 /// @return [m/s3] jerk of a motion by time, for which the limits of the command are made
-static uint64_t jerk_by_time(const cam_cut_t *c)
+static double jerk_by_time(const cam_cut_t *c)
 {
-    const uint64_t step_ns = 1000000000u / c->tick_hz;
-    const uint64_t window_ns = step_ns << cam_gains_log2_window(c->p, hal_axis_u, c->tick_hz);
-    return (uint64_t)c->p->u_acceleration_mm_per_s2 * 2000000u / window_ns;
+    const uint32_t ticks = UINT32_C(1) << cam_gains_log2_window(c->p, hal_axis_u, c->tick_hz);
+    return c->p->u_acceleration_mm_per_s2 * 2e-3 * c->tick_hz / ticks;
 }
 
 /// @return a demand of the feed-forward; without gains the command is u, which has its own limits
-static cam_demand_t by_gains(const cam_cut_t *c, cam_err_t err, uint64_t limit, uint64_t needed)
+static cam_demand_t by_gains(const cam_cut_t *c, cam_err_t err, double limit, double needed)
 {
     const bool has_gains = c->p->k1_ns > 0 || c->p->k2_us2 > 0;
-    return (cam_demand_t){err, (int64_t)limit, has_gains ? cam_cut_at_amplitude(c, needed) : 0u};
+    const double own = has_gains ? cam_cut_at_amplitude(c, needed) : 0.0;
+    return (cam_demand_t){err, (int64_t)limit, cam_cut_up(own)};
 }
 
 cam_demand_t cam_command_speed_demand(const cam_cut_t *c)
 {
-    const uint64_t k1 = (uint64_t)c->p->k1_ns;
-    const uint64_t k2 = (uint64_t)c->p->k2_us2;
-    const uint64_t limit = (uint64_t)c->p->u_speed_um_per_s +
-                           (uint64_t)c->p->u_acceleration_mm_per_s2 * k1 / 1000000u +
-                           jerk_by_time(c) * k2 / 1000000u;
-    const uint64_t needed = speed_um_per_s(c) +
-                            cam_cut_scaled_up(acceleration_um_per_s2(c), k1, 1000000000) +
-                            cam_cut_scaled_up(jerk_m_per_s3(c), k2, 1000000);
+    const double k1_ms = c->p->k1_ns * 1e-6;
+    const double k2_ms2 = c->p->k2_us2 * 1e-6;
+    const double limit =
+        c->p->u_speed_um_per_s + c->p->u_acceleration_mm_per_s2 * k1_ms + jerk_by_time(c) * k2_ms2;
+    const double needed = cam_cut_um_per_s(c, c->t->u1_peak_nm_per_rad) +
+                          cam_cut_mm_per_s2(c, c->t->u2_peak_nm_per_rad2) * k1_ms +
+                          jerk_m_per_s3(c) * k2_ms2;
     return by_gains(c, cam_err_u_command_speed, limit, needed);
 }
 
 cam_demand_t cam_command_acceleration_demand(const cam_cut_t *c)
 {
-    const uint64_t k1 = (uint64_t)c->p->k1_ns;
-    const uint64_t by_time = jerk_by_time(c);
-    const uint64_t limit =
-        (uint64_t)c->p->u_acceleration_mm_per_s2 + by_time * k1 / 1000000u +
-        cam_cut_scaled_up(by_time * 2u * c->tick_hz, (uint64_t)c->p->k2_us2, 1000000000);
-    const uint64_t needed = cam_cut_divided_up(acceleration_um_per_s2(c), 1000) +
-                            cam_cut_scaled_up(jerk_m_per_s3(c), k1, 1000000);
+    const double k1_ms = c->p->k1_ns * 1e-6;
+    const double k2_ms2 = c->p->k2_us2 * 1e-6;
+    const double by_time = jerk_by_time(c);
+    const double limit =
+        c->p->u_acceleration_mm_per_s2 + by_time * k1_ms + by_time * 2e-3 * c->tick_hz * k2_ms2;
+    const double needed =
+        cam_cut_mm_per_s2(c, c->t->u2_peak_nm_per_rad2) + jerk_m_per_s3(c) * k1_ms;
     return by_gains(c, cam_err_u_command_acceleration, limit, needed);
 }
 
 /// @return whether the products fit 64 bits
 static bool find_ahead(const cam_cut_t *c, ahead_t *a)
 {
-    const uint32_t log2 = c->t->u.log2_knots + c->t->u.log2_repeat;
-    const uint64_t per_ms_q16 =
-        cam_cut_divided_up(((uint64_t)c->peak_mrpm << log2) * 65536u, 60000000);
-    if (per_ms_q16 >> 16 >> most_per_ms_log2 != 0u) {
+    const double per_turn = UINT32_C(1) << (c->t->u.log2_knots + c->t->u.log2_repeat);
+    const double per_ms = c->peak_mrpm * per_turn / 6e7;
+    const double first = per_ms * c->p->k1_ns * 1e-6;
+    const double second = per_ms * per_ms * c->p->k2_us2 * 1e-6;
+    const double swept = second * 2.0 * CAM_PI * c->t->spindle_peak_ppm_per_rad * 1e-6 / per_turn;
+    if (per_ms >= most_per_ms || cam_cut_most(first, cam_cut_most(second, swept)) >= most_ahead) {
         return false;
     }
-    const uint64_t per_ms2_q16 = cam_cut_divided_up(per_ms_q16 * per_ms_q16, 65536);
-    const uint64_t first = cam_cut_scaled_up(per_ms_q16, (uint64_t)c->p->k1_ns, 1000000);
-    const uint64_t second = cam_cut_scaled_up(per_ms2_q16, (uint64_t)c->p->k2_us2, 1000000);
-    const uint64_t swept_ppm = // 2 pi |r r'|
-        cam_cut_divided_up(c->t->spindle_peak_ppm_per_rad * UINT64_C(6283186), 1000000);
-    const uint64_t swept = cam_cut_scaled_up(second, swept_ppm, UINT64_C(1000000) << log2);
-    *a = (ahead_t){(int64_t)first, (int64_t)second, (int64_t)swept};
-    return (first | second | swept) >> 16 >> most_ahead_log2 == 0u;
+    *a = (ahead_t){.first_q16 = (int64_t)cam_cut_up(first * 0x1p16),
+                   .second_q16 = (int64_t)cam_cut_up(second * 0x1p16),
+                   .swept_q16 = (int64_t)cam_cut_up(swept * 0x1p16)};
+    return true;
 }
 
 /// Derive a quintic by its coefficients, per knot interval.
@@ -167,19 +149,15 @@ static uint64_t together_nm(const cam_channel_t *ch, const ahead_t *a)
 
 cam_demand_t cam_command_stroke_demand(const cam_cut_t *c)
 {
-    const uint64_t limit_nm = (uint64_t)c->p->u_stroke_nm / 2u;
-    const uint64_t out_nm = (uint64_t)cam_abs_i64(c->t->u_min_nm);
-    const uint64_t in_nm = (uint64_t)cam_abs_i64(c->t->u_max_nm);
-    const uint64_t peaks_nm =
-        cam_cut_greater(out_nm, in_nm) +
-        cam_cut_scaled_up(speed_um_per_s(c), (uint64_t)c->p->k1_ns, 1000000) +
-        cam_cut_scaled_up(acceleration_um_per_s2(c), (uint64_t)c->p->k2_us2, 1000000000);
+    const int32_t limit_nm = c->p->u_stroke_nm / 2;
+    const double peaks_nm = (double)cam_cut_largest_nm(c->t) +
+                            cam_cut_um_per_s(c, c->t->u1_peak_nm_per_rad) * c->p->k1_ns * 1e-6 +
+                            cam_cut_mm_per_s2(c, c->t->u2_peak_nm_per_rad2) * c->p->k2_us2 * 1e-6;
     ahead_t ahead;
     const bool is_read = cam_cut_at_amplitude(c, peaks_nm) > limit_nm &&
                          c->peak_mrpm <= (uint32_t)c->p->spindle_limit_mrpm &&
                          c->t->u.knots != NULL && find_ahead(c, &ahead);
-    const uint64_t read_nm = is_read ? together_nm(&c->t->u, &ahead) : peaks_nm;
-    const uint64_t friction_nm = (uint64_t)c->p->u_friction_nm;
+    const double read_nm = is_read ? (double)together_nm(&c->t->u, &ahead) : peaks_nm;
     return by_gains(c, cam_err_u_command, limit_nm,
-                    (read_nm < peaks_nm ? read_nm : peaks_nm) + friction_nm);
+                    (read_nm < peaks_nm ? read_nm : peaks_nm) + c->p->u_friction_nm);
 }

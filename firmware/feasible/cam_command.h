@@ -2,7 +2,7 @@
 /// cam_command: how far and how fast U is commanded, feed-forward included.
 ///
 /// At the speed omega the command is u + k1 u' omega + k2 u'' omega^2 (cam_axis_command.h), so it
-/// may leave a stroke that contains u, and move faster than u. Context: slow side, integers only.
+/// may leave a stroke that contains u, and move faster than u. Context: slow side.
 /// Source: MATHS.md (213), (215), (216).
 #ifndef CAM_COMMAND_H
 #define CAM_COMMAND_H

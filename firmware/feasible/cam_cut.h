@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_cut: a cut at a mean speed of the spindle, and the arithmetic that judges it.
 ///
-/// All demands are integers, rounded up, so that none is too small. Context: slow side.
+/// Demands are calculated in doubles and rounded up, so that none is too small.
+/// Context: slow side.
 #ifndef CAM_CUT_H
 #define CAM_CUT_H
 
-#include "cam_err.h"   // cam_err_t
-#include "cam_param.h" // cam_params_t
-#include "cam_table.h" // cam_table_t
-#include <stdint.h>    // uint32_t, int64_t, uint64_t
+#include "cam_doubles.h" // CAM_PI
+#include "cam_err.h"     // cam_err_t
+#include "cam_fix.h"     // cam_abs_i64
+#include "cam_param.h"   // cam_params_t
+#include "cam_table.h"   // cam_table_t
+#include <stdint.h>      // uint32_t, int64_t, uint64_t
 
 typedef struct {
     const cam_table_t *t;
@@ -50,33 +53,70 @@ static inline uint64_t cam_cut_scaled_up(uint64_t a, uint64_t b, uint64_t c)
                                                   : (uint64_t)INT64_MAX;
 }
 
-/// @return a peak of U or of the swing at the amplitude in force, rounded up
-static inline uint64_t cam_cut_at_amplitude(const cam_cut_t *c, uint64_t peak)
+/// @return v rounded up, saturated; what exceeds an integer by less than 2^-40 of itself is
+///         rounding
+static inline uint64_t cam_cut_up(double v)
 {
-    return cam_cut_scaled_up(peak, (uint32_t)c->p->amplitude_ppm, 1000000);
+    if (v >= 0x1p62) {
+        return (uint64_t)INT64_MAX;
+    }
+    const uint64_t whole = (uint64_t)v;
+    return v - (double)whole > v * 0x1p-40 ? whole + 1u : whole;
+}
+
+static inline double cam_cut_most(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/// @return a peak of U or of the swing at the amplitude in force
+static inline double cam_cut_at_amplitude(const cam_cut_t *c, double peak)
+{
+    return peak * c->p->amplitude_ppm * 1e-6;
 }
 
 /// @param mrpm  [r/min / 1000]
-/// @return      [mrad/s] the same angular speed, 2 pi / 60 of it, rounded up
-static inline uint64_t cam_cut_omega_mrad_per_s(uint64_t mrpm)
+/// @return      [rad/s] the same angular speed
+static inline double cam_cut_omega(uint32_t mrpm)
 {
-    return cam_cut_divided_up(mrpm * 104719756u, UINT64_C(1000000000));
+    return mrpm * (CAM_PI / 30000.0);
 }
 
 /// @param peak  [nm/rad] first derivative over the angle
-/// @return      [um/s] speed at the mean speed of the spindle, rounded up
-static inline uint64_t cam_cut_um_per_s(const cam_cut_t *c, uint64_t peak)
+/// @return      [um/s] speed at the mean speed of the spindle
+static inline double cam_cut_um_per_s(const cam_cut_t *c, double peak)
 {
-    return cam_cut_divided_up(peak * cam_cut_omega_mrad_per_s(c->mean_mrpm), 1000000);
+    return peak * cam_cut_omega(c->mean_mrpm) * 1e-3;
 }
 
 /// @param peak  [nm/rad2] second derivative over the angle
-/// @return      [um/s2] acceleration at the mean speed of the spindle, rounded up, saturated
-static inline uint64_t cam_cut_um_per_s2(const cam_cut_t *c, uint64_t peak)
+/// @return      [mm/s2] acceleration at the mean speed of the spindle
+static inline double cam_cut_mm_per_s2(const cam_cut_t *c, double peak)
 {
-    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
-    const uint64_t omega2 = cam_cut_divided_up(omega * omega, 10000); // [0.01 rad2/s2]
-    return cam_cut_scaled_up(peak, omega2, 100000);
+    const double omega = cam_cut_omega(c->mean_mrpm);
+    return peak * omega * omega * 1e-6;
+}
+
+/// The smooth step of the envelope and of lobes, and the magnitudes of its derivatives.
+typedef struct {
+    double e, e1, e2;
+} cam_cut_step_t;
+
+/// @param s  0 .. 1
+static inline cam_cut_step_t cam_cut_step(double s)
+{
+    const double left = 1.0 - s;
+    return (cam_cut_step_t){
+        .e = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s),
+        .e1 = 30.0 * s * s * left * left,
+        .e2 = 60.0 * s * left * (left > s ? left - s : s - left),
+    };
+}
+
+/// @return [nm] how far U travels from the middle of its stroke, without feed-forward
+static inline uint64_t cam_cut_largest_nm(const cam_table_t *t)
+{
+    return cam_cut_greater((uint64_t)cam_abs_i64(t->u_min_nm), (uint64_t)cam_abs_i64(t->u_max_nm));
 }
 
 /// @return [nm] height of the part, over which Z feeds

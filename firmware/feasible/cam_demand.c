@@ -2,7 +2,6 @@
 #include "cam_demand.h"
 #include "cam_command.h"    // cam_command_stroke_demand
 #include "cam_z_coupling.h" // cam_z_coupling_of
-#include "cam_fix.h"        // cam_abs_i64, cam_root_u64
 #include "cam_peaks.h"      // cam_peaks_set_point_q20
 #include "cam_plan.h"       // cam_plan_ticks
 #include <stdbool.h>        // bool
@@ -18,10 +17,9 @@ enum { min_ticks_per_turn = 8 };
 /// The spindle accelerates with r r' omega^2, in mrad/s2. At uniform speed nothing is needed.
 static cam_demand_t spindle_acceleration_demand(const cam_cut_t *c)
 {
-    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
-    const uint64_t omega2 = cam_cut_divided_up(omega * omega, 1000); // [0.001 rad2/s2]
+    const double omega = cam_cut_omega(c->mean_mrpm);
     return (cam_demand_t){cam_err_spindle_acceleration, c->p->spindle_acceleration_mrad_per_s2,
-                          cam_cut_divided_up(omega2 * c->t->spindle_peak_ppm_per_rad, 1000000)};
+                          cam_cut_up(omega * omega * c->t->spindle_peak_ppm_per_rad * 1e-3)};
 }
 
 /// A speed loop of bandwidth b with set-point 0 loses at most the share b of its speed per second,
@@ -29,23 +27,20 @@ static cam_demand_t spindle_acceleration_demand(const cam_cut_t *c)
 static cam_demand_t spindle_loop_demand(const cam_cut_t *c)
 {
     const int64_t lag_us = c->p->spindle_lag_us;
-    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
-    return (cam_demand_t){
-        cam_err_spindle_loop, lag_us > 0 ? 1000000000 / lag_us : INT64_MAX,
-        cam_cut_divided_up(omega * c->t->spindle_demand.fall_ppm_per_rad, 1000000)};
+    const double omega = cam_cut_omega(c->mean_mrpm);
+    return (cam_demand_t){cam_err_spindle_loop, lag_us > 0 ? 1000000000 / lag_us : INT64_MAX,
+                          cam_cut_up(omega * c->t->spindle_demand.fall_ppm_per_rad * 1e-3)};
 }
 
 /// The set-point that makes the spindle follow must not exceed its highest speed.
 static cam_demand_t spindle_set_point_demand(const cam_cut_t *c)
 {
-    const uint64_t lag_us = (uint64_t)c->p->spindle_lag_us;
-    const uint64_t c_q16 =
-        cam_cut_divided_up(cam_cut_omega_mrad_per_s(c->mean_mrpm) * lag_us * 4096u, 62500000);
-    const uint64_t set_q20 = cam_peaks_set_point_q20(&c->t->spindle_demand, c_q16);
-    const bool is_told = c->t->speed.knots != NULL;
-    return (cam_demand_t){
-        cam_err_spindle_set_point, c->p->spindle_limit_mrpm,
-        is_told ? cam_cut_divided_up(set_q20 * c->mean_mrpm, (uint32_t)CAM_TABLE_RATIO_ONE) : 0u};
+    const double lag = cam_cut_omega(c->mean_mrpm) * c->p->spindle_lag_us * 1e-6; // [rad]
+    const uint64_t set_q20 =
+        cam_peaks_set_point_q20(&c->t->spindle_demand, cam_cut_up(lag * 0x1p16));
+    const double ratio = c->t->speed.knots != NULL ? (double)set_q20 * 0x1p-20 : 0.0;
+    return (cam_demand_t){cam_err_spindle_set_point, c->p->spindle_limit_mrpm,
+                          cam_cut_up(ratio * c->mean_mrpm)};
 }
 
 /// No more knots, and no larger part of a turn, may pass in a tick than the interrupt can follow.
@@ -64,20 +59,18 @@ static cam_z_coupling_t u_drift(const cam_cut_t *c)
     return cam_z_coupling_of(c, &c->t->u, &c->t->u_change, c->tick_hz);
 }
 
-/// @return [nm] how far U travels outwards from the middle of its stroke in the cut, rounded up
+/// @return [nm] how far U travels outwards from the middle of its stroke in the cut
 static uint64_t outwards_nm(const cam_cut_t *c)
 {
-    const int64_t out_nm = -(int64_t)c->t->u_min_nm;
-    return cam_cut_at_amplitude(c, (uint64_t)(out_nm > 0 ? out_nm : 0));
+    return cam_cut_up(cam_cut_at_amplitude(c, cam_cut_most(-(double)c->t->u_min_nm, 0.0)));
 }
 
 /// From the middle of its stroke U travels inwards by the largest u and outwards by the least.
 static cam_demand_t stroke_demand(const cam_cut_t *c)
 {
-    const int64_t in_nm = c->t->u_max_nm;
-    const uint64_t inwards_nm = cam_cut_at_amplitude(c, (uint64_t)(in_nm > 0 ? in_nm : 0));
+    const double in_nm = cam_cut_at_amplitude(c, cam_cut_most(c->t->u_max_nm, 0.0));
     return (cam_demand_t){cam_err_u_stroke, cam_demand_half_stroke_nm(c->t, c->p),
-                          cam_cut_greater(inwards_nm, outwards_nm(c))};
+                          cam_cut_greater(cam_cut_up(in_nm), outwards_nm(c))};
 }
 
 /// A retract that was set counts from the outermost position of U in the cut. The default goes as
@@ -91,40 +84,40 @@ static cam_demand_t retract_demand(const cam_cut_t *c)
 }
 
 /// @return turns of the shorter of the two ramps of the depth
-static uint64_t depth_turns(const cam_cut_t *c)
+static double depth_turns(const cam_cut_t *c)
 {
-    return (uint64_t)cam_cut_smaller(c->p->engage_turns, c->p->disengage_turns);
+    return (double)cam_cut_smaller(c->p->engage_turns, c->p->disengage_turns);
 }
 
 /// Bound a sum while the envelope e, a smooth step, rises over so many turns. It is evaluated at
 /// fourteen points of the second half of the step, with e' and e'' enlarged by 3 %, so that it
 /// misses less than a ten-thousandth of the largest value between them, for any number of turns.
-/// @return the largest of f e + g 2 e' + h e'' over the step, or f itself
-static uint64_t most_of_step(uint64_t turns, uint64_t f, uint64_t g, uint64_t h)
+/// @return the largest of f e + g e' + h e'' over the step, or f itself
+static double most_of_step(double turns, double f, double g, double h)
 {
-    static const struct {
-        uint32_t e_ppm, e1_ppm, e2_ppm; // e, 1.03 2 e' / 2 pi and 1.03 e'' / (2 pi)^2
-    } at[] = {{500000, 614736, 0},      {611425, 597160, 46287},  {716510, 545958, 88515},
-              {809474, 465722, 122629}, {885658, 364099, 144569}, {925567, 289630, 150430},
-              {956293, 214280, 147876}, {978000, 142581, 135703}, {991441, 79670, 112710},
-              {996921, 41685, 87642},   {999150, 18166, 61219},   {999850, 5844, 36250},
-              {999984, 1383, 18115},    {999999, 244, 7711}};
-    uint64_t most = f;
-    for (size_t i = 0; i < sizeof at / sizeof at[0]; i++) {
-        const uint64_t sum =
-            f * at[i].e_ppm + g * at[i].e1_ppm / turns + h * at[i].e2_ppm / (turns * turns);
-        most = cam_cut_greater(most, cam_cut_divided_up(sum, 1000000));
+    static const uint16_t permille[] = {500, 560, 620, 680, 740, 780, 820,
+                                        860, 900, 930, 955, 975, 988, 995};
+    const double per_rad = 1.0 / (2.0 * CAM_PI * turns);
+    double most = f;
+    for (size_t i = 0; i < sizeof permille / sizeof permille[0]; i++) {
+        const cam_cut_step_t at = cam_cut_step(permille[i] * 1e-3);
+        const double by = g * at.e1 * per_rad + h * at.e2 * per_rad * per_rad;
+        most = cam_cut_most(most, f * at.e + 1.03 * by);
     }
     return most;
 }
 
+/// @return largest ratio of the speed of the spindle to its mean
+static double ratio_of(const cam_table_t *t)
+{
+    return t->ratio_max_q20 * 0x1p-20;
+}
+
 /// The speed while engaging: the largest of e f' + e' f over the step, or f' itself. The spindle
 /// may turn faster than its mean speed.
-static uint64_t engaging_speed(const cam_cut_t *c, const cam_z_coupling_peaks_t *peaks)
+static double engaging_speed(const cam_cut_t *c, const cam_z_coupling_peaks_t *peaks)
 {
-    const uint64_t ratio_q10 = cam_cut_divided_up(c->t->ratio_max_q20, 1024);
-    const uint64_t value = cam_cut_divided_up(peaks->f * ratio_q10, 1024);
-    return most_of_step(2u * depth_turns(c), peaks->f1, value, 0); // e' is half of 2 e'
+    return most_of_step(depth_turns(c), peaks->f1, peaks->f * ratio_of(c->t), 0.0);
 }
 
 /// The acceleration while engaging: the largest of e f'' + 2 e' f' + e'' f over the step, or f''
@@ -132,27 +125,21 @@ static uint64_t engaging_speed(const cam_cut_t *c, const cam_z_coupling_peaks_t 
 /// envelope is constant within a plan, so its change over a whole plan acts on the first set-point
 /// of the next one.
 /// @param n_set_points  of a plan
-static uint64_t engaging_acceleration(const cam_cut_t *c, const cam_z_coupling_peaks_t *peaks,
-                                      uint32_t n_set_points)
+static double engaging_acceleration(const cam_cut_t *c, const cam_z_coupling_peaks_t *peaks,
+                                    uint32_t n_set_points)
 {
-    const uint64_t ratio_q10 = cam_cut_divided_up(c->t->ratio_max_q20, 1024);
-    const uint64_t value = cam_cut_divided_up(peaks->f * ratio_q10, 1024);
-    const uint64_t alpha =
-        cam_cut_divided_up(peaks->f * c->t->spindle_peak_ppm_per_rad, 2000000) * n_set_points;
-    const uint64_t first = cam_cut_divided_up(peaks->f1 * ratio_q10, 1024) + alpha;
-    const uint64_t far = cam_cut_divided_up(value * ratio_q10, 1024) * n_set_points;
-    return most_of_step(depth_turns(c), peaks->f2, first, far);
+    const double ratio = ratio_of(c->t);
+    const double alpha = peaks->f * c->t->spindle_peak_ppm_per_rad * 1e-6 * n_set_points;
+    return most_of_step(depth_turns(c), peaks->f2, 2.0 * peaks->f1 * ratio + alpha,
+                        peaks->f * ratio * ratio * n_set_points);
 }
 
 /// @return peaks of U over the angle
 static cam_z_coupling_peaks_t u_peaks(const cam_table_t *t)
 {
-    return (cam_z_coupling_peaks_t){
-        .f =
-            cam_cut_greater((uint64_t)cam_abs_i64(t->u_min_nm), (uint64_t)cam_abs_i64(t->u_max_nm)),
-        .f1 = t->u1_peak_nm_per_rad,
-        .f2 = t->u2_peak_nm_per_rad2,
-    };
+    return (cam_z_coupling_peaks_t){.f = (double)cam_cut_largest_nm(t),
+                                    .f1 = t->u1_peak_nm_per_rad,
+                                    .f2 = t->u2_peak_nm_per_rad2};
 }
 
 /// U moves with u' omega, in um/s, plus the effect of the feed.
@@ -160,11 +147,10 @@ static cam_demand_t u_speed_demand(const cam_cut_t *c)
 {
     const int64_t limit = cam_cut_smaller(c->p->u_speed_um_per_s, c->t->limit_u_speed_um_per_s);
     const cam_z_coupling_peaks_t u = u_peaks(c->t);
-    const uint64_t most =
-        cam_cut_greater(engaging_speed(c, &u), cam_z_coupling_lobes_first(c->t, c->feed_nm, &u));
-    const uint64_t u1 = cam_cut_at_amplitude(c, most);
-    return (cam_demand_t){cam_err_u_speed, limit,
-                          cam_cut_um_per_s(c, u1) + cam_cut_at_amplitude(c, u_drift(c).speed)};
+    const double most =
+        cam_cut_most(engaging_speed(c, &u), cam_z_coupling_lobes_first(c->t, c->feed_nm, &u));
+    const double um_per_s = cam_cut_um_per_s(c, most) + u_drift(c).speed;
+    return (cam_demand_t){cam_err_u_speed, limit, cam_cut_up(cam_cut_at_amplitude(c, um_per_s))};
 }
 
 /// U accelerates with u'' omega^2, in mm/s2, plus the effect of the feed.
@@ -175,16 +161,12 @@ static cam_demand_t u_acceleration_demand(const cam_cut_t *c)
         cam_cut_smaller(c->p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_per_s2);
     const cam_z_coupling_peaks_t u = u_peaks(t);
     const uint32_t plan_ticks = (uint32_t)cam_plan_ticks(c->tick_hz);
-    const uint64_t most =
-        cam_cut_greater(engaging_acceleration(c, &u, plan_ticks),
-                        cam_z_coupling_lobes_second(t, c->feed_nm, &u, plan_ticks));
-    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
-    const uint64_t omega2 = cam_cut_divided_up(omega * omega, 10000); // [0.01 rad2/s2]
-    const uint64_t turning = cam_cut_scaled_up(cam_cut_at_amplitude(c, most), omega2, 100000000);
+    const double most = cam_cut_most(engaging_acceleration(c, &u, plan_ticks),
+                                     cam_z_coupling_lobes_second(t, c->feed_nm, &u, plan_ticks));
     const cam_z_coupling_t d = u_drift(c);
-    const uint64_t feeding = cam_cut_divided_up(cam_z_coupling_acceleration(c, &d), 1000);
+    const double mm_per_s2 = cam_cut_mm_per_s2(c, most) + cam_z_coupling_acceleration(c, &d) * 1e-3;
     return (cam_demand_t){cam_err_u_acceleration, limit,
-                          turning + cam_cut_at_amplitude(c, feeding)};
+                          cam_cut_up(cam_cut_at_amplitude(c, mm_per_s2))};
 }
 
 /// The force over a turn, rms in mN: mass times acceleration, drag at the peak speed, and friction.
@@ -195,29 +177,20 @@ static cam_demand_t u_force_demand(const cam_cut_t *c)
     if (p->servo_crossover_hz == 0) {
         return (cam_demand_t){cam_err_servo_continuous, 0, 0u};
     }
-    const uint64_t u2 = cam_cut_at_amplitude(
-        c, c->t->speed.knots != NULL ? c->t->u2_peak_nm_per_rad2 : c->t->u2_rms_nm_per_rad2);
-    const uint64_t u1 = cam_cut_at_amplitude(c, c->t->u1_peak_nm_per_rad);
-    const uint64_t by_mass =
-        cam_cut_scaled_up(cam_cut_um_per_s2(c, u2), (uint64_t)p->servo_mass_g, 1000000);
-    const uint64_t by_drag =
-        cam_cut_scaled_up(cam_cut_um_per_s(c, u1), (uint64_t)p->servo_drag_mn_s_per_m, 1000000);
-    const uint64_t mn[] = {by_mass, by_drag, (uint64_t)p->servo_friction_mn};
-    uint64_t square = 0;
-    for (size_t i = 0; i < sizeof mn / sizeof mn[0]; i++) {
-        const uint64_t part = (uint64_t)cam_cut_smaller((int64_t)mn[i], INT32_MAX);
-        square += part * part;
-    }
-    return (cam_demand_t){cam_err_servo_continuous,
-                          cam_cut_smaller(p->servo_continuous_mn, p->servo_force_limit_mn),
-                          cam_root_u64(square) + (square > 0u ? 1u : 0u)};
+    const double share = cam_cut_at_amplitude(c, 1.0);
+    const double u2 =
+        c->t->speed.knots != NULL ? c->t->u2_peak_nm_per_rad2 : c->t->u2_rms_nm_per_rad2;
+    const double by_mass = share * cam_cut_mm_per_s2(c, u2) * p->servo_mass_g * 1e-3;
+    const double by_drag =
+        share * cam_cut_um_per_s(c, c->t->u1_peak_nm_per_rad) * p->servo_drag_mn_s_per_m * 1e-6;
+    const double by_friction = p->servo_friction_mn;
+    return (cam_demand_t){
+        cam_err_servo_continuous, cam_cut_smaller(p->servo_continuous_mn, p->servo_force_limit_mn),
+        cam_cut_up(cam_root(by_mass * by_mass + by_drag * by_drag + by_friction * by_friction))};
 }
 
-/// @return [degrees / 1000] of thousands of 2^-26 turn, at most 0.2 % too large
-static uint64_t mdeg_of(uint64_t thousands)
-{
-    return cam_cut_divided_up(thousands * 43u, 8);
-}
+/// [degrees / 1000] in thousands of 2^-26 turn
+#define MDEG (360e6 * 0x1p-26)
 
 /// The swing gets a set-point from every plan.
 static cam_z_coupling_t swing_drift(const cam_cut_t *c)
@@ -230,13 +203,13 @@ static cam_z_coupling_t swing_drift(const cam_cut_t *c)
 ///         to swing'' r^2 + swing' r r'
 static cam_z_coupling_peaks_t swing_peaks(const cam_table_t *t)
 {
-    const uint64_t ratio_q20 = t->ratio_max_q20;
-    const uint64_t slope = t->swing.first_mdeg_per_rad;
-    const uint64_t bend = (((t->swing.second_mdeg_per_rad2 * ratio_q20) >> 20) * ratio_q20) >> 20;
+    const double ratio = ratio_of(t);
+    const double slope = t->swing.first_mdeg_per_rad;
     return (cam_z_coupling_peaks_t){
         .f = t->swing.most_mdeg,
-        .f1 = ((slope * ratio_q20) >> 20) + 1u,
-        .f2 = bend + slope * t->spindle_peak_ppm_per_rad / 1000000u + 1u,
+        .f1 = slope * ratio,
+        .f2 = t->swing.second_mdeg_per_rad2 * ratio * ratio +
+              slope * t->spindle_peak_ppm_per_rad * 1e-6,
     };
 }
 
@@ -244,27 +217,22 @@ static cam_z_coupling_peaks_t swing_peaks(const cam_table_t *t)
 static uint64_t swing_speed(const cam_cut_t *c)
 {
     const cam_z_coupling_peaks_t swing = swing_peaks(c->t);
-    const uint64_t first = cam_cut_at_amplitude(
-        c, cam_cut_greater(engaging_speed(c, &swing),
-                           cam_z_coupling_lobes_first(c->t, c->feed_nm, &swing)));
-    const uint64_t turning =
-        cam_cut_divided_up(first * cam_cut_omega_mrad_per_s(c->mean_mrpm), 1000);
-    return turning + cam_cut_at_amplitude(c, mdeg_of(swing_drift(c).speed));
+    const double first = cam_cut_most(engaging_speed(c, &swing),
+                                      cam_z_coupling_lobes_first(c->t, c->feed_nm, &swing));
+    const double turning = first * cam_cut_omega(c->mean_mrpm);
+    return cam_cut_up(cam_cut_at_amplitude(c, turning + MDEG * swing_drift(c).speed));
 }
 
 /// The swing accelerates, in degrees per second squared, over the angle and by the feed.
 static uint64_t swing_acceleration(const cam_cut_t *c)
 {
     const cam_z_coupling_peaks_t swing = swing_peaks(c->t);
-    const uint64_t second = cam_cut_at_amplitude(
-        c, cam_cut_greater(engaging_acceleration(c, &swing, 1u),
-                           cam_z_coupling_lobes_second(c->t, c->feed_nm, &swing, 1u)));
-    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
-    const uint64_t omega2 = cam_cut_divided_up(omega * omega, 1000); // [0.001 rad2/s2]
-    const uint64_t turning = cam_cut_scaled_up(second, omega2, 1000000);
+    const double second = cam_cut_most(engaging_acceleration(c, &swing, 1u),
+                                       cam_z_coupling_lobes_second(c->t, c->feed_nm, &swing, 1u));
+    const double omega = cam_cut_omega(c->mean_mrpm);
     const cam_z_coupling_t d = swing_drift(c);
-    const uint64_t feeding = cam_cut_divided_up(mdeg_of(cam_z_coupling_acceleration(c, &d)), 1000);
-    return turning + cam_cut_at_amplitude(c, feeding);
+    const double mdeg_per_s2 = second * omega * omega + MDEG * cam_z_coupling_acceleration(c, &d);
+    return cam_cut_up(cam_cut_at_amplitude(c, mdeg_per_s2 * 1e-3));
 }
 
 int32_t cam_demand_clearance_nm(const cam_table_t *t, const cam_params_t *p)
@@ -282,30 +250,25 @@ int32_t cam_demand_clearance_nm(const cam_table_t *t, const cam_params_t *p)
 /// speed of Z. The two do not coincide, so the larger one counts.
 static cam_demand_t x_speed_demand(const cam_cut_t *c)
 {
-    const uint64_t clearing = ((uint64_t)cam_demand_clearance_nm(c->t, c->p) * 15u / 8u + 1u) *
-                                  c->peak_mrpm / (depth_turns(c) * 60000000u) +
-                              1u;
-    const uint64_t barrel = cam_z_coupling_x_um_per_s(c) * c->t->x_slope_ppm / 1000000u + 1u;
+    const double clearing =
+        15.0 / 8.0 * cam_demand_clearance_nm(c->t, c->p) * c->peak_mrpm / (depth_turns(c) * 6e7);
+    const double barrel = cam_z_coupling_x_um_per_s(c) * c->t->x_slope_ppm * 1e-6;
     return (cam_demand_t){cam_err_x_speed, c->p->x_speed_um_per_s,
-                          cam_cut_greater(barrel, clearing)};
+                          cam_cut_up(cam_cut_most(barrel, clearing))};
 }
 
-/// The smooth step needs the acceleration 5.774 c (n / t)^2, computed from whole r/min. The barrel
-/// needs its bend times the square of Z's speed, and its slope times Z's acceleration.
+/// The smooth step needs the acceleration 5.774 c (n / t)^2. The barrel needs its bend times the
+/// square of Z's speed, and its slope times Z's acceleration.
 static cam_demand_t x_acceleration_demand(const cam_cut_t *c)
 {
-    const uint64_t turns = depth_turns(c);
-    const uint64_t rpm = cam_cut_divided_up(c->peak_mrpm, 1000);
-    const uint64_t step = ((uint64_t)cam_demand_clearance_nm(c->t, c->p) + 1u) * rpm * rpm;
-    const uint64_t clearing = (step / (3600u * turns * turns) + 1u) / 173180u + 1u;
-    const int64_t v_um_per_s =
-        cam_cut_smaller((int64_t)cam_z_coupling_x_um_per_s(c), cam_z_coupling_max_z_um_per_s);
-    const uint64_t v_tenth_mm_per_s = (uint64_t)v_um_per_s / 100u + 1u;
-    const uint64_t bend =
-        v_tenth_mm_per_s * v_tenth_mm_per_s * c->t->x_bend_ppm_per_m / 100000000000u;
-    const uint64_t along = cam_z_coupling_x_mm_per_s2(c) * c->t->x_slope_ppm / 1000000u;
+    const double per_s = c->peak_mrpm / (6e4 * depth_turns(c)); // n / t
+    const double clearing =
+        5.7735027e-6 * cam_demand_clearance_nm(c->t, c->p) * per_s * per_s; // 10 / root of 3
+    const double v_um_per_s = cam_z_coupling_x_um_per_s(c);
+    const double bend = v_um_per_s * v_um_per_s * c->t->x_bend_ppm_per_m * 1e-15;
+    const double along = cam_z_coupling_x_mm_per_s2(c) * c->t->x_slope_ppm * 1e-6;
     return (cam_demand_t){cam_err_x_acceleration, c->p->x_acceleration_mm_per_s2,
-                          cam_cut_greater(bend + along + 1u, clearing)};
+                          cam_cut_up(cam_cut_most(bend + along, clearing))};
 }
 
 int32_t cam_demand_half_stroke_nm(const cam_table_t *t, const cam_params_t *p)
@@ -332,7 +295,8 @@ cam_demands_t cam_demand_all(const cam_cut_t *c)
         {cam_err_z_stations, 0, t->has_stations && is_led ? 1u : 0u},
         {cam_err_override_measured, 0, is_led && is_overridden ? 1u : 0u},
         {cam_err_override_rings, 0, t->is_ring_helix && is_beyond_rings ? 1u : 0u},
-        {cam_err_swing_range, p->swing_range_mdeg, cam_cut_at_amplitude(c, t->swing.most_mdeg)},
+        {cam_err_swing_range, p->swing_range_mdeg,
+         cam_cut_up(cam_cut_at_amplitude(c, t->swing.most_mdeg))},
         {cam_err_swing_speed, p->swing_speed_mdeg_per_s, t->is_swung ? swing_speed(c) : 0u},
         {cam_err_swing_acceleration, p->swing_acceleration_deg_per_s2,
          t->is_swung ? swing_acceleration(c) : 0u},
@@ -347,9 +311,10 @@ cam_demands_t cam_demand_all(const cam_cut_t *c)
         cam_command_speed_demand(c),
         cam_command_acceleration_demand(c),
         {cam_err_feed, (int64_t)cam_cut_span_nm(c), is_led ? 0u : c->programmed_nm},
-        {cam_err_z_speed, is_led ? INT32_MAX : p->z_speed_um_per_s, cam_z_coupling_z_um_per_s(c)},
+        {cam_err_z_speed, is_led ? INT32_MAX : p->z_speed_um_per_s,
+         cam_cut_up(cam_z_coupling_z_um_per_s(c))},
         {cam_err_z_acceleration, p->z_acceleration_mm_per_s2,
-         is_led ? 0u : cam_z_coupling_z_mm_per_s2(c)},
+         is_led ? 0u : cam_cut_up(cam_z_coupling_z_mm_per_s2(c))},
         tick_demand(c),
         spindle_acceleration_demand(c),
         spindle_loop_demand(c),

@@ -5,7 +5,7 @@
 /// The table guarantees peaks of u, u' and u''; at a spindle speed omega, U needs the speed
 /// u' omega and the acceleration u'' omega^2. cam_z_coupling.h adds the effect of the feed,
 /// cam_command.h that of the feed-forward. If another controller moves Z, its feed is taken to
-/// be feed_nm or, if that is 0, the table's. Context: slow side, integers only.
+/// be feed_nm or, if that is 0, the table's. Context: slow side.
 #ifndef CAM_DEMAND_H
 #define CAM_DEMAND_H
 

@@ -39,8 +39,7 @@ uint32_t cam_feasible_largest_feed_nm(const cam_table_t *table, const cam_params
 
 /// Judge a speed and search the limits, for a message. Parameters as of cam_feasible_check().
 /// @return the first limit that is exceeded, if any, and what would be feasible; `needed` is
-/// rounded up: near the limit by at most 0.1 %, for the acceleration of the
-///         swing by 1 %
+///         rounded up
 cam_refusal_t cam_feasible(const cam_table_t *table, const cam_params_t *params,
                            uint32_t speed_mrpm, uint32_t tick_hz);
 

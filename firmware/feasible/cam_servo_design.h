@@ -3,8 +3,8 @@
 ///
 /// The loop crosses over where a free mass without lag would: |C| m wc^2 = 1. Delay, amplifier and
 /// modes move the real crossover; margins are the caller's concern (tools/camtools/tune).
-/// Coefficients are rounded to nearest, within a unit of the last place (cam_servo_config_t gives the
-/// units). Source: MATHS.md (233) .. (237). Context: slow side, in doubles (cam_doubles.h).
+/// Coefficients are rounded to nearest, within a unit of the last place (cam_servo_config_t gives
+/// the units). Source: MATHS.md (233) .. (237). Context: slow side, in doubles (cam_doubles.h).
 #ifndef CAM_SERVO_DESIGN_H
 #define CAM_SERVO_DESIGN_H
 

@@ -16,41 +16,38 @@
 /// The amplitude moves in straight lines from plan to plan, so one set-point of n takes the bend of
 /// all of them, that by the spindle's acceleration too. Between two twentieths of s the first term
 /// is taken at the upper one, and the rest 1 % above the larger of both, which it does not exceed
-/// in between. Context: slow side, integers only. Source: MATHS.md (63), (64), (88), (104).
+/// in between. Context: slow side. Source: MATHS.md (63), (64), (88), (104).
 #ifndef CAM_Z_COUPLING_H
 #define CAM_Z_COUPLING_H
 
 #include "cam_cut.h" // cam_cut_t
 #include <stdint.h>  // uint32_t, uint64_t
 
-/// [um/s] Larger speeds of Z count as this one: 6.5 m/s, far beyond any slide.
-enum { cam_z_coupling_max_z_um_per_s = 6553400 };
-
 /// Effect of the feed on an axis, in thousands of the unit of its channel: um for u.
 typedef struct {
-    uint64_t speed;         ///< [1/s]
-    uint64_t speed_per_rad; ///< [1/s/rad] how the speed differs over the angle
-    uint64_t acceleration;  ///< [1/s2]
+    double speed;         ///< [1/s]
+    double speed_per_rad; ///< [1/s/rad] how the speed differs over the angle
+    double acceleration;  ///< [1/s2]
 } cam_z_coupling_t;
 
 /// @return [um/s] highest speed of Z; on a ring-helix that between its ramps
-uint64_t cam_z_coupling_z_um_per_s(const cam_cut_t *c);
+double cam_z_coupling_z_um_per_s(const cam_cut_t *c);
 
-/// On a helix Z accelerates with feed * (turns per second)^2 / ramp, computed from whole r/min,
-/// where a ramp is not longer than the height that is fed. On a ring-helix the ramps are as short
+/// On a helix Z accelerates with feed * (turns per second)^2 / ramp, where a ramp is not longer
+/// than the height that is fed. On a ring-helix the ramps are as short
 /// as the limit allows, so that only the least acceleration that any ramp needs can exceed it.
 /// @return [mm/s2]
-uint64_t cam_z_coupling_z_mm_per_s2(const cam_cut_t *c);
+double cam_z_coupling_z_mm_per_s2(const cam_cut_t *c);
 
 /// @return [mm/s2] acceleration of Z that the other axes have to follow. A measured Z is not
 ///         accelerated by this controller, and is taken as moving evenly.
-uint64_t cam_z_coupling_z_feeding_mm_per_s2(const cam_cut_t *c);
+double cam_z_coupling_z_feeding_mm_per_s2(const cam_cut_t *c);
 
 /// @return [um/s] speed of X along its profile: with stations along the helix, not Z
-uint64_t cam_z_coupling_x_um_per_s(const cam_cut_t *c);
+double cam_z_coupling_x_um_per_s(const cam_cut_t *c);
 
 /// @return [mm/s2] its acceleration
-uint64_t cam_z_coupling_x_mm_per_s2(const cam_cut_t *c);
+double cam_z_coupling_x_mm_per_s2(const cam_cut_t *c);
 
 /// Bound the drift of a channel. Slices pass at the speed of Z over their spacing. The rate of
 /// change jumps from one slice to the next, and an axis takes the jump within one set-point; while
@@ -60,24 +57,24 @@ cam_z_coupling_t cam_z_coupling_of(const cam_cut_t *c, const cam_channel_t *ch,
                                    const cam_change_t *change, uint32_t set_point_hz);
 
 /// @return [1/s2] effect of a drift on an acceleration, with its difference over the angle
-uint64_t cam_z_coupling_acceleration(const cam_cut_t *c, const cam_z_coupling_t *d);
+double cam_z_coupling_acceleration(const cam_cut_t *c, const cam_z_coupling_t *d);
 
-/// Largest magnitudes of a function over the angle, below 2^33.
+/// Largest magnitudes of a function over the angle.
 typedef struct {
-    uint64_t f;  ///< [unit]
-    uint64_t f1; ///< [unit/rad] times the speed ratio
-    uint64_t f2; ///< [unit/rad2] at the speed ratio
+    double f;  ///< [unit]
+    double f1; ///< [unit/rad] times the speed ratio
+    double f2; ///< [unit/rad2] at the speed ratio
 } cam_z_coupling_peaks_t;
 
 /// @param t        with or without lobes
 /// @param feed_nm  [nm] per turn, below 2^24
 /// @return         [unit/rad] bound of the speed over the mean speed, at least f1
-uint64_t cam_z_coupling_lobes_first(const cam_table_t *t, uint64_t feed_nm,
-                                    const cam_z_coupling_peaks_t *peaks);
+double cam_z_coupling_lobes_first(const cam_table_t *t, uint64_t feed_nm,
+                                  const cam_z_coupling_peaks_t *peaks);
 
 /// @param n_set_points  of the axis from plan to plan, 1 .. 80
 /// @return              [unit/rad2] bound of acceleration over mean speed squared, at least f2
-uint64_t cam_z_coupling_lobes_second(const cam_table_t *t, uint64_t feed_nm,
-                                     const cam_z_coupling_peaks_t *peaks, uint32_t n_set_points);
+double cam_z_coupling_lobes_second(const cam_table_t *t, uint64_t feed_nm,
+                                   const cam_z_coupling_peaks_t *peaks, uint32_t n_set_points);
 
 #endif

@@ -239,9 +239,9 @@ static void test_limits_of_modulation_ticks_and_force(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, judge(3000000).err);
     params.servo_force_limit_mn = 15000;
     TEST_ASSERT_EQUAL_INT(cam_err_servo_continuous, judge(3000000).err);
-    params.servo_force_limit_mn = 8000; // friction alone, rounded up
+    params.servo_force_limit_mn = 7999; // friction alone
     table.u1_peak_nm_per_rad = table.u2_peak_nm_per_rad2 = table.u2_rms_nm_per_rad2 = 0;
-    TEST_ASSERT_EQUAL_INT64(8001, judge(3000000).needed);
+    TEST_ASSERT_EQUAL_INT64(8000, judge(3000000).needed);
     setUp();
     const cam_refusal_t why = cam_feasible(&table, &params, 5000000, 500); // counts per tick
     TEST_ASSERT_EQUAL_INT(cam_err_tick_rate, why.err);
