@@ -320,28 +320,10 @@ int32_t hal_axis_read_nm_isr(hal_axis_t axis)
     return lin_bus_actual_nm(&port.bus, axis, &port.commands);
 }
 
-/// No swing axis: the tick rates of this port are too low for it.
-bool hal_has_swing(void)
-{
-    return false;
-}
-
-/// Encoder frames carry positions, not edges.
-bool hal_has_edge_time(void)
-{
-    return false;
-}
-
 /// U is measured if it has a drive; otherwise its position is the set-point.
 bool hal_measures_u(void)
 {
     return port.bus.drive[hal_axis_u].node.id != 0u;
-}
-
-/// U takes positions.
-hal_force_t hal_force(void)
-{
-    return (hal_force_t){0};
 }
 
 hal_operator_t hal_operator(void)
@@ -356,16 +338,6 @@ hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
     return (hal_axis_scale_t){.command_pm = unit_pm, .measured_pm = unit_pm};
 }
 
-int32_t hal_swing_read_q32_isr(void)
-{
-    return 0;
-}
-
-void hal_swing_write_isr(const hal_swing_t *setpoint)
-{
-    (void)setpoint;
-}
-
 uint32_t hal_inputs_read_isr(void)
 {
     return port.inputs;
@@ -374,11 +346,6 @@ uint32_t hal_inputs_read_isr(void)
 void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 {
     port.commands.axis[axis] = *setpoint;
-}
-
-void hal_force_write_isr(int32_t force_q6)
-{
-    (void)force_q6;
 }
 
 void hal_spindle_write_isr(int32_t speed_mrpm)

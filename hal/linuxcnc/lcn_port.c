@@ -3,7 +3,6 @@
 #include "hal/hal.h"    // port functions, except hal_init(), whose name LinuxCNC uses
 #include "lcn_record.h" // lcn_record_memory
 #include <stdatomic.h>  // port.runs
-#include <stddef.h>     // NULL
 #include <stdlib.h>     // abort
 
 enum { clock_hz = 10000000, ns_per_clock = 100, ns_per_s = 1000000000, rate_part = 100 };
@@ -82,17 +81,6 @@ uint32_t hal_tick_hz(void)
     return port.setup.tick_hz;
 }
 
-bool hal_has_swing(void)
-{
-    return false;
-}
-
-/// Encoder pins carry counts, not edges.
-bool hal_has_edge_time(void)
-{
-    return false;
-}
-
 bool hal_measures_u(void)
 {
     return port.setup.is_measured[hal_axis_u];
@@ -109,37 +97,9 @@ hal_operator_t hal_operator(void)
     return (hal_operator_t){.has_acknowledge = true, .is_acknowledge_waived = port.setup.is_waived};
 }
 
-/// Unknown: the pins are doubles; the scales are in the step generators and drives connected to
-/// them.
-hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
-{
-    (void)axis;
-    return (hal_axis_scale_t){0};
-}
-
 hal_memory_t hal_scope_memory(void)
 {
     return lcn_record_memory();
-}
-
-/// lcn_record.h writes black boxes to files instead.
-void hal_scope_keep(const int32_t *words, uint32_t n)
-{
-    (void)words;
-    (void)n;
-}
-
-/// Parameters are set in a HAL file.
-hal_params_t hal_params_kept(void)
-{
-    return (hal_params_t){.bytes = NULL};
-}
-
-bool hal_params_keep(const void *bytes, uint32_t size)
-{
-    (void)bytes;
-    (void)size;
-    return false;
 }
 
 uint32_t hal_clock_hz(void)
@@ -159,63 +119,11 @@ void hal_halt(const char *why)
     abort();
 }
 
-hal_start_t hal_start(void)
-{
-    return (hal_start_t){.reset = hal_reset_power_on, .why = ""};
-}
-
 // The component loads the table from a file; there are no downloads.
-
-hal_image_t hal_table_image(void)
-{
-    return (hal_image_t){.bytes = NULL, .size = 0};
-}
-
-bool hal_table_begin(uint32_t size)
-{
-    (void)size;
-    return false;
-}
-
-bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n)
-{
-    (void)offset;
-    (void)bytes;
-    (void)n;
-    return false;
-}
-
-hal_image_t hal_table_staged(void)
-{
-    return (hal_image_t){.bytes = NULL, .size = 0};
-}
-
-bool hal_table_commit(void)
-{
-    return false;
-}
-
-/// Measured by HAL: camturn.update.time.
-hal_load_t hal_load(void)
-{
-    return (hal_load_t){0};
-}
 
 void hal_text(const char *line)
 {
     lcn_port_print(line);
-}
-
-bool hal_can_read(hal_can_frame_t *frame)
-{
-    (void)frame;
-    return false;
-}
-
-bool hal_can_write(const hal_can_frame_t *frame)
-{
-    (void)frame;
-    return false;
 }
 
 uint32_t hal_clock_isr(void)
@@ -240,11 +148,6 @@ int32_t hal_axis_read_nm_isr(hal_axis_t axis)
     return port.setup.is_measured[axis] ? port.in.actual_nm[axis] : port.out.pos_nm[axis];
 }
 
-int32_t hal_swing_read_q32_isr(void)
-{
-    return 0;
-}
-
 uint32_t hal_inputs_read_isr(void)
 {
     const bool is_estop = port.in.is_estop || !port.is_on_rate;
@@ -262,11 +165,6 @@ void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
     port.out.pos_nm[axis] = setpoint->pos_nm;
     port.out.vel_q10[axis] = setpoint->vel_q10;
     port.out.acc_q10[axis] = setpoint->acc_q10;
-}
-
-void hal_swing_write_isr(const hal_swing_t *setpoint)
-{
-    (void)setpoint;
 }
 
 /// The analogue output rounds it to its quantum.

@@ -249,12 +249,6 @@ hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
     }
 }
 
-/// All DAC outputs are in use, so this board has no swing axis.
-bool hal_has_swing(void)
-{
-    return false;
-}
-
 bool hal_measures_u(void)
 {
     return BOARD_HAS_U_SCALE != 0;
@@ -264,23 +258,6 @@ hal_memory_t hal_scope_memory(void)
 {
     const uint32_t n_doubles = (uint32_t)(stm_scope_end - stm_scope_start);
     return (hal_memory_t){.words = (int32_t *)stm_scope_start, .n_words = 2u * n_doubles};
-}
-
-/// The black box is kept until power-off only: flash is for tables and parameters.
-void hal_scope_keep(const int32_t *words, uint32_t n)
-{
-    (void)words;
-    (void)n;
-}
-
-int32_t hal_swing_read_q32_isr(void)
-{
-    return 0;
-}
-
-void hal_swing_write_isr(const hal_swing_t *setpoint)
-{
-    (void)setpoint;
 }
 
 /// Limit switches of a U that takes forces; normally closed, as the home switches.

@@ -130,12 +130,24 @@ def test_c_program_finds_the_library(tmp_path: Path) -> None:
 
 @pytest.mark.long
 def test_port_outside_this_tree(tmp_path: Path) -> None:
-    """A folder anywhere is a port: hal/template has every function that the firmware calls."""
-    shutil.copytree(TEMPLATE, tmp_path / "my port")
+    """A folder anywhere is a port: hal/template has every function without a default.
+
+    A port's own function, even alone in its file, has priority over the default; the linker names
+    a missing one that has none.
+    """
+    port = shutil.copytree(TEMPLATE, tmp_path / "my port")
+    head = '#include "hal/hal.h"\n'
+    (port / "swing.c").write_text(f"{head}bool hal_has_swing(void)\n{{\n    return true;\n}}\n")
     words = ("-S", ROOT, "-B", "build", "-G", "Ninja", "-D", "CAM_HAL_DIR=my port")
     run("cmake", *words, cwd=tmp_path)
     run("cmake", "--build", "build", cwd=tmp_path)
-    assert (tmp_path / "build" / "hal" / "own" / "firmware").exists()
+    symbols = run("nm", tmp_path / "build" / "hal" / "own" / "firmware")
+    assert " T hal_has_swing\n" in symbols
+    assert " W hal_swing_write_isr\n" in symbols
+    source = port / "hal_template.c"
+    source.write_text(source.read_text().replace("hal_outputs_write_isr", "hal_outputs"))
+    missing = run("cmake", "--build", "build", cwd=tmp_path, status=1)
+    assert "undefined reference to `hal_outputs_write_isr'" in missing
 
 
 @pytest.mark.long

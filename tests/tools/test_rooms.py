@@ -22,11 +22,12 @@ from tests.tools.cases.camsim_cases import BUILD, ROOT
 DESIGN = {
     "hal/include": (),
     "hal/common": (),
+    "hal/defaults": ("hal/include",),
     "hal/host": ("hal/include",),
     "hal/linux/setup": ("hal/include", "hal/common"),
     "hal/linux/bus": ("hal/linux/setup",),
     "hal/linux/tick": ("hal/include",),
-    "hal/linuxcnc": ("hal/include", "hal/common", "firmware/machine"),
+    "hal/linuxcnc": ("hal/include", "firmware/machine"),
     "firmware/base": ("hal/include",),
     "firmware/table": ("firmware/base",),
     "firmware/motion": ("firmware/table",),
@@ -61,7 +62,7 @@ DESIGN = {
 FOREIGN = ("hal/linux", "hal/mps2", "hal/stm32h743", "hal/template")
 # Sources of the room above them.
 PARTS = {"host_sim/bus/linux", "host_sim/bus/none", "hal/stm32h743/memory"}
-WITHOUT_HEADERS = {"hal/template", "firmware"}
+WITHOUT_HEADERS = {"hal/defaults", "hal/template", "firmware"}
 WITHOUT_SOURCES = {"hal/include"}  # in the build of the host
 
 

@@ -5,7 +5,9 @@
 /// at link time and calls cam_isr() at a constant rate. Functions with the suffix `_isr` are called
 /// from the interrupt only; they must neither block nor fail, and their time limits apply to a
 /// 480 MHz Cortex-M7. All other functions belong to the slow side and are called from main() only.
-/// "Simulator" describes the host port. What a port must guarantee: hal/template, hal/PORTING.md.
+/// A port may leave out a function that states a "Default" (hal/defaults); without any other the
+/// linker names what is missing. "Simulator" describes the host port. What a port must guarantee:
+/// hal/template, hal/PORTING.md.
 #ifndef HAL_HAL_H
 #define HAL_HAL_H
 
@@ -176,26 +178,27 @@ uint32_t hal_tick_hz(void);
 
 /// @return whether the machine has an axis that swings the tool, constant after hal_init(). Without
 /// one, tables with a swing are refused and the swing functions, still called, do nothing.
-/// Simulator: true unless the machine file says otherwise.
+/// Default: false. Simulator: true unless the machine file says otherwise.
 bool hal_has_swing(void);
 
 /// @return whether hardware time-stamps the edges of the spindle encoder, i.e. edge_clock of
-/// hal_encoder_t is valid. Constant after hal_init(). Simulator: set by the test or machine file.
+/// hal_encoder_t is valid. Constant after hal_init(). Default: false; the observer takes the counts
+/// as of the tick. Simulator: set by the test or machine file.
 bool hal_has_edge_time(void);
 
 /// @return whether hal_axis_read_nm_isr(hal_axis_u) is a measurement rather than the last
-/// set-point. Learning needs a measurement. Constant after hal_init(). Simulator: set by the test
-/// or machine file.
+/// set-point. Learning needs a measurement. Constant after hal_init(). Default: false. Simulator:
+/// set by the test or machine file.
 bool hal_measures_u(void);
 
 /// @return resolution and speed limit of an axis, constant after hal_init(). At start the
-/// controller reports the resulting form error; it refuses speeds above the limit. Simulator: set
-/// by the test, else 0.
+/// controller reports the resulting form error; it refuses speeds above the limit. Default: 0;
+/// neither is done. Simulator: set by the test, else 0.
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis);
 
 /// @return the output of U's force, constant after hal_init(). If it has one, the firmware closes
-/// U's position loop (cam_force.h); its scale must be measured. Simulator: set by the test or
-/// machine file.
+/// U's position loop (cam_force.h); its scale must be measured. Default: 0, U takes positions.
+/// Simulator: set by the test or machine file.
 hal_force_t hal_force(void);
 
 /// @return whether U takes forces, not positions
@@ -208,12 +211,12 @@ static inline bool hal_takes_force(void)
 /// acknowledge is waived and there is a key switch.
 hal_operator_t hal_operator(void);
 
-/// @return the memory for recorder and excitation, constant after hal_init(). Without it the
+/// @return the memory for recorder and excitation, constant after hal_init(). Default: none; the
 /// firmware runs but neither records nor excites. Simulator: 1 MiB.
 hal_memory_t hal_scope_memory(void);
 
-/// Store words of that memory across a restart, replacing those stored before. A port without
-/// storage does nothing. Simulator: leaves them in place.
+/// Store words of that memory across a restart, replacing those stored before. Default: nothing;
+/// the black box of a fault is lost with the restart. Simulator: leaves them in place.
 /// @param words  in hal_scope_memory()
 /// @param n      [words] 0: discard the stored words
 /// Context: main(), rarely, after a fault. May block as long as hal_table_write().
@@ -233,16 +236,18 @@ void hal_idle(void);
 /// Context: any. Does not return. Simulator: prints and aborts.
 _Noreturn void hal_halt(const char *why);
 
-/// @return the cause of the last start, constant after hal_init(). Simulator: set by the test.
+/// @return the cause of the last start, constant after hal_init(). Default: power-on, no text.
+/// Simulator: set by the test.
 hal_start_t hal_start(void);
 
-/// @return the slot in use, unchecked: the caller validates the content. Simulator: none unless set
-/// by the test.
+/// @return the slot in use, unchecked: the caller validates the content. Default: none; enable is
+/// refused until a table is selected. Simulator: none unless set by the test.
 hal_image_t hal_table_image(void);
 
 // A download goes to a second slot while the first is in use. The next four functions are called
 // only in the states off and ready, in which no tick reads a table. They may block, but cam_isr()
-// and the watchdog's supervision of main() must continue.
+// and the watchdog's supervision of main() must continue. Default: there is no second slot; a
+// download is refused.
 
 /// Erase the slot that is not in use, for an image. An unfinished download is lost; the slot in use
 /// is not touched.
@@ -267,29 +272,33 @@ hal_image_t hal_table_staged(void);
 bool hal_table_commit(void);
 
 /// @return the stored parameters, unchecked: the caller validates the content. The bytes do not
-/// change until hal_params_keep(). Simulator: none until some are stored.
+/// change until hal_params_keep(). Default: none; every start has the defaults of the parameters.
+/// Simulator: none until some are stored.
 hal_params_t hal_params_kept(void);
 
 /// Replace the stored parameters, now and after every restart. Atomic: after a power failure the
 /// next start finds the complete old or new set. Called only in state off, in which no tick reads a
 /// table. May block, but cam_isr() and the watchdog's supervision of main() must continue.
+/// Default: refused.
 /// @param size  [bytes] 1 .. hal_params_most_bytes
 /// @return      false if they cannot be stored; the old set remains
 /// Context: main(); with flash a few milliseconds, occasionally several seconds.
 bool hal_params_keep(const void *bytes, uint32_t size);
 
-/// @return the duration of cam_isr() in cycles, and memory errors. Simulator: set by the test.
+/// @return the duration of cam_isr() in cycles, and memory errors. Default: not measured.
+/// Simulator: set by the test.
 hal_load_t hal_load(void);
 
 /// Write a line of text to a serial line or stderr.
 /// @param line  at most 120 characters without a line end; the rest is cut off
 void hal_text(const char *line);
 
-/// Take the oldest received frame. @return false if there is none. Must not block.
+/// Take the oldest received frame. @return false if there is none. Must not block. Default: no bus,
+/// nothing is received.
 bool hal_can_read(hal_can_frame_t *frame);
 
 /// Queue a frame for transmission. Must not block.
-/// @return false if the queue is full or the bus is off; the frame is then dropped
+/// @return false if the queue is full or the bus is off; the frame is then dropped. Default: false
 bool hal_can_write(const hal_can_frame_t *frame);
 
 // Port provides: interrupt, reads (only at the start of a tick)
@@ -309,7 +318,7 @@ void hal_encoder_read_isr(hal_encoder_t *reading);
 /// command, feed-forward included, and contains no information about the drive.
 int32_t hal_axis_read_nm_isr(hal_axis_t axis);
 
-/// @return [turn / 2^32] newest measured swing of the tool; <= 10 cycles. 0 without the axis.
+/// @return [turn / 2^32] newest measured swing of the tool; <= 10 cycles. Default: 0
 int32_t hal_swing_read_q32_isr(void);
 
 /// @return bits hal_in_*, debounced if the wiring needs it; <= 20 cycles
@@ -320,7 +329,8 @@ uint32_t hal_inputs_read_isr(void);
 /// Write the force of U, positive where it drives U up; <= 30 cycles. It is called right after the
 /// reads, only where hal_force() states a quantum, and in every tick: 0 while the drives are not
 /// enabled. The output must be 0 V after every reset and while enable is low, by hardware: a force
-/// that is held for 10 ms moves U by many millimetres. Simulator: stores it for the machine models.
+/// that is held for 10 ms moves U by many millimetres. Default: halts, as it is called only if
+/// hal_force() states a quantum. Simulator: stores it for the machine models.
 /// @param force_q6  [mN / 64] the port rounds it to its quantum
 void hal_force_write_isr(int32_t force_q6);
 
@@ -331,7 +341,8 @@ void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint);
 /// Write the set-point of the swing, valid from this tick; <= 60 cycles. In state off it is called
 /// every 0.4 ms (every tick if the period is longer) with the measured angle. In the other states
 /// it is called at the same rate if the table swings the tool; otherwise it is not called and the
-/// drive must hold its position. The port may ignore it while enable is low.
+/// drive must hold its position. The port may ignore it while enable is low. Default: nothing;
+/// halts if hal_has_swing().
 /// Simulator: counts the set-points and stores the last one for the machine models.
 void hal_swing_write_isr(const hal_swing_t *setpoint);
 

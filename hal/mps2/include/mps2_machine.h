@@ -22,7 +22,6 @@ typedef struct {
     } in;
     struct {
         hal_setpoint_t axis[hal_n_axes];
-        int32_t force_q6;     ///< [mN / 64] of U
         int32_t spindle_mrpm; ///< [r/min / 1000] signed
         uint32_t outputs;     ///< hal_out_*
         hal_swing_t swing;
