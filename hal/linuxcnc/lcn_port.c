@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lcn_port.h"
-#include "hal/hal.h"    // port functions, except hal_init(), whose name LinuxCNC uses
-#include "lcn_record.h" // lcn_record_memory
-#include <stdatomic.h>  // port.runs
-#include <stdlib.h>     // abort
+#include "hal/hal.h"   // port functions, except hal_init(), whose name LinuxCNC uses
+#include <stdatomic.h> // port.runs
+#include <stdlib.h>    // abort
 
 enum { clock_hz = 10000000, ns_per_clock = 100, ns_per_s = 1000000000, rate_part = 100 };
 
@@ -95,11 +94,6 @@ hal_force_t hal_force(void)
 hal_operator_t hal_operator(void)
 {
     return (hal_operator_t){.has_acknowledge = true, .is_acknowledge_waived = port.setup.is_waived};
-}
-
-hal_memory_t hal_scope_memory(void)
-{
-    return lcn_record_memory();
 }
 
 uint32_t hal_clock_hz(void)

@@ -23,7 +23,7 @@ static struct {
     char line[line_bytes]; ///< result
 } record;
 
-hal_memory_t lcn_record_memory(void)
+hal_memory_t hal_scope_memory(void)
 {
     return (hal_memory_t){.words = words, .n_words = n_words};
 }

@@ -20,7 +20,4 @@ bool lcn_record_poll(cam_machine_t *m, bool records);
 /// Write a finished recording if there is one. Context: the thread of lcn_reload.h.
 void lcn_record_serve(void);
 
-/// @return memory of the recorder
-hal_memory_t lcn_record_memory(void);
-
 #endif

@@ -66,7 +66,7 @@ int hal_init(void)
     if (clock == stm_clock_fail) {
         return no_clock;
     }
-    stm_tick_fault(clock == stm_clock_hsi ? stm_fault_clock : 0u);
+    stm_faults |= clock == stm_clock_hsi ? stm_fault_clock : 0u;
     stm_timers_init(); // before the pins, so that /LDAC is high from the start
     stm_steps_init();  // and the steps low
     stm_pins_init();
@@ -117,7 +117,7 @@ static void report_new_faults(void)
         "port: spindle edges without a time: wire A to PA0, B to PA3; drives reported as not ready",
     };
     static uint32_t reported;
-    const uint32_t new_faults = stm_tick_faults() & ~reported;
+    const uint32_t new_faults = stm_faults & ~reported;
     for (uint32_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         if ((new_faults & 1u << i) != 0u) {
             hal_text(texts[i]);
@@ -287,7 +287,7 @@ uint32_t hal_inputs_read_isr(void)
 {
     const uint32_t pins = GPIOE->IDR;
     uint32_t bits = (pins & 1u << stm_pin_estop) != 0u ? 0u : hal_in_estop;
-    if ((pins & 1u << stm_pin_ready) != 0u && stm_tick_faults() == 0u) {
+    if ((pins & 1u << stm_pin_ready) != 0u && stm_faults == 0u) {
         bits |= hal_in_drive_ready;
     }
     return bits | port_d();

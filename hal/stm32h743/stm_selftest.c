@@ -11,6 +11,7 @@
 #include "stm_flash.h"
 #include "stm_pins.h" // GPIOE
 #include "stm_tick.h"
+#include "stm_timers.h" // stm_faults
 #include "stm_watch.h"
 
 extern uint64_t stm_axi_start[], stm_itcm_top[], stm_dtcm_base[], stm_dtcm_top[];
@@ -188,11 +189,11 @@ static void test_timers(void)
 static void test_tick(void)
 {
     const hal_load_t load = hal_load();
-    judge("tick", stm_tick_faults() == 0u);
+    judge("tick", stm_faults == 0u);
     put_count(load.last_cycles, " cycles, longest ");
     put_count(load.max_cycles, " of ");
     put_count(stm_cpu_hz / BOARD_TICK_HZ, ", faults of the port ");
-    put_number(stm_tick_faults(), 16);
+    put_number(stm_faults, 16);
     end_line();
 }
 

@@ -12,7 +12,6 @@
 /// Written by the interrupt, read by the slow side, one word at a time.
 static volatile struct {
     uint32_t n_ticks;
-    uint32_t faults;
     uint32_t last_cycles, max_cycles;
     bool is_behind; ///< interrupt only: the last tick ended after the next one was due
 } tick;
@@ -35,7 +34,7 @@ void stm_tick_isr(void)
     }
     tick.is_behind = stm_timers_is_overrun_isr();
     faults |= tick.is_behind ? stm_fault_overrun : 0u;
-    tick.faults |= faults;
+    stm_faults |= faults;
 }
 
 void stm_tick_init(void)
@@ -49,16 +48,6 @@ void stm_tick_init(void)
 uint32_t stm_tick_count(void)
 {
     return tick.n_ticks;
-}
-
-void stm_tick_fault(uint32_t faults)
-{
-    tick.faults |= faults;
-}
-
-uint32_t stm_tick_faults(void)
-{
-    return tick.faults;
 }
 
 hal_load_t hal_load(void)

@@ -12,7 +12,20 @@
 #define STM_TIMERS_H
 
 #include <stdbool.h> // bool
-#include <stdint.h>  // int32_t
+#include <stdint.h>  // int32_t, uint32_t
+
+/// Faults of the port. With any of them hal_inputs_read_isr() reports the drives as not ready until
+/// the next reset, so the controller retracts and does not restart.
+enum {
+    stm_fault_clock = 1u << 0,   ///< the HSE did not start: rates are within 1 % only
+    stm_fault_overrun = 1u << 1, ///< a tick had not ended when the next one was due
+    stm_fault_late = 1u << 2,    ///< set-points were not yet sent when the outputs stepped
+    stm_fault_dac = 1u << 3,     ///< a transfer to the AD5754R did not end within a period
+    stm_fault_edges = 1u << 4,   ///< edges of the spindle were counted, but not stamped
+};
+
+/// All faults since the start. Written by the tick, and by the slow side before the tick runs.
+extern volatile uint32_t stm_faults;
 
 /// Set all five timers up. Encoders and clock run afterwards, the tick does not.
 /// Context: slow side, once.
