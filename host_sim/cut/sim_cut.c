@@ -2,9 +2,8 @@
 #include "sim_cut.h"
 #include "cam_derived_limits.h" // cam_derived_limits_averaging_mrpm
 #include "sim_cut_pass.h"       // sim_cut_next_pass
-#include "sim_units.h"          // sim_fraction
-#include <math.h>               // ceil, lround, sqrt
-#include <stdlib.h>             // free
+#include "sim_units.h"          // sim_abs, sim_clamp
+#include <math.h>               // lround
 
 /// A real main loop does its background work whenever the interrupt leaves time. Here it is rare,
 /// since a kilobyte of CRC costs as much as 10 ticks: a damaged table of 16 KB is found within 0.8
@@ -14,38 +13,6 @@ enum { background_polls = 64 };
 cam_status_t sim_cut_status(const sim_cut_t *cut)
 {
     return cam_machine_status(&cut->firmware.machine);
-}
-
-/// @return [nm] feed per turn of a pass
-static double feed_nm_of(const cam_table_t *table, const cam_params_t *here)
-{
-    return here->feed_nm > 0 ? here->feed_nm : (double)table->feed_nm;
-}
-
-double sim_cut_feed_mm(const sim_cut_t *cut)
-{
-    return feed_nm_of(&cut->session.table, &cut->here) / SIM_NM_PER_MM;
-}
-
-bool sim_cut_has_rings(const sim_cut_t *cut)
-{
-    return cut->session.table.is_ring_helix && cut->params.z_is_measured == 0;
-}
-
-double sim_cut_turns_of(const cam_table_t *table, const cam_params_t *here)
-{
-    const double span_nm = (double)table->z_last_nm - table->z_first_nm;
-    const double fed = span_nm / feed_nm_of(table, here);
-    if (table->is_ring_helix && here->z_is_measured == 0) {
-        return 2.0 * ceil(fed) + 1.0;
-    }
-    const double ramp = here->z_is_measured != 0 ? 0.0 : here->feed_ramp_turns;
-    return fed + (ramp < fed ? ramp : fed); // the rising and the falling half
-}
-
-double sim_cut_planned_turns(const sim_cut_t *cut)
-{
-    return sim_cut_turns_of(&cut->session.table, &cut->here);
 }
 
 uint32_t sim_cut_lobe_without_turn(const sim_cut_t *cut)

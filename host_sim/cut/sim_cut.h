@@ -118,13 +118,6 @@ cam_status_t sim_cut_status(const sim_cut_t *cut);
 /// @return [mm] present feed per turn; for a ring-helix the distance of its rings
 double sim_cut_feed_mm(const sim_cut_t *cut);
 
-/// Place the window of the surface between tracks for the feed of a pass.
-void sim_cut_place_scallop(sim_cut_t *cut);
-
-/// @param here  parameters of a pass
-/// @return      [turn] planned length of its state cutting
-double sim_cut_turns_of(const cam_table_t *table, const cam_params_t *here);
-
 /// @return true when Z is geared along a ring-helix
 bool sim_cut_has_rings(const sim_cut_t *cut);
 

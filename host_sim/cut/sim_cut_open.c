@@ -6,7 +6,6 @@
 #include "sim_params.h"   // sim_params_apply
 #include "sim_slow.h"     // sim_slow_check
 #include "sim_units.h"    // SIM_NM_PER_MM
-#include <math.h>         // floor
 #include <stdio.h>        // snprintf
 
 static void wish(sim_wishes_t *w, cam_param_id_t id, double value)
@@ -151,35 +150,6 @@ static bool check_injects(const sim_session_t *s, size_t size, common_error_t *e
     return true;
 }
 
-/// Feeds in the default window of the map.
-enum { scallop_feeds = 4 };
-
-/// Place the window of the surface between tracks. The default window starts at a whole number of
-/// feeds, that is with a ring of a ring-helix.
-static bool place_scallop(sim_cut_t *cut, common_error_t *e)
-{
-    const sim_cut_options_t *o = &cut->options;
-    const double low_mm = cut->session.design.z_first_mm;
-    const double high_mm = cut->session.design.z_last_mm;
-    const double feed_mm = sim_cut_feed_mm(cut);
-    const double feeds = (high_mm - low_mm) / feed_mm;
-    const double first = floor(0.5 * (feeds - scallop_feeds) + 0.5);
-    double from_mm = low_mm + feed_mm * (first > 0.0 ? first : 0.0);
-    double to_mm = from_mm + scallop_feeds * feed_mm;
-    if (o->has_window) {
-        from_mm = o->window_first_mm;
-        to_mm = o->window_last_mm;
-    }
-    if (from_mm < low_mm || from_mm > high_mm || (o->has_window && to_mm > high_mm)) {
-        return common_error(
-            e, "--scallop-mm %.12g:%.12g: beyond the part; give heights %.12g .. %.12g", from_mm,
-            to_mm, low_mm, high_mm);
-    }
-    sim_scallop_init(&cut->session.scallop, o->nose_mm, from_mm, to_mm < high_mm ? to_mm : high_mm,
-                     cut->session.work.blank_mm);
-    return true;
-}
-
 /// Place the sections. Default heights are one, three, five, seven and nine tenths of the part, or
 /// the middle of each of the first lobes.
 static bool place_sections(sim_cut_t *cut, common_error_t *e)
@@ -208,12 +178,6 @@ static bool place_sections(sim_cut_t *cut, common_error_t *e)
     return true;
 }
 
-void sim_cut_place_scallop(sim_cut_t *cut)
-{
-    common_error_t ignored; // the window was inside the part before
-    (void)place_scallop(cut, &ignored);
-}
-
 /// Mount the blank, connect the lathe to the port, and prepare the gauges.
 static bool place(sim_cut_t *cut, common_error_t *e)
 {
@@ -225,7 +189,7 @@ static bool place(sim_cut_t *cut, common_error_t *e)
     if (s->design.shape == sim_shape_lobes) {
         sim_lobe_cut_begin(s, cut->options.tip_mm);
     }
-    return place_scallop(cut, e) && place_sections(cut, e);
+    return sim_cut_place_scallop(cut, e) && place_sections(cut, e);
 }
 
 /// Start the firmware and set parameters and table; each change takes effect in the next tick.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut_pass.h"
-#include "cam_build.h"    // cam_build_settle_turns
-#include "cam_pass.h"     // cam_pass_params
-#include "sim_lobe_cut.h" // sim_lobe_cut_begin
-#include "sim_units.h"    // SIM_NM_PER_MM, SIM_TWO_PI
+#include "cam_build.h" // cam_build_settle_turns
+#include "cam_pass.h"  // cam_pass_params
+#include "sim_units.h" // SIM_NM_PER_MM, SIM_TWO_PI
+#include <math.h>      // ceil, floor
 
 /// The papers measure 30 slices in a quarter turn.
 enum { slices_per_turn = 120 };
@@ -19,6 +19,38 @@ static double allowance_mm(const sim_cut_t *cut, uint32_t pass)
 static double mrpm_of(const cam_table_t *table, const cam_params_t *here)
 {
     return here->spindle_mrpm > 0 ? (double)here->spindle_mrpm : (double)table->spindle_mrpm;
+}
+
+/// @return [nm] feed per turn of a pass
+static double feed_nm_of(const cam_table_t *table, const cam_params_t *here)
+{
+    return here->feed_nm > 0 ? here->feed_nm : (double)table->feed_nm;
+}
+
+double sim_cut_feed_mm(const sim_cut_t *cut)
+{
+    return feed_nm_of(&cut->session.table, &cut->here) / SIM_NM_PER_MM;
+}
+
+bool sim_cut_has_rings(const sim_cut_t *cut)
+{
+    return cut->session.table.is_ring_helix && cut->params.z_is_measured == 0;
+}
+
+static double turns_of(const cam_table_t *table, const cam_params_t *here)
+{
+    const double span_nm = (double)table->z_last_nm - table->z_first_nm;
+    const double fed = span_nm / feed_nm_of(table, here);
+    if (table->is_ring_helix && here->z_is_measured == 0) {
+        return 2.0 * ceil(fed) + 1.0;
+    }
+    const double ramp = here->z_is_measured != 0 ? 0.0 : here->feed_ramp_turns;
+    return fed + (ramp < fed ? ramp : fed); // the rising and the falling half
+}
+
+double sim_cut_planned_turns(const sim_cut_t *cut)
+{
+    return turns_of(&cut->session.table, &cut->here);
 }
 
 /// Prepare the gauges for a pass.
@@ -65,7 +97,7 @@ double sim_cut_planned_s(const sim_cut_t *cut)
     for (uint32_t i = cut->first_pass; i < cam_pass_count(table); i++) {
         const cam_params_t here = cam_pass_params(&cut->params, table, i);
         const double cut_turns = here.engage_turns + cam_build_settle_turns(&here) +
-                                 sim_cut_turns_of(table, &here) + here.disengage_turns;
+                                 turns_of(table, &here) + here.disengage_turns;
         const double rehearsal_turns =
             here.rehearse_turns > 0 ? here.engage_turns + here.rehearse_turns + here.disengage_turns
                                     : 0.0;
@@ -81,9 +113,37 @@ double sim_cut_planned_in_all(const sim_cut_t *cut)
     double turns = 0.0;
     for (uint32_t i = cut->first_pass; i < cam_pass_count(table); i++) {
         const cam_params_t here = cam_pass_params(&cut->params, table, i);
-        turns += sim_cut_turns_of(table, &here);
+        turns += turns_of(table, &here);
     }
     return turns;
+}
+
+/// Feeds in the default window of the map.
+enum { scallop_feeds = 4 };
+
+/// The default window starts at a whole number of feeds, that is with a ring of a ring-helix.
+bool sim_cut_place_scallop(sim_cut_t *cut, common_error_t *e)
+{
+    const sim_cut_options_t *o = &cut->options;
+    const double low_mm = cut->session.design.z_first_mm;
+    const double high_mm = cut->session.design.z_last_mm;
+    const double feed_mm = sim_cut_feed_mm(cut);
+    const double feeds = (high_mm - low_mm) / feed_mm;
+    const double first = floor(0.5 * (feeds - scallop_feeds) + 0.5);
+    double from_mm = low_mm + feed_mm * (first > 0.0 ? first : 0.0);
+    double to_mm = from_mm + scallop_feeds * feed_mm;
+    if (o->has_window) {
+        from_mm = o->window_first_mm;
+        to_mm = o->window_last_mm;
+    }
+    if (from_mm < low_mm || from_mm > high_mm || (o->has_window && to_mm > high_mm)) {
+        return common_error(
+            e, "--scallop-mm %.12g:%.12g: beyond the part; give heights %.12g .. %.12g", from_mm,
+            to_mm, low_mm, high_mm);
+    }
+    sim_scallop_init(&cut->session.scallop, o->nose_mm, from_mm, to_mm < high_mm ? to_mm : high_mm,
+                     cut->session.work.blank_mm);
+    return true;
 }
 
 bool sim_cut_has_next_pass(const sim_cut_t *cut)
@@ -126,7 +186,8 @@ void sim_cut_next_pass(sim_cut_t *cut)
     cut->feasibility = found;
     take_pass(cut, cut->pass + 1u);
     sim_session_begin_pass(s);
-    sim_cut_place_scallop(cut);
+    common_error_t ignored; // the window was inside the part before
+    (void)sim_cut_place_scallop(cut, &ignored);
     sim_cut_plan_pass(cut);
     cut->is_started = false;
     cut->is_stopped = false;

@@ -14,6 +14,10 @@
 /// Prepare the first pass, once the parameters are known.
 void sim_cut_first_pass(sim_cut_t *cut);
 
+/// Place the window of the surface between tracks for the feed of the present pass.
+/// @return false and *e when it is beyond the part
+bool sim_cut_place_scallop(sim_cut_t *cut, common_error_t *e);
+
 /// Derive slices and speed of the present pass.
 void sim_cut_plan_pass(sim_cut_t *cut);
 
