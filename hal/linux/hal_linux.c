@@ -1,23 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Port for Linux: start, tick, end and the functions of hal.h.
 #include "hal/hal.h"
-#include "lin_blackbox.h"
+#include "lin_setup.h"
 #include "lin_bus.h"
-#include "lin_can.h"
-#include "lin_check.h"
-#include "lin_clock.h"
-#include "lin_config.h"
-#include "lin_halt_text.h"
-#include "lin_lines.h"
-#include "lin_notify.h"
-#include "lin_operator.h"
-#include "lin_options.h"
-#include "lin_params.h"
-#include "lin_stop.h"
-#include "lin_table.h"
-#include "lin_report.h"
-#include "lin_thread.h"
-#include "lin_cause.h"
+#include "lin_port.h"
+#include "lin_tick.h"
 #include <signal.h>    // sigaction
 #include <stdatomic.h> // hand-over from the tick to main()
 #include <stdio.h>     // fprintf

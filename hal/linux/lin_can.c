@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_can.h"
-#include "lin_clock.h"       // lin_clock_now
+#include "lin_port.h"
 #include <errno.h>           // errno
 #include <linux/can.h>       // canfd_frame
 #include <linux/can/error.h> // CAN_ERR_*

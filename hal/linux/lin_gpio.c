@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lin_gpio.h"
-#include "lin_place.h" // lin_place_parse
+#include "lin_setup.h" // lin_place_parse
 #include <stddef.h>    // NULL
 
 lin_gpio_t *lin_gpio_open(const char *chip, const char *place, lin_gpio_use_t use,

@@ -6,7 +6,7 @@
 #define LIN_GPIO_H
 
 #include "common_error.h" // common_error_t
-#include "lin_place.h"    // lin_place_t
+#include "lin_setup.h"    // lin_place_t
 #include <stdbool.h>      // bool
 #include <stdint.h>       // int64_t
 

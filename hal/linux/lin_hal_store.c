@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Functions of hal.h for tables, parameters and black box. File errors are reported by hal_text().
 #include "hal/hal.h"
-#include "lin_blackbox.h"
-#include "lin_params.h"
-#include "lin_table.h"
+#include "lin_setup.h"
 
 static void report(const common_error_t *e)
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_lines.h"
+#include "lin_port.h"
 #include "hal/hal.h"   // hal_in_*, hal_out_*
 #include "lin_gpio.h"  // lin_gpio_open
 #include <stdatomic.h> // lost

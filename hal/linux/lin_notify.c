@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_notify.h"
+#include "lin_port.h"
 #include <stddef.h>     // offsetof
 #include <stdlib.h>     // getenv, strtoll
 #include <string.h>     // strlen

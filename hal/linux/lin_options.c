@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_options.h"
+#include "lin_port.h"
 #include "hal/version.h" // CAMTURN_VERSION
 #include <fcntl.h>       // open
 #include <stdio.h>       // snprintf

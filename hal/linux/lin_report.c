@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_report.h"
+#include "lin_port.h"
 #include "hal/hal.h"   // hal_text
-#include "lin_check.h" // lin_check_warn
-#include "lin_lines.h" // lin_lines_lost
-#include "lin_load.h"  // lin_load_of
+#include "lin_setup.h" // lin_check_warn, lin_load_of
 #include <stdbool.h>   // bool
 #include <stdio.h>     // snprintf
 

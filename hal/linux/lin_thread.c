@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_thread.h"
-#include "lin_clock.h"
-#include "lin_period.h" // lin_period_next
-#include <errno.h>      // errno
-#include <pthread.h>    // pthread_create
-#include <sched.h>      // SCHED_FIFO, CPU_SET
-#include <semaphore.h>  // sem_t
-#include <stdarg.h>     // va_list
-#include <stdatomic.h>  // the counters
-#include <stdio.h>      // snprintf
-#include <string.h>     // strerror
-#include <sys/mman.h>   // mlockall
+#include "lin_port.h"
+#include "lin_tick.h"  // lin_period_next
+#include <errno.h>     // errno
+#include <pthread.h>   // pthread_create
+#include <sched.h>     // SCHED_FIFO, CPU_SET
+#include <semaphore.h> // sem_t
+#include <stdarg.h>    // va_list
+#include <stdatomic.h> // the counters
+#include <stdio.h>     // snprintf
+#include <string.h>    // strerror
+#include <sys/mman.h>  // mlockall
 
 enum { stack_bytes = 256 * 1024 };
 

@@ -8,9 +8,7 @@
 // falls is a matter of fsync() before rename(), whose order is checked here, too.
 //
 // Prints one JSON object; exits 1 where a start finds something else.
-#include "lin_blackbox.h"
-#include "lin_params.h"
-#include "lin_table.h"
+#include "lin_setup.h"
 #include <fcntl.h>       // O_CREAT
 #include <stdarg.h>      // va_arg
 #include <stdio.h>       // printf

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lin_bus.h"
 #include "common_bytes.h" // common_put_u16, common_get_u32
-#include "lin_number.h"   // lin_div_round
 
 enum { ns_per_ms = 1000000 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_cause.h"
+#include "lin_bus.h"
 #include <stdio.h> // snprintf
 
 uint32_t lin_cause_pack(lin_cause_t cause)

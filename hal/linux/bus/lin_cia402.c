@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_cia402.h"
+#include "lin_bus.h"
 
 cia402_state_t lin_cia402_state(uint16_t status)
 {

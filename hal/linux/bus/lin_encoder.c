@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_encoder.h"
-#include "lin_number.h" // lin_div_round
+#include "lin_bus.h"
 
 void lin_encoder_init(lin_encoder_t *e, const lin_encoder_config_t *config, int64_t tick_hz)
 {

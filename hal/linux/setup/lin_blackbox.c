@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_blackbox.h"
-#include "lin_file.h" // lin_file_replace
-#include <errno.h>    // errno
-#include <fcntl.h>    // open
-#include <stdio.h>    // snprintf
-#include <string.h>   // strerror
-#include <unistd.h>   // close, unlink
+#include "lin_setup.h"
+#include <errno.h>  // errno
+#include <fcntl.h>  // open
+#include <stdio.h>  // snprintf
+#include <string.h> // strerror
+#include <unistd.h> // close, unlink
 
 enum { path_bytes = 256, word_bytes = sizeof(int32_t) };
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_check.h"
-#include "lin_load.h"  // lin_load_of
-#include "lin_place.h" // lin_place_parse
-#include <stdio.h>     // snprintf
-#include <string.h>    // strcmp
+#include "lin_setup.h"
+#include <stdio.h>  // snprintf
+#include <string.h> // strcmp
 
 enum { most_percent = 100, full_percent = 90, least_tick_hz = 500 };
 #define SECOND_NS INT64_C(1000000000)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_config.h"
+#include "lin_setup.h"
 #include "common_settings.h" // common_settings_read
 #include <errno.h>           // errno
 #include <stddef.h>          // offsetof

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_file.h"
+#include "lin_setup.h"
 #include <errno.h>  // errno
 #include <fcntl.h>  // open
 #include <libgen.h> // dirname

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_halt_text.h"
+#include "lin_setup.h"
 #include <fcntl.h>  // open
 #include <stdio.h>  // snprintf
 #include <string.h> // strlen

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_load.h"
+#include "lin_setup.h"
 #include <string.h> // strcmp
 
 enum { pdo_bytes = 6, offset_bytes = 4, encoder_bytes = 4, fd_bytes = 12, status_bytes = 8 };

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_operator.h"
-#include "lin_file.h"   // lin_file_read
+#include "lin_setup.h"
 #include <errno.h>      // errno
 #include <fcntl.h>      // open
 #include <string.h>     // strcmp, strerror

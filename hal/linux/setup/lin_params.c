@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_params.h"
-#include "lin_file.h" // lin_file_replace
-#include <errno.h>    // errno
-#include <fcntl.h>    // open
-#include <libgen.h>   // dirname
-#include <stdio.h>    // snprintf
-#include <string.h>   // memcpy, strerror
-#include <unistd.h>   // access, close
+#include "lin_setup.h"
+#include <errno.h>  // errno
+#include <fcntl.h>  // open
+#include <libgen.h> // dirname
+#include <stdio.h>  // snprintf
+#include <string.h> // memcpy, strerror
+#include <unistd.h> // access, close
 
 enum { path_bytes = 256 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_place.h"
+#include "lin_setup.h"
 #include <errno.h>  // EBUSY
 #include <stdio.h>  // snprintf
 #include <stdlib.h> // strtoul

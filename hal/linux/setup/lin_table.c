@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/hal.h"  // lin_table_*
-#include "lin_file.h" // lin_file_replace
-#include "lin_table.h"
+#include "hal/hal.h" // lin_table_*
+#include "lin_setup.h"
 #include <errno.h>    // errno
 #include <fcntl.h>    // open
 #include <stdlib.h>   // aligned_alloc

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_stop.h"
+#include "lin_tick.h"
 #include "hal/hal.h" // hal_out_enable
 
 /// Longest time for the retract, and for the drives to stop.

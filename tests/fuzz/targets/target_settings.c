@@ -6,8 +6,7 @@
 #include "common_number.h"
 #include "fuzz_expect.h"
 #include "fuzz_file.h"
-#include "lin_check.h"
-#include "lin_load.h"
+#include "lin_setup.h"
 #include "sim_config.h"
 #include "sim_inject.h"
 #include <math.h>

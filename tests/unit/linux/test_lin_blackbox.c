@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The file of the black box: kept, found again, forgotten, and what else may lie there.
-#include "lin_blackbox.h"
+#include "lin_setup.h"
 #include "lin_disk_bench.h"
 
 static char file[120];

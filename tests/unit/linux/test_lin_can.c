@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's CAN socket: binding anew, while the tick goes on with it. The kernel is the
 // test's own.
-#include "lin_can.h"
+#include "lin_port.h"
 #include "unity.h"
 #include <errno.h>      // ENODEV
 #include <net/if.h>     // if_nametoindex

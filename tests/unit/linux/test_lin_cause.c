@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The words by which the Linux port names a lost node and its error.
 #include "lin_bus.h"
-#include "lin_cause.h"
 #include "unity.h"
 #include <string.h> // strlen
 

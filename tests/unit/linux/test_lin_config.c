@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's configuration file: the example, and everything that is refused.
-#include "lin_check.h" // lin_check_load, lin_check_warn
-#include "lin_config.h"
+#include "lin_setup.h" // lin_check_load, lin_check_warn
 #include "unity.h"
 #include <stdio.h>  // fopen
 #include <stdlib.h> // mkstemp

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's drives: states and control words of CiA 402, readiness, scales.
-#include "lin_drive.h"
+#include "lin_bus.h"
 #include "common_bytes.h" // common_put_u16
 #include "unity.h"
 

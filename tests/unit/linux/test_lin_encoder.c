@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's encoder: unwrapping, the tick's instant, the index by its edge or its place.
-#include "lin_encoder.h"
+#include "lin_bus.h"
 #include "unity.h"
 
 enum { us = 1000, ms = 1000000 };

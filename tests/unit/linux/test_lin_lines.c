@@ -2,7 +2,7 @@
 // The Linux port's lines on a chip that fails: what is repeated, what the inputs say then.
 #include "hal/hal.h"
 #include "lin_gpio.h"
-#include "lin_lines.h"
+#include "lin_port.h"
 #include "unity.h"
 #include <stdlib.h> // abort
 #include <string.h> // strcmp

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's button, key and secret: what the configuration says, and whom the file lets in.
-#include "lin_operator.h"
+#include "lin_setup.h"
 #include "lin_disk_bench.h"
 
 static lin_config_t config;

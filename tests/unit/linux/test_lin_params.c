@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's kept parameters: their file, and a disk or a folder that does not take it.
-#include "lin_params.h"
+#include "lin_setup.h"
 #include "common_error.h"
 #include "lin_disk_bench.h"
 #include <errno.h>       // EROFS

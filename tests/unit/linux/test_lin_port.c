@@ -3,10 +3,8 @@
 // halt.
 #include "hal/hal.h"
 #include "lin_disk_bench.h"
-#include "lin_halt_text.h"
-#include "lin_period.h"
-#include "lin_place.h"
-#include "lin_stop.h"
+#include "lin_setup.h"
+#include "lin_tick.h"
 #include <errno.h> // EBUSY
 
 static common_error_t error;

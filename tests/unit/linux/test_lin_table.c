@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's table: its file, the next one beside it, and a disk that fails at each step.
-#include "lin_table.h"
+#include "lin_setup.h"
 #include "common_error.h"
 #include "lin_disk_bench.h"
 
