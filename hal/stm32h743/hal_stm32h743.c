@@ -1,23 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// hal_stm32h743: the port for the NUCLEO-H743ZI2: start, halt, axes, lines, text.
-#include "board_config.h"
 #include "hal/hal.h"
-#include "stm_can.h"
-#include "stm_clock.h"
+#include "stm_port.h"
 #include "stm_convert.h"
-#include "stm_core.h"
-#include "stm_dac.h"
-#include "stm_ecc.h"
-#include "stm_keep.h"
 #include "stm_memory.h"
-#include "stm_params.h"
-#include "stm_pins.h"
-#include "stm_selftest.h"
-#include "stm_steps.h"
-#include "stm_table.h"
-#include "stm_tick.h"
-#include "stm_timers.h"
-#include "stm_watch.h"
 
 #if defined(BOARD_TRUST_N_KEYS) && BOARD_TRUST_N_KEYS > 0
 #error "tables are no longer signed: remove BOARD_TRUST_* from board_config.h"

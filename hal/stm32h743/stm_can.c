@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stm_can.h"
+#include "stm_port.h"
 #include "hal/hal.h"
-#include "stm_clock.h" // stm_timer_hz
-#include "stm_reg.h"
 #include <string.h> // memcmp
 
 /// Layout of the message RAM in words. An element has two words of header and 64 bytes of data.

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stm_clock.h"
-#include "board_config.h"
-#include "stm_reg.h"
-#include <stdbool.h> // bool
+#include "stm_port.h"
 
 /// Polls of a flag before giving up: about 50 ms at the 64 MHz after reset.
 enum { max_polls = 400000 };

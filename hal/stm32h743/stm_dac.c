@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stm_dac.h"
-#include "board_config.h" // BOARD_U_FORCE_MN
-#include "stm_clock.h"    // stm_timer_hz
-#include "stm_reg.h"
-#include "stm_timers.h" // stm_timers_ldac_isr
+#include "stm_port.h"
 
 /// Words for the AD5754R: the register in bits 19 and up, the channel in bits 16 .. 18.
 enum {

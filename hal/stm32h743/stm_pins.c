@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stm_pins.h"
+#include "stm_port.h"
 #include <stddef.h> // size_t
 
 // RM0433 11.4, fields of GPIOx_MODER and GPIOx_PUPDR

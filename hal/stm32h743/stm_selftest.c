@@ -1,18 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stm_selftest.h"
-#include "board_config.h" // BOARD_TICK_HZ
+#include "stm_port.h"
 #include "hal/hal.h"
 #include "hal/version.h" // CAMTURN_VERSION
-#include "stm_can.h"
-#include "stm_clock.h" // stm_timer_hz
-#include "stm_core.h"  // DWT
-#include "stm_dac.h"
-#include "stm_ecc.h"
-#include "stm_flash.h"
-#include "stm_pins.h" // GPIOE
-#include "stm_tick.h"
-#include "stm_timers.h" // stm_faults
-#include "stm_watch.h"
+#include "stm_memory.h"
 
 extern uint64_t stm_axi_start[], stm_itcm_top[], stm_dtcm_base[], stm_dtcm_top[];
 extern uint32_t stm_itcm_start;

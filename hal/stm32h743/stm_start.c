@@ -2,12 +2,8 @@
 /// stm_start: start-up (safe outputs, memory, vectors) and the handlers of all unexpected
 /// exceptions. Source: ARMv7-M Architecture Reference Manual B1.5.3 (vector table), B3.2.
 #include "hal/hal.h"
-#include "stm_core.h"
-#include "stm_ecc.h"    // stm_ecc_isr
-#include "stm_keep.h"   // stm_keep_may_hold
-#include "stm_memory.h" // stm_memory_init
-#include "stm_pins.h"   // stm_outputs_safe
-#include "stm_tick.h"   // stm_tick_isr
+#include "stm_memory.h" // stm_ecc_isr, stm_keep_may_hold, stm_memory_init
+#include "stm_port.h"
 
 extern uint32_t stm_stack_top;
 extern uint32_t stm_itcm_image, stm_itcm_start, stm_itcm_end;

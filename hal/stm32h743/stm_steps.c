@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stm_steps.h"
-#include "stm_pins.h" // STM_BSRR
-#include "stm_reg.h"
+#include "stm_port.h"
 
 _Static_assert(stm_steps_train <= UINT16_MAX, "the timers have 16 bits");
 _Static_assert(stm_steps_most >= 2 && stm_steps_most <= 256, "the repetition counter has 8 bits");

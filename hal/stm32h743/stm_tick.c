@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stm_tick.h"
+#include "stm_port.h"
 #include "hal/hal.h"
-#include "stm_clock.h"  // stm_cpu_hz
-#include "stm_core.h"   // DWT
-#include "stm_dac.h"    // stm_dac_send_isr
-#include "stm_ecc.h"    // stm_ecc_corrected
-#include "stm_steps.h"  // stm_steps_send_isr
-#include "stm_timers.h" // tick timer
-#include "stm_watch.h"  // stm_watch_tick_isr
+#include "stm_memory.h" // stm_ecc_corrected
 
 /// Written by the interrupt, read by the slow side, one word at a time.
 static volatile struct {

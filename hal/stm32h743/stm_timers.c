@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stm_timers.h"
-#include "board_config.h"
+#include "stm_port.h"
 #include "hal/hal.h"
-#include "stm_clock.h"   // stm_timer_hz
 #include "stm_convert.h" // stm_extend
-#include "stm_core.h"
 
 volatile uint32_t stm_faults;
 

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stm_watch.h"
-#include "board_config.h" // BOARD_TICK_HZ
-#include "stm_clock.h"    // stm_apb_hz
-#include "stm_reg.h"
+#include "stm_port.h"
 
 /// The window watchdog counts down from `from` in steps of 4096 APB3 clocks, resets below 64, and
 /// may be fed from `open` on: after the closed steps, which end an eighth before the feed is due.

@@ -6,8 +6,7 @@
 //
 // Prints one JSON object; exits 1 where a start finds something else.
 #include "hal/hal.h"
-#include "stm_flash.h"
-#include "stm_table.h"
+#include "stm_memory.h"
 #include <setjmp.h> // setjmp
 #include <stdio.h>  // printf
 #include <string.h> // memset

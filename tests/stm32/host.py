@@ -17,7 +17,7 @@ BUILD = ROOT / os.environ.get("CAMTURN_BUILD", "build/host")
 REPLAY = BUILD / "tests" / "stm32" / "stm32_replay"
 IMAGE = ROOT / "build" / "mcu-stm32h743" / "hal" / "stm32h743" / "firmware.elf"
 TICK_HZ, CLOCK_HZ = 20_000, 240_000_000
-# stm_steps.h: steps of a train of 3/4 tick, each at least 500 ns high and 500 ns low
+# stm_port.h: steps of a train of 3/4 tick, each at least 500 ns high and 500 ns low
 STEPS_MOST = 37
 MOST_UM_PER_S = {axis: (STEPS_MOST - 1) * pm * TICK_HZ // 10**6 for axis, pm in STEP_PM.items()}
 SENSES = (
@@ -128,7 +128,7 @@ def steps(axis: str, value_nm: int) -> int:
 
 
 def positions(axis: str, setpoints: Iterable[int], enabled: Iterable[int]) -> list[int]:
-    """Return where a drive stands after every tick, by the rules of stm_steps.h.
+    """Return where a drive stands after every tick, by the rules of stm_port.h.
 
     Parameters
     ----------

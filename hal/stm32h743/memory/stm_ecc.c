@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stm_ecc.h"
-#include "hal/hal.h"  // hal_halt
-#include "stm_core.h" // NVIC
-#include <stdbool.h>  // bool
+#include "stm_memory.h"
 
 enum { n_rams = 4, n_banks = 2, ram_word_bytes = 8, flash_word_bytes = 32 };
 

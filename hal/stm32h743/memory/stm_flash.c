@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stm_flash.h"
-#include "board_config.h"
-#include "hal/hal.h" // hal_idle
-#include "stm_core.h"
 #include "stm_memory.h"
-#include "stm_reg.h"
+#include "board_config.h"
 #include <string.h> // memcmp
 
 enum { flash_start = 0x08000000, bank_bytes = 1 << 20 };

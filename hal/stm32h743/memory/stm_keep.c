@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stm_keep.h"
-#include "stm_core.h" // stm_barrier
+#include "stm_memory.h"
 
 enum { text_words = 30, text_bytes = 4 * text_words };
 

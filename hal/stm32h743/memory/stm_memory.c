@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stm_memory.h"
-#include "stm_core.h"
 #include <stddef.h> // size_t
 
 /// A region of the protection unit.

@@ -10,9 +10,7 @@
 /// The sealed record with the highest number is current. Records are appended to its sector. When
 /// it is full, the other one is erased and receives the next record, so the sector with the newest
 /// record is never erased. Both sectors are in the bank of place 0.
-#include "stm_params.h"
-#include "hal/hal.h"
-#include "stm_flash.h"
+#include "stm_memory.h"
 
 enum { n_sectors = 2, n_words = stm_flash_sector_bytes / stm_flash_word_bytes };
 

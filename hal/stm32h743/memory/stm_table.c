@@ -10,9 +10,7 @@
 /// of that old place have the name 1, those of the present place 1 the name 2. A table in the old
 /// place is lost. Place 0 may hold a table of another part, so no table is used until a new one is
 /// downloaded or programmed.
-#include "hal/hal.h"
-#include "stm_flash.h"
-#include "stm_table.h"
+#include "stm_memory.h"
 #include <stddef.h> // NULL
 
 enum { n_records = 1024 };

@@ -2,8 +2,7 @@
 // The log of the parameters in flash: the supply falls in every write and in every erase, and what
 // is torn reads as erased, as anything, or not at all.
 #include "hal/hal.h"
-#include "stm_flash.h"
-#include "stm_params.h"
+#include "stm_memory.h"
 #include "unity.h"
 #include <setjmp.h> // setjmp
 #include <string.h> // memset
