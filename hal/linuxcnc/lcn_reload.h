@@ -1,11 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lcn_reload: reads the table file again while LinuxCNC runs, in a thread of its own, so that no
-/// HAL thread waits for a disk. The thread also writes recordings (lcn_record.h).
+/// lcn_reload: reads the table file, and reads it again while LinuxCNC runs, in a thread of its
+/// own, so that no HAL thread waits for a disk. The thread also writes recordings (lcn_record.h).
 #ifndef LCN_RELOAD_H
 #define LCN_RELOAD_H
 
-#include "lcn_table.h" // lcn_table_t
-#include <stdbool.h>   // bool
+#include <stdbool.h> // bool
+#include <stddef.h>  // size_t
+
+enum { lcn_table_most_bytes = 1 << 26, lcn_table_error_bytes = 256 };
+
+typedef struct {
+    void *bytes; ///< aligned for any type, of malloc()
+    size_t size; ///< [bytes]
+    char error[lcn_table_error_bytes];
+} lcn_table_t;
+
+/// @return false and table->error if the file cannot be read completely
+bool lcn_table_read(const char *path, lcn_table_t *table);
 
 typedef enum {
     lcn_reload_idle,

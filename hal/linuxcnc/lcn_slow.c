@@ -7,8 +7,7 @@
 #include "cam_state.h"          // cam_state_name
 #include "lcn_port.h"           // lcn_port_print
 #include "lcn_record.h"         // lcn_record_poll
-#include "lcn_reload.h"         // lcn_reload_ask
-#include "lcn_table.h"          // lcn_table_read
+#include "lcn_reload.h"         // lcn_reload_ask, lcn_table_read
 #include <stddef.h>             // NULL
 #include <stdio.h>              // snprintf
 
