@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_cia402.h"
+#include "sim_bus.h"
 #include <stddef.h> // size_t
 
 /// A state as a bit in a set of states.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_disturb.h"
+#include "sim_bus.h"
 
 void sim_disturb_begin(sim_disturb_t *d, sim_disturb_kind_t kind, uint32_t n, double late_s)
 {

@@ -48,7 +48,7 @@ static const char help[] =
     "  encoder-missing:N  encoder-repeated:N  encoder-swapped:N\n"
     "  heartbeat-lost:NODE  node-dead:NODE  node-fault:NODE\n"
     "Nodes: encoder 1, u 2, x 3, z 4, spindle 5; the wire is described in\n"
-    "host_sim/bus/sim_node.h.\n"
+    "host_sim/bus/sim_bus.h.\n"
     "\n"
     "Exit status: 0 done, 1 fault, controller lost, time-out or out of tolerance, 2 wrong usage or "
     "bad input.";

@@ -11,13 +11,12 @@
 #ifndef SIM_CUT_H
 #define SIM_CUT_H
 
-#include "sim_firmware.h" // sim_firmware_t
-#include "sim_port.h"     // sim_port_t
-#include "sim_removal.h"  // sim_removal_t
-#include "sim_session.h"  // sim_session_t
-#include "sim_turns.h"    // sim_turns_t
-#include <stdbool.h>      // bool
-#include <stdint.h>       // uint64_t
+#include "sim_port.h"    // sim_firmware_t, sim_port_t
+#include "sim_removal.h" // sim_removal_t
+#include "sim_session.h" // sim_session_t
+#include "sim_turns.h"   // sim_turns_t
+#include <stdbool.h>     // bool
+#include <stdint.h>      // uint64_t
 
 enum { sim_cut_poll_ticks = 16 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_lobe_cut.h"
-#include "sim_design_table.h" // sim_design_table_ratio
-#include "sim_units.h"        // sim_fraction
+#include "sim_design.h" // sim_design_table_ratio
+#include "sim_units.h"  // sim_fraction
 
 /// Remedy for a table without its report.
 #define REMEDY "make the table again with tools/mktables, or give --design"

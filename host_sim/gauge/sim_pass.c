@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_pass.h"
+#include "sim_removal.h"
 #include "sim_units.h" // sim_floor
 #include <assert.h>    // static_assert
 #include <stdint.h>    // int64_t, uint32_t

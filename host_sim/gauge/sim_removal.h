@@ -6,7 +6,7 @@
 ///     rate force = kc V / feed                 the papers' model: area cut in one slice
 ///     chip force = kc mean (depth h)           physical: section of the chip, whatever the speed
 ///
-/// h is the travel of Z since the last pass over this angle (sim_pass.h). kc is constant, or with
+/// h is the travel of Z since the last pass over this angle. kc is constant, or with
 /// an exponent of the size effect (Kienzle) kc1.1 h^-mc.
 ///
 /// A slice ends with the first tick at or after its due time: on average slices last dt, and each
@@ -15,9 +15,32 @@
 #ifndef SIM_REMOVAL_H
 #define SIM_REMOVAL_H
 
-#include "sim_pass.h" // sim_pass_t
-#include <stdbool.h>  // bool
-#include <stdint.h>   // uint64_t
+#include <stdbool.h> // bool
+#include <stdint.h>  // uint64_t
+
+// Thickness of the chip along Z: the tool's travel since it was here a turn ago.
+//
+// On a helix the tool cuts what the last pass left: at the angle phi the thickness is z(phi) -
+// z(phi - one turn). It equals the feed whenever the path of Z repeats from turn to turn, whatever
+// Z does within the turn. Source: MATHS.md (67).
+
+/// Angles per turn at which heights are kept, for this pass and the last.
+enum { sim_pass_places = 1024, sim_pass_kept = 2 * sim_pass_places };
+
+/// Zero-initialised: before the first sample.
+typedef struct {
+    double z_mm[sim_pass_kept]; ///< heights over two turns
+    double turn, last_z_mm;     ///< the last sample
+    bool is_begun;
+} sim_pass_t;
+
+/// Take a sample of the tool. Before the first one the tool counts as having turned at its height.
+/// @param turn  [turn] spindle angle in the sense of cutting, not wrapped, rising; a sample that
+///              goes back changes nothing
+/// @return      [mm] thickness of the chip, >= 0, interpolated linearly
+double sim_pass_touch(sim_pass_t *p, double turn, double z_mm);
+
+// The removal
 
 typedef struct {
     double blank_mm;      ///< radius of the blank

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_chip.h"
+#include "sim_lathe.h"
 #include "sim_units.h" // sim_abs
 #include <math.h>      // remainder
 

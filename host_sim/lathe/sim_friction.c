@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_friction.h"
+#include "sim_drive.h"
 #include "sim_units.h" // sim_abs, sim_clamp
 #include <math.h>      // ceil, exp, fmax, sqrt
 #include <stdbool.h>   // bool

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_home.h"
+#include "sim_lathe.h"
 #include "sim_units.h" // sim_round, SIM_NM_PER_MM
 #include <math.h>      // floor
 

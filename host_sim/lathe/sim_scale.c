@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_scale.h"
+#include "sim_encoder.h"
 #include "sim_sine.h"  // sim_sine
 #include "sim_units.h" // sim_floor
 

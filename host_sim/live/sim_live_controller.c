@@ -4,7 +4,7 @@
 #include "cam_machine.h"        // cam_machine_init
 #include "cam_machine_scope.h"  // cam_machine_blackbox
 #include "sim_live.h"
-#include "sim_params.h" // sim_params_apply
+#include "sim_config.h" // sim_params_apply
 #include <errno.h>      // errno
 #include <fcntl.h>      // fcntl
 #include <poll.h>       // poll

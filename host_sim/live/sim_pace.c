@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): clock_nanosleep
-#include "sim_pace.h"
+#include "sim_live.h"
 #include <time.h> // clock_gettime, clock_nanosleep
 
 #define BURST_NS 1e6

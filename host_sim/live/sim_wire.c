@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): MSG_NOSIGNAL
-#include "sim_wire.h"
+#include "sim_live.h"
 #include <errno.h>      // errno
 #include <string.h>     // memcpy, strerror
 #include <sys/socket.h> // recv, send

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_arc.h"
+#include "sim_design.h"
 #include <math.h> // sqrt
 
 sim_arc_t sim_arc_of(double a_mm, double g_mm, double trim_mm, double at_joint_mm, double sin_joint)

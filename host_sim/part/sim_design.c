@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_design.h"
-#include "sim_design_table.h" // sim_design_table_radius_mm
-#include "sim_sine.h"         // sim_sine
-#include "sim_units.h"        // SIM_TWO_PI
-#include <math.h>             // fabs, sqrt
+#include "sim_sine.h"  // sim_sine
+#include "sim_units.h" // SIM_TWO_PI
+#include <math.h>      // fabs, sqrt
 
 double sim_design_delta_mm(sim_shape_t shape, double beta, double a_mm, double g_mm, double s2)
 {

@@ -6,10 +6,10 @@
 ///                      k = (a^2 - b^2) / b^2, q = sqrt(1 + k sin^2 phi)
 ///     cosine           delta = (G / 2) sin^2 phi
 ///     double-ellipse   delta = (G / 4) ((1 - cos 2 phi) + (beta / 25) (1 - cos 4 phi))
-///     ellipse-arc      one of these ovals and an eccentric circle, corner included (sim_arc.h)
+///     ellipse-arc      one of these ovals and an eccentric circle, corner included
 ///     surface          delta from polynomial pieces (sim_surface.h)
-///     sides            delta of ovals that differ from side to side (sim_sides.h)
-///     all of them      less a correction, in a target alone (sim_correction.h)
+///     sides            delta of ovals that differ from side to side (sim_surface.h)
+///     all of them      less a correction, in a target alone (sim_surface.h)
 ///     lobes            another frame and gauge: sim_lobe_design.h
 ///
 /// a(z) and G(z) are piecewise cubics, clamped outside. They come from NAME.json, the generator's
@@ -20,14 +20,34 @@
 #define SIM_DESIGN_H
 
 #include "cam_table.h"       // cam_table_t
-#include "sim_arc.h"         // sim_arc_t
-#include "sim_lobe_design.h" // sim_lobe_design_t
-#include "sim_correction.h"  // sim_correction_t
-#include "sim_cubics.h"      // sim_cubics_t
 #include "common_error.h"    // common_error_t
-#include "sim_sides.h"       // sim_sides_t
-#include "sim_surface.h"     // sim_surface_t
-#include <stdbool.h>         // bool
+#include "sim_cubics.h"      // sim_cubics_t
+#include "sim_lobe_design.h" // sim_lobe_design_t
+#include "sim_surface.h"
+#include <stdbool.h> // bool
+
+// A section of an oval and an eccentric circle, with their corner, MATHS.md (10), (11).
+//
+//     phi < joint    the oval, reduction delta(phi)
+//     phi >= joint   rho = sqrt(R^2 - e^2 cos^2 phi) - e sin phi,  R = B + e
+//     P = a - delta(joint),  B = a - G/2 - trim,  e = (P - B) (P + B) / (2 (B - P sin joint))
+//
+// phi is folded into the first quadrant. Error: rounding only, below 1e-6 nm.
+
+typedef struct {
+    double eccentricity_mm, radius_mm;
+} sim_arc_t;
+
+/// Derive the circle that meets the oval at the joint and is `trim` below it on the short axis.
+/// @param at_joint_mm  reduction of the oval at the joint
+/// @param sin_joint    sine of the joint's angle
+sim_arc_t sim_arc_of(double a_mm, double g_mm, double trim_mm, double at_joint_mm,
+                     double sin_joint);
+
+/// @return [mm] distance of the circle from the centre of the part; sin_phi 0 .. 1
+double sim_arc_radius_mm(const sim_arc_t *arc, double sin_phi);
+
+// The design
 
 typedef enum {
     sim_shape_ellipse,
@@ -102,5 +122,19 @@ bool sim_design_is_on_part(const sim_design_t *d, double z_mm);
 /// @param shape  ellipse, cosine or double-ellipse
 /// @return [mm] reduction of the radius; s2 = sin^2 phi
 double sim_design_delta_mm(sim_shape_t shape, double beta, double a_mm, double g_mm, double s2);
+
+// The surface of a table in double: the firmware's quintics without fixed-point rounding.
+
+/// @param turn  [turn] drawing's angle, any
+/// @param z_mm  any; clamped to the channels
+/// @return      [mm] x - u. Source: TABLE_FORMAT.md, "Knots".
+double sim_design_table_radius_mm(const cam_table_t *t, double turn, double z_mm);
+
+/// @param turn  [turn] drawing's angle, any
+/// @return      spindle speed over its mean; 1 without a speed channel
+double sim_design_table_ratio(const cam_table_t *t, double turn, double z_mm);
+
+/// @return [mm] the long half axis x
+double sim_design_table_long_mm(const cam_table_t *t, double z_mm);
 
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_lobe_flank.h"
+#include "sim_lobe_design.h"
 #include "sim_json.h"  // sim_json_number
 #include "sim_units.h" // SIM_PI, SIM_TWO_PI, sim_fraction
 #include <math.h>      // cos, sin

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_sides.h"
+#include "sim_surface.h"
 #include "sim_design.h" // sim_design_delta_mm
 #include "sim_json.h"   // sim_json_cubics
 #include "sim_sine.h"   // sim_sine

@@ -13,11 +13,60 @@
 #ifndef SIM_SURFACE_H
 #define SIM_SURFACE_H
 
-#include "sim_cubics.h"   // sim_cubics_t
 #include "common_error.h" // common_error_t
+#include "sim_cubics.h"   // sim_cubics_t
 #include <cjson/cJSON.h>
 #include <stdbool.h> // bool
 #include <stddef.h>  // size_t
+
+// Ovals with parameters over height and possibly different sides.
+//
+//     delta   = (1 - w) delta_1 + w delta_2
+//     delta_s = drop_s + law(phi - phase_s; a - drop_s, G_s)
+//     w       = S(1/2 + (pi/2 - |phi - middle|) / blend)
+//     S(s)    = s^4 (35 - 84 s + 70 s^2 - 20 s^3)
+//
+// Laws are those of sim_design.h, and "power": delta = (G / 2) |sin phi|^p, exactly. The table
+// plays a polynomial instead near the long axis, and what that costs counts as form error.
+// MATHS.md (75) .. (77), independent of the generator's code. Error: rounding.
+
+/// The law of one side, in the order of their names in NAME.json.
+typedef enum {
+    sim_law_ellipse,
+    sim_law_cosine,
+    sim_law_double_ellipse,
+    sim_law_power,
+    sim_n_laws,
+} sim_law_t;
+
+typedef struct {
+    sim_law_t law;
+    sim_cubics_t ovality_mm, drop_mm, parameter, phase_rad; ///< over height
+} sim_side_t;
+
+typedef struct {
+    int n_sides; ///< 1: the law applies all round
+    sim_side_t side[2];
+    double middle_rad, blend_rad; ///< of the second side; width of a blending zone
+} sim_sides_t;
+
+/// Read "design" of a report.
+/// @param s     zero-initialised; the caller frees it, also on failure
+/// @param name  of the design, for messages
+/// @param path  of the report, for messages
+/// @return      false and *e when something is missing or malformed
+bool sim_sides_read(sim_sides_t *s, const cJSON *design, const char *name, const char *path,
+                    common_error_t *e);
+
+/// @param a_mm     long half axis of the part at this height
+/// @param phi_rad  drawing's angle from the long axis, any
+/// @param z_mm     any; curves are constant beyond their ends
+/// @return         [mm] reduction of the radius
+double sim_sides_delta_mm(sim_sides_t *s, double a_mm, double phi_rad, double z_mm);
+
+void sim_sides_free(sim_sides_t *s);
+
+// The surface
 
 enum { sim_surface_n_angle = 6, sim_surface_n_height = 8 };
 
@@ -45,5 +94,40 @@ bool sim_surface_read(sim_surface_t *s, const cJSON *surface, const char *where,
 double sim_surface_delta_mm(sim_surface_t *s, double turn, double z_mm);
 
 void sim_surface_free(sim_surface_t *s);
+
+// The correction of a drawing in a table, from a gauged part.
+//
+//     delta = sum over the orders k of  a_k(z) cos k phi + b_k(z) sin k phi
+//
+// a_k and b_k are cubics over height, constant beyond their ends; phi is the drawing's angle. Only
+// the target of a report has a correction, never its design, which judges the part. MATHS.md
+// (160). Error: rounding.
+
+enum { sim_correction_max_order = 64 };
+
+typedef struct {
+    double order; ///< a whole number, 1 .. sim_correction_max_order
+    sim_cubics_t cos_mm, sin_mm;
+} sim_wave_t;
+
+typedef struct {
+    sim_wave_t *wave; ///< NULL: none
+    size_t n;
+} sim_correction_t;
+
+/// Read design.correction, if present.
+/// @param c     zero-initialised; the caller frees it, also on failure
+/// @param name  of the design, for messages
+/// @param path  of the report, for messages
+/// @return      false and *e when it is malformed
+bool sim_correction_read(sim_correction_t *c, const cJSON *design, const char *name,
+                         const char *path, common_error_t *e);
+
+/// @param turn  [turn] drawing's angle, any
+/// @param z_mm  any
+/// @return      [mm] reduction of the radius, 0 without a correction
+double sim_correction_delta_mm(sim_correction_t *c, double turn, double z_mm);
+
+void sim_correction_free(sim_correction_t *c);
 
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_clock.h"
+#include "sim_port.h"
 #include "sim_units.h" // sim_round
 
 enum { burst_of = 16 }; ///< one tick of this many is late, on average

@@ -235,7 +235,7 @@ static bool read_belief(common_settings_t *all, sim_config_t *config, const char
     return read_once(all, text, size);
 }
 
-/// Refuse modes too slow for the cubics of sim_mode.h.
+/// Refuse modes too slow for the cubics of sim_lathe.h.
 static bool check_modes(const sim_lathe_config_t *lathe, const char *name, common_error_t *e)
 {
     for (int i = 0; i < sim_mode_n; i++) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_controller.h"
+#include "sim_config.h"
 #include "cam_derived_limits.h" // cam_derived_limits_usual_mHz
 #include "sim_units.h"          // SIM_TWO_PI, sim_floor
 #include <math.h>               // ceil, floor, fmax, fmin, pow

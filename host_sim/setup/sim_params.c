@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_params.h"
+#include "sim_config.h"
 #include "cam_gains.h" // cam_gains_check
 #include <stdio.h>     // snprintf
 

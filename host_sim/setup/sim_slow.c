@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_slow.h"
-#include "sim_design_table.h" // sim_design_table_ratio
-#include "sim_units.h"        // SIM_NM_PER_MM
-#include <math.h>             // ceil, floor, fmax, fmin
-#include <stdio.h>            // snprintf
+#include "sim_config.h"
+#include "sim_design.h" // sim_design_table_ratio
+#include "sim_units.h"  // SIM_NM_PER_MM
+#include <math.h>       // ceil, floor, fmax, fmin
+#include <stdio.h>      // snprintf
 
 enum { n_angles = 1440, heights_per_slice = 4 };
 

@@ -12,7 +12,7 @@
 #include "fixture_can.h"
 #include "hal_host.h"
 #include "sim_operator.h" // sim_operator_key
-#include "sim_pace.h"     // sim_pace_tick
+#include "sim_live.h"     // sim_pace_tick
 #include <errno.h>        // errno
 #include <poll.h>         // poll
 #include <string.h>       // memcpy

@@ -30,7 +30,7 @@ from camtools.base.quantities import Floats, FloatsLike
 N_NODES = 65  # heights over the part
 FADE_MM = 0.5
 _LEAST_STEP_MM = 0.15  # at the ends, where a cut changes fastest; a table's slices are 0.0655 apart
-MAX_ORDER = 64  # of the gauge, host_sim/part/sim_correction.h
+MAX_ORDER = 64  # of the gauge, host_sim/part/sim_surface.h
 _UM_PER_MM = 1000.0
 _DECIMALS = 9  # of a micrometre
 
@@ -167,7 +167,7 @@ class Correction:
         }
 
     def for_gauge(self) -> list[Json]:
-        """Return the waves as a gauge reads them (layout: host_sim/part/sim_correction.h)."""
+        """Return the waves as a gauge reads them (layout: host_sim/part/sim_surface.h)."""
         if not self.orders:
             return []
         breaks, c, n = self.nodes_mm.tolist(), self._waves.c, len(self.orders)

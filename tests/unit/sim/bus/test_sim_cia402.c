@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_cia402.h"
+#include "sim_bus.h"
 #include "unity.h"
 
 /// Control words of the standard, and what else happens to a drive.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_disturb.h"
+#include "sim_bus.h"
 #include "unity.h"
 #include <string.h> // memcpy
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common_bytes.h" // common_get_u32
-#include "sim_node.h"
+#include "sim_bus.h"
 #include "unity.h"
 
 #define HEARTBEAT_S 0.05

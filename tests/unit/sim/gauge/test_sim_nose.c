@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_nose.h"
+#include "sim_work.h"
 #include "unity.h"
 #include <math.h>   // NAN, hypot, sqrt
 #include <stdlib.h> // calloc

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_chip.h"
+#include "sim_lathe.h"
 #include "unity.h"
 
 static sim_chip_config_t config;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // When ticks come: drift, delays spread evenly or in bursts, and a tick that comes twice.
-#include "sim_clock.h"
+#include "sim_port.h"
 #include "unity.h"
 
 #define PERIOD_S 50e-6

@@ -2,7 +2,7 @@
 // A simulated U that takes forces, between two stops, homed by one of them.
 #include "cam_machine_jog.h"
 #include "hal_host.h"
-#include "sim_controller.h"
+#include "sim_config.h"
 #include "sim_port.h"
 #include "unity.h"
 #include <math.h>   // fabs, fmax

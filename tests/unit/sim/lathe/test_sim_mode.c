@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_mode.h"
+#include "sim_lathe.h"
 #include "sim_units.h" // SIM_TWO_PI
 #include "unity.h"
 #include <math.h> // cos, sin, sqrt

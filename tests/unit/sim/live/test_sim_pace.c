@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_pace.h"
+#include "sim_live.h"
 #include "unity.h"
 
 static sim_pace_t pace;

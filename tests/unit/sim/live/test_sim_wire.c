@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _POSIX_C_SOURCE 200809L // socketpair
-#include "sim_wire.h"
+#include "sim_live.h"
 #include "unity.h"
 #include <string.h>     // memset
 #include <sys/socket.h> // socketpair

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A set of parameters is right or wrong as a whole, whatever the order in which it is taken.
 #include "fixture_rig.h"
-#include "sim_params.h"
+#include "sim_config.h"
 #include "unity.h"
 #include <stdio.h>  // sscanf
 #include <string.h> // strstr

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fixture_image.h"
-#include "sim_slow.h"
+#include "sim_config.h"
 #include "sim_units.h" // SIM_PI, SIM_TWO_PI
 #include "unity.h"
 #include <math.h>   // atan, sqrt, tan

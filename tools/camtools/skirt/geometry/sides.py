@@ -83,7 +83,7 @@ class OvalSide:
         return np.unique(np.concatenate([curve.x for curve in curves]))
 
     def document(self) -> dict[str, Any]:
-        """Return what a gauge needs as JSON values (layout: host_sim/part/sim_sides.h)."""
+        """Return what a gauge needs as JSON values (layout: host_sim/part/sim_surface.h)."""
         return {
             "law": self.shape,
             "ovality_mm": _document(self.ovality),
@@ -143,7 +143,7 @@ class SidesSurface:
         return float(np.abs(self.antithrust.delta(phi, z_mm[:, None]).delta - one).max())
 
     def document(self) -> dict[str, Any]:
-        """Return what a gauge needs as JSON values (layout: host_sim/part/sim_sides.h)."""
+        """Return what a gauge needs as JSON values (layout: host_sim/part/sim_surface.h)."""
         sides = [one.document() for one in (self.thrust, self.antithrust) if one is not None]
         where = {"middle_rad": _MIDDLE_RAD[self.meet], "blend_rad": self.blend_rad}
         return {"sides": sides} | where

@@ -45,7 +45,7 @@ def _document(part: SkirtPart, geometry: Geometry, radius_mm: PPoly, surface: Sk
     oval = radius | {"ovality_mm": _piecewise(geometry.ovality)}
     found: Json = {"shape": section.shape, "beta": float(np.asarray(section.beta))} | oval
     if isinstance(surface, Corner):
-        # What it has beyond an oval; layout: host_sim/part/sim_arc.h.
+        # What it has beyond an oval; layout: host_sim/part/sim_design.h.
         joint = PPoly(np.radians(surface.joint_deg.c) / TURN_RAD, surface.joint_deg.x)
         corner = {"trim_mm": _piecewise(surface.trim), "joint_turn": _piecewise(joint)}
         found |= {"base": section.base} | corner
