@@ -18,11 +18,6 @@ int hal_init(void)
     return 0;
 }
 
-bool hal_has_swing(void)
-{
-    return true;
-}
-
 /// No acknowledge: an emulated machine cannot hurt anybody.
 hal_operator_t hal_operator(void)
 {
@@ -60,11 +55,6 @@ int32_t hal_axis_read_nm_isr(hal_axis_t axis)
     return mps2_machine.in.axis_nm[axis];
 }
 
-int32_t hal_swing_read_q32_isr(void)
-{
-    return mps2_machine.in.swing_q32;
-}
-
 uint32_t hal_inputs_read_isr(void)
 {
     return mps2_machine.in.inputs;
@@ -73,12 +63,6 @@ uint32_t hal_inputs_read_isr(void)
 void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 {
     mps2_machine.out.axis[axis] = *setpoint;
-}
-
-void hal_swing_write_isr(const hal_swing_t *setpoint)
-{
-    mps2_machine.out.swing = *setpoint;
-    mps2_machine.out.n_swing++;
 }
 
 void hal_spindle_write_isr(int32_t speed_mrpm)

@@ -17,15 +17,12 @@ typedef struct {
     struct {
         hal_encoder_t encoder;       ///< reading of the spindle encoder
         int32_t axis_nm[hal_n_axes]; ///< [nm] measured positions
-        int32_t swing_q32;           ///< [turn / 2^32] measured swing
         uint32_t inputs;             ///< hal_in_*
     } in;
     struct {
         hal_setpoint_t axis[hal_n_axes];
         int32_t spindle_mrpm; ///< [r/min / 1000] signed
         uint32_t outputs;     ///< hal_out_*
-        hal_swing_t swing;
-        uint32_t n_swing; ///< number of set-points of the swing so far
     } out;
 } mps2_machine_t;
 
