@@ -17,8 +17,7 @@
 #ifndef SIM_BUS_H
 #define SIM_BUS_H
 
-#include "canopen.h"    // canopen_operational
-#include "cia402.h"     // cia402_state_t
+#include "canopen.h" // canopen_operational, cia402_state_t
 #include "sim_inject.h" // sim_inject_t
 #include "sim_lathe.h"  // sim_lathe_t
 #include <stdbool.h>    // bool
@@ -26,7 +25,7 @@
 
 // A CAN frame and a queue of frames, for the simulated nodes.
 //
-// Numbers are little-endian two's complement; common_bytes.h reads them.
+// Numbers are little-endian two's complement; canopen.h reads them.
 
 enum { sim_frame_max_bytes = 64, sim_frame_queue = 32 };
 

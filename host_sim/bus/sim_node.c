@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_bus.h"
-#include "common_bytes.h" // common_get_u16
+#include "canopen.h" // common_get_u16
 
 enum { rpdo1_bytes = 6, rpdo1_fd_bytes = 12, rpdo2_bytes = 4 };
 

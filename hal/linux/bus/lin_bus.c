@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lin_bus.h"
-#include "common_bytes.h" // common_put_u16, common_get_u32
+#include "canopen.h" // common_put_u16, common_get_u32
 
 enum { ns_per_ms = 1000000 };
 

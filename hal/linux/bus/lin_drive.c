@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lin_bus.h"
-#include "common_bytes.h" // common_get_u16
+#include "canopen.h" // common_get_u16
 
 enum { reset_interval_ns = 1000000000, quick_stop_most_ns = 2000000000 };
 

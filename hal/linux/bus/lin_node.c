@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lin_bus.h"
-#include "common_bytes.h" // common_get_u16
+#include "canopen.h" // common_get_u16
 
 enum { start_interval_ns = 100000000 };
 

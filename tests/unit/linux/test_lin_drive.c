@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's drives: states and control words of CiA 402, readiness, scales.
 #include "lin_bus.h"
-#include "common_bytes.h" // common_put_u16
+#include "canopen.h" // common_put_u16
 #include "unity.h"
 
 enum { node = 2 };

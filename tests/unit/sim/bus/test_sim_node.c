@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common_bytes.h" // common_get_u32
+#include "canopen.h" // common_get_u32
 #include "sim_bus.h"
 #include "unity.h"
 

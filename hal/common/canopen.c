@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cia402.h"
+#include "canopen.h"
 
 const cia402_pattern_t cia402_pattern[cia402_n_states] = {
     [cia402_not_ready_to_switch_on] = {0x4F, 0x00}, [cia402_switch_on_disabled] = {0x4F, 0x40},
