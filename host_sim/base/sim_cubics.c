@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_cubics.h"
+#include "sim_json.h"
 #include "sim_units.h" // sim_clamp
 #include <stdlib.h>    // free
 
