@@ -7,7 +7,6 @@
 #include "cam_derived_limits.h" // cam_derived_limits_jump_counts
 #include "cam_fix.h"            // cam_sat_i32
 #include "cam_plan.h"           // cam_plan_ticks
-#include "cam_play.h"           // cam_play_history
 #include "cam_trace.h"          // cam_trace_capacity
 #include "cam_units.h"          // cam_units_ticks_of_ns
 #include "cam_feed_profile.h"   // cam_feed_profile_z_last_nm
@@ -30,13 +29,15 @@ int32_t cam_build_speed_q32(uint32_t speed_mrpm, uint32_t tick_hz)
     return cam_sat_i32(cam_units_scale(speed_mrpm, CAM_TURN_Q32 / 4, (int64_t)tick_hz * 15000));
 }
 
-/// @param room_q10  [nm / 1024] overshoot of the retract
-/// @return [nm / 1024] retracted position of U, whatever was set: within the stroke by room_q10,
-///         or by less where U would otherwise stay among the positions of the cut
-static int64_t retract_q10(const cam_params_t *p, const cam_table_t *table, int64_t room_q10)
+/// @param u  limits of the retract, which overshoots by an eighth of its acceleration: it brakes in
+///           steps
+/// @return [nm / 1024] retracted position of U, whatever was set: within the stroke by that, or by
+///         less where U would otherwise stay among the positions of the cut
+static int64_t retract_q10(const cam_params_t *p, const cam_table_t *table,
+                           const cam_motion_limits_t *u)
 {
     const int32_t rise_nm = table != NULL ? cam_table_rise_nm(table) : 0;
-    const int32_t room_nm = cam_sat_i32(room_q10 / 1024 + 1);
+    const int32_t room_nm = u->acceleration_q10 / 8192 + 1;
     const int32_t half_nm = cam_demand_half_stroke_nm(table, p);
     const int64_t out_nm = table != NULL ? -(int64_t)table->u_min_nm * p->amplitude_ppm : 0;
     const int32_t least_nm = cam_sat_i32(cam_clamp_i64(out_nm / 1000000, 0, half_nm));
@@ -262,9 +263,6 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sens
 {
     c->lead_q16 = cam_units_ticks_of_ns(p->lead_ns, tick_hz);
     c->xz_lag_q16 = cam_units_ticks_of_ns(p->xz_lag_ns, tick_hz);
-    const int32_t due_q16 = cam_units_ticks_of_ns(p->lead_ns + p->u_scale_latency_ns, tick_hz);
-    c->due_ticks = (uint32_t)due_q16 >> 16;
-    c->due_part_q31 = (due_q16 & 0xFFFF) * 32768;
     c->phase_q32 = cam_units_turn_of_udeg(sense * p->phase_udeg);
     c->phase_step_q32 =
         (int32_t)(cam_units_turn_of_udeg(p->phase_rate_udeg_per_s) / (int64_t)tick_hz) + 1;
@@ -297,7 +295,10 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
     c->u_vel_q6 = (u->speed_q10 + u->speed_q10 / 16 + CAM_BUILD_MARGIN_Q10) / 16;
     c->u_acc_q6 = (u->acceleration_q10 + u->acceleration_q10 / 16 + CAM_BUILD_MARGIN_Q10) / 16;
     c->u_acc_off_q6 = c->u_acc_q6 + c->u_vel_q6;
-    c->u_range_q6 = p->u_stroke_nm * 32;
+    c->range_nm = p->u_stroke_nm / 2;
+    const int32_t due_q16 = cam_units_ticks_of_ns(p->lead_ns + p->u_scale_latency_ns, tick_hz);
+    c->due_ticks = (uint32_t)due_q16 >> 16;
+    c->due_part_q31 = (due_q16 & 0xFFFF) * 32768;
 }
 
 /// @return [ticks^2 / 2^16] k2, corrected for half the attenuation by holding a set-point for a
@@ -348,20 +349,19 @@ cam_refusal_t cam_build_config(cam_config_t *config, const cam_params_t *params,
         config->play.height_max_q32 = ((int64_t)table->u.n_slices - 1) * CAM_TURN_Q32 - height_end;
         build_u_scale(&config->play.u, &table->u, cam_sat_i32(INT64_C(5) * limit_q32 / 4));
     }
-    config->command.by_time.k1_q16 = cam_units_ticks_of_ns(params->k1_ns, tick_hz);
-    config->command.by_time.k2_q16 = held_k2_q16(params->k2_us2, tick_hz);
-    config->command.friction_q6 = params->u_friction_nm * 64;
+    config->command.configured =
+        (cam_u_gains_t){.k1_q16 = cam_units_ticks_of_ns(params->k1_ns, tick_hz),
+                        .k2_q16 = held_k2_q16(params->k2_us2, tick_hz),
+                        .friction_q6 = params->u_friction_nm * 64};
     cam_build_motion(config, params, tick_hz);
-    const int64_t room_q10 = cam_build_room_q10(config);
-    cam_build_jog(config, params, room_q10, tick_hz);
+    cam_build_jog(config, params, tick_hz);
     cam_changes_build(&config->play, params, tick_hz);
     build_guard(&config->guard, params, speed_limit_mrpm, tick_hz);
     config->guard.following_nm = cam_derived_limits_following_nm(params, table);
     config->guard.approach_nm = cam_derived_limits_approach_nm(params, table, tick_hz);
     config->force.travel_nm = params->u_stroke_nm / 2 + config->guard.approach_nm;
-    config->play.u_retract_q10 = retract_q10(params, table, room_q10);
+    config->play.u_retract_q10 = retract_q10(params, table, &config->guard.u);
     config->guard.u_retract_q10 = config->play.u_retract_q10;
-    config->command.range_nm = params->u_stroke_nm / 2;
     config->trace_room = params->trace_on != 0 ? (uint32_t)cam_trace_capacity : 0u;
     return refusal;
 }

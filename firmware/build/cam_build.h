@@ -26,11 +26,6 @@ CAM_MUST_USE cam_refusal_t cam_build_config(cam_config_t *config, const cam_para
 /// @param x_nm, z_nm  [nm] port coordinates of the part's origin
 void cam_build_origin(cam_config_t *config, int32_t x_nm, int32_t z_nm);
 
-/// @return [nm / 1024] by how much the command of U may pass the end of a motion by time: an eighth
-///         of the acceleration, because it brakes in ticks (cam_move_profile.c), and the lead of
-///         the feed-forward, MATHS.md (214). Takes up to some 10^6 instructions.
-int64_t cam_build_room_q10(const cam_config_t *config);
-
 /// @return [turns] at full amplitude before the feed begins: after a rehearsal the integral of U's
 ///         drive settles. None where Z is fed by others.
 static inline int32_t cam_build_settle_turns(const cam_params_t *params)

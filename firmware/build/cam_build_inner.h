@@ -17,9 +17,7 @@
 void cam_build_motion(cam_config_t *config, const cam_params_t *params, uint32_t tick_hz);
 
 /// Derive the limits of jogging. Call after cam_build_motion().
-/// @param room_q10  [nm / 1024] as of cam_build_room_q10()
-void cam_build_jog(cam_config_t *config, const cam_params_t *params, int64_t room_q10,
-                   uint32_t tick_hz);
+void cam_build_jog(cam_config_t *config, const cam_params_t *params, uint32_t tick_hz);
 
 /// Derive the position loop of a U that takes forces, and its supervision without the travel.
 /// @return as cam_servo_setup()

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_build_inner.h"
-#include "cam_build.h"          // cam_build_room_q10
 #include "cam_angle.h"          // CAM_TURN_Q32
 #include "cam_cut.h"            // cam_cut_smaller
 #include "cam_derived_limits.h" // cam_derived_limits_approach_share
@@ -53,7 +52,6 @@ static void build_limits(cam_config_t *c, const cam_params_t *p, uint32_t tick_h
         [hal_axis_x] = limits(p->x_speed_um_per_s, p->x_acceleration_mm_per_s2, tick_hz),
         [hal_axis_z] = limits(p->z_speed_um_per_s, p->z_acceleration_mm_per_s2, tick_hz),
     };
-    c->guard.u = full[hal_axis_u];
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         const int32_t ticks = i == (uint32_t)hal_axis_u ? 1 : c->play.plan_ticks;
         const cam_motion_limits_t gentle = {
@@ -64,6 +62,7 @@ static void build_limits(cam_config_t *c, const cam_params_t *p, uint32_t tick_h
         c->play.approach[i] = windowed(per_plan(gentle, ticks), log2);
         c->play.leave[i] = windowed(per_plan(full[i], ticks), log2);
     }
+    c->guard.u = c->play.leave[hal_axis_u];
 }
 
 /// @return [counts] change of the predicted position from plan to plan, beyond that of the speed,
@@ -123,114 +122,9 @@ static void build_command(cam_config_t *c, const cam_params_t *p, uint32_t tick_
     }
 }
 
-/// @return [nm / 1024 per tick^2] largest acceleration of a retract whose start commands U at most
-///         three quarters of its speed: a (n / 2 + k1 + k2 / n) ticks, MATHS.md (212)
-static int64_t most_acceleration_q10(const cam_config_t *c, uint32_t log2_window)
-{
-    const int64_t n_q16 = INT64_C(65536) << log2_window;
-    const int64_t ticks_q16 =
-        n_q16 / 2 + c->command.by_time.k1_q16 + (c->command.by_time.k2_q16 >> log2_window);
-    return (int64_t)c->guard.u.speed_q10 * 49152 / ticks_q16 + 1;
-}
-
-/// @return [ticks / 2^16] times the acceleration: lead of U's command at the highest speed of a
-///         retract. While the acceleration falls from a to 0 in n ticks, with m ticks left, U is
-///         slower by m (m - 1) a / 2 n, and the command leads by k1 m a / n - k2 a / n: largest at
-///         m = k1 + 1/2; in a window shorter than twice k1 it is k1 - n/2. MATHS.md (212)
-static int32_t ahead_ticks_q16(const cam_config_t *c, uint32_t log2_window)
-{
-    const int32_t k1_q8 = c->command.by_time.k1_q16 >> 8;
-    const int32_t m_q8 = cam_clamp_i32(k1_q8 + 128, 0, INT32_C(256) << log2_window);
-    const int64_t lead_q16 = ((int64_t)(2 * k1_q8 + 256 - m_q8) * m_q8) >> 1;
-    const int32_t falling_q16 = cam_sat_i32((lead_q16 - c->command.by_time.k2_q16) >> log2_window);
-    const int32_t short_q16 = c->command.by_time.k1_q16 - (INT32_C(32768) << log2_window);
-    const int32_t more_q16 = short_q16 > falling_q16 ? short_q16 : falling_q16;
-    return more_q16 > 0 ? more_q16 : 0;
-}
-
-/// Limits of the retract. Its acceleration is reduced where the start would command U too fast; its
-/// speed by the lead of the command and a sixteenth for what fades out, to a quarter at least.
-/// MATHS.md (212).
-static cam_motion_limits_t retract_limits(const cam_config_t *c, uint32_t log2_window)
-{
-    const cam_motion_limits_t *u = &c->guard.u;
-    const int64_t a_q10 =
-        cam_cut_smaller(u->acceleration_q10, most_acceleration_q10(c, log2_window));
-    const int64_t ahead_q10 = (ahead_ticks_q16(c, log2_window) * a_q10) >> 16;
-    const int64_t least_q10 = u->speed_q10 / 4 + 1;
-    const int64_t most_q10 = u->speed_q10 - u->speed_q10 / 16 - ahead_q10;
-    const cam_motion_limits_t gentle = {
-        .speed_q10 = (int32_t)cam_clamp_i64(most_q10, least_q10, u->speed_q10),
-        .acceleration_q10 = (int32_t)a_q10,
-    };
-    return windowed(gentle, log2_window);
-}
-
-static int64_t greater(int64_t a, int64_t b)
-{
-    return a > b ? a : b;
-}
-
-/// A timed motion: the gains of its feed-forward and its window, in ticks.
-typedef struct {
-    int64_t k1_q8, k2_q8, n;
-} timed_t;
-
-/// Braking by 1 per tick^2 in the tick z puts the command c(z) = k1 z - k2 - z (z - 1) / 2 ahead of
-/// the end of the motion; z counts from the oldest tick of the window, MATHS.md (214).
-/// @return [ticks^3 / 2^8] 6 times the sum of c(0) to c(b - 1)
-static int64_t summed_q8(const timed_t *f, int64_t b)
-{
-    return b <= 0 ? 0 : ((3 * f->k1_q8 - 256 * (b - 2)) * (b - 1) - 6 * f->k2_q8) * b;
-}
-
-/// @return the same of the mean over the window, times n
-static int64_t windowed_q8(const timed_t *f, int64_t b)
-{
-    return summed_q8(f, b) - summed_q8(f, b - f->n);
-}
-
-/// Largest overshoot of the command over the end of a motion from rest that speeds up and brakes
-/// for m ticks each, whatever lies between: a sum that is searched over m and the places of both.
-/// MATHS.md (214).
-/// @param most  [ticks] longest m
-/// @return      [ticks^2 / 2^8] times the acceleration; at most a 32nd too large
-static int64_t overshoot_q8(const timed_t *f, int64_t most)
-{
-    const int64_t reach = (f->k1_q8 >> 8) + f->n + 2; // braking beyond it takes the command back
-    const int64_t step = 1 + reach / 64;
-    int64_t over_q8 = 0;
-    for (int64_t m = 1; m <= reach && m <= most; m += step) {
-        int64_t speeding_q8 = 0;
-        for (int64_t at = 1; at <= 2 * reach; at += at <= f->n ? 1 : step) {
-            const int64_t here_q8 = windowed_q8(f, at);
-            speeding_q8 = greater(speeding_q8, windowed_q8(f, at - m) - here_q8);
-            const int64_t braking_q8 = windowed_q8(f, at + m) - here_q8;
-            over_q8 = greater(over_q8, speeding_q8 + braking_q8);
-        }
-    }
-    return (over_q8 + over_q8 / 32) / (6 * f->n);
-}
-
-int64_t cam_build_room_q10(const cam_config_t *config)
-{
-    const cam_motion_limits_t *leave = &config->guard.leave;
-    const int64_t approach_q10 = config->play.approach[hal_axis_u].acceleration_q10;
-    const int64_t leave_q10 = leave->acceleration_q10;
-    const int64_t a_q10 = leave_q10 > approach_q10 ? leave_q10 : approach_q10;
-    const timed_t timed = {.k1_q8 = config->command.by_time.k1_q16 >> 8,
-                           .k2_q8 = config->command.by_time.k2_q16 >> 8,
-                           .n = INT64_C(1) << leave->log2_window};
-    const int64_t most = config->guard.u.speed_q10 / a_q10 + 2;
-    const int64_t ahead_q10 = (a_q10 * overshoot_q8(&timed, most)) >> 8;
-    return config->guard.u.acceleration_q10 / 8 + ahead_q10;
-}
-
 void cam_build_motion(cam_config_t *config, const cam_params_t *params, uint32_t tick_hz)
 {
     build_limits(config, params, tick_hz);
-    config->guard.leave =
-        retract_limits(config, cam_gains_log2_window(params, hal_axis_u, tick_hz));
     build_command(config, params, tick_hz);
 }
 
@@ -249,8 +143,7 @@ static cam_motion_limits_t jog_limits(int32_t jog_um_per_s, int32_t speed_um_per
                                  .acceleration_q10 = (int32_t)a_q10};
 }
 
-void cam_build_jog(cam_config_t *config, const cam_params_t *params, int64_t room_q10,
-                   uint32_t tick_hz)
+void cam_build_jog(cam_config_t *config, const cam_params_t *params, uint32_t tick_hz)
 {
     const cam_params_t *p = params;
     const cam_motion_limits_t *gentle = config->play.approach;
@@ -267,12 +160,8 @@ void cam_build_jog(cam_config_t *config, const cam_params_t *params, int64_t roo
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         jog->limits[i].log2_window = gentle[i].log2_window;
     }
-    // Braking in steps may overshoot by an eighth of the acceleration (cam_move_profile.h), and U's
-    // command leads by k1, configured and learned.
-    const int64_t ahead_q10 =
-        (2 * (int64_t)jog->limits[hal_axis_u].speed_q10 / n * config->command.by_time.k1_q16) >> 16;
-    const int64_t over_q10 =
-        jog->limits[hal_axis_u].acceleration_q10 / 8 + 1024 + cam_clamp_i64(ahead_q10, 0, room_q10);
+    // Braking in steps may overshoot by an eighth of the acceleration (cam_move_profile.h).
+    const int64_t over_q10 = jog->limits[hal_axis_u].acceleration_q10 / 8 + 1024;
     const int64_t end_q10 = (int64_t)p->u_stroke_nm * 512 - over_q10;
     jog->u_end_q10 = cam_clamp_i64(end_q10, 0, INT64_MAX) / 1024 * 1024;
 }

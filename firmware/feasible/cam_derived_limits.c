@@ -3,7 +3,7 @@
 #include "cam_cut.h"   // cam_cut_divided_up
 #include "cam_fix.h"   // cam_clamp_i64
 #include "cam_gains.h" // cam_gains_check
-#include "cam_play.h"  // cam_play_history
+#include "cam_guard.h" // cam_guard_history
 #include "hal/hal.h"   // hal_axis_scale
 #include <stdbool.h>   // bool
 #include <stddef.h>    // NULL
@@ -53,12 +53,15 @@ int32_t cam_derived_limits_approach_nm(const cam_params_t *params, const cam_tab
         return (int32_t)cut_nm;
     }
     // Products of ns, us^2, um/s and mm/s^2 are in 1e-6 nm.
-    const int64_t v_um_per_s = params->u_speed_um_per_s / cam_derived_limits_approach_share;
+    const int64_t jog_um_per_s = cam_cut_smaller(params->u_jog_um_per_s, params->u_speed_um_per_s);
+    const int64_t v_um_per_s = cam_clamp_i64(
+        jog_um_per_s, params->u_speed_um_per_s / cam_derived_limits_approach_share, INT32_MAX);
     const int64_t a_mm_per_s2 =
         params->u_acceleration_mm_per_s2 / cam_derived_limits_approach_share;
-    const int64_t lag_ns = (int64_t)params->k1_ns + params->lead_ns;
-    const int64_t half_lag_nm = (lag_ns * v_um_per_s + params->k2_us2 * a_mm_per_s2) / 2000000;
-    const int64_t approach_nm = half_lag_nm + v_um_per_s * 500 / (int64_t)tick_hz;
+    const int64_t lag_ns = 3 * (int64_t)params->k1_ns + params->lead_ns;
+    const int64_t lag_nm =
+        (lag_ns * v_um_per_s + 3 * (int64_t)params->k2_us2 * a_mm_per_s2) / 2000000;
+    const int64_t approach_nm = lag_nm + v_um_per_s * 500 / (int64_t)tick_hz;
     return cam_sat_i32(cut_nm > approach_nm ? cut_nm : approach_nm);
 }
 
@@ -77,7 +80,7 @@ int32_t cam_derived_limits_most(cam_param_id_t id, uint32_t tick_hz)
         most = cam_cut_smaller(most, hz * 80); // MATHS.md (188)
         break;
     case cam_param_lead_ns: // less than the history by 2^-16 tick
-        most = cam_cut_smaller(most, ((cam_play_history - 2) * INT64_C(1000000000) - 15259) / hz);
+        most = cam_cut_smaller(most, ((cam_guard_history - 2) * INT64_C(1000000000) - 15259) / hz);
         break;
     case cam_param_k1_ns:
         most = cam_cut_smaller(most, INT64_C(32766) * 1000000000 / hz);

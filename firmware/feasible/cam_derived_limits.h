@@ -35,8 +35,9 @@ int32_t cam_derived_limits_jump_counts(const cam_params_t *params, uint32_t tick
 /// @return [nm] following_limit_nm, or where that is 0 the derived one
 int32_t cam_derived_limits_following_nm(const cam_params_t *params, const cam_table_t *table);
 
-/// The accepted following error of U out of the cut: that of the cut, but not less than the error
-/// in the approach with a lag that is wrong by half and a measurement half a tick old.
+/// The accepted following error of U out of the cut: that of the cut, but not less than one and a
+/// half times the lag of its drive, since motions by time have no feed-forward, half of the lead
+/// and the travel of half a tick, at the speed of the approach or of a faster jog.
 /// @return [nm] following_limit_nm, or where that is 0 the derived one
 /// Source: MATHS.md (167).
 int32_t cam_derived_limits_approach_nm(const cam_params_t *params, const cam_table_t *table,

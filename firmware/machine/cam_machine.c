@@ -127,10 +127,11 @@ static cam_err_t check_part(cam_machine_t *m)
     return m->has_table ? cam_machine_judge(m, &m->params, &m->table) : cam_err_no_table;
 }
 
-/// Half of the stroke must hold what the command of U may pass the end of a motion.
+/// Half of the stroke must hold the overshoot of a motion: it brakes in steps (cam_move_profile.h).
 static cam_err_t check_room(cam_machine_t *m)
 {
-    const int64_t room_nm = cam_build_room_q10(cam_machine_newest_config(m)) / 1024 + 1;
+    const cam_motion_limits_t *u = &cam_machine_newest_config(m)->guard.u;
+    const int64_t room_nm = u->acceleration_q10 / 8192 + 1;
     const int64_t half_nm = m->params.u_stroke_nm / 2;
     if (room_nm <= half_nm) {
         return cam_ok;

@@ -65,7 +65,7 @@ int64_t cam_wave_peak_nm(const cam_wave_range_t *range)
 /// @return cam_ok, or cam_err_wave_stroke with the position farther from 0
 static cam_verdict_t judge_stroke(int64_t low_nm, int64_t high_nm, const cam_config_t *cfg)
 {
-    const int64_t most_nm = cfg->guard.u_range_q6 / 64;
+    const int64_t most_nm = cfg->guard.range_nm;
     if (low_nm < -most_nm || high_nm > most_nm) {
         return refused(cam_err_wave_stroke, -low_nm > high_nm ? low_nm : high_nm);
     }

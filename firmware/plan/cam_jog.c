@@ -283,14 +283,16 @@ static bool move_axes(cam_jog_t *h, const cam_play_config_t *cfg, cam_motion_t *
 static void rebase_u(cam_motion_t *m, int32_t by_nm)
 {
     const int64_t by_q10 = (int64_t)by_nm * 1024;
-    m->u_home_nm = cam_wrap_add(m->u_home_nm, by_nm);
+    m->u.home_nm = cam_wrap_add(m->u.home_nm, by_nm);
+    m->u.set_q6 = cam_sat_i32(m->u.set_q6 + by_nm * INT64_C(64));
+    m->u.nm = cam_sat_add(m->u.nm, by_nm);
     m->axis[hal_axis_u].pos_q10 = cam_wrap_add_i64(m->axis[hal_axis_u].pos_q10, by_q10);
     m->u_target_q10 = cam_wrap_add_i64(m->u_target_q10, by_q10);
     cam_jerk_filter_shift_isr(&m->filter[hal_axis_u], by_q10);
 }
 
-int32_t cam_jog_isr(cam_jog_t *h, const cam_play_config_t *cfg, const cam_tick_record_t *r,
-                    cam_motion_t *m)
+void cam_jog_isr(cam_jog_t *h, const cam_play_config_t *cfg, const cam_tick_record_t *r,
+                 cam_motion_t *m)
 {
     const cam_jog_order_t *o = &cfg->jog.order;
     int32_t shift_nm = 0;
@@ -319,7 +321,6 @@ int32_t cam_jog_isr(cam_jog_t *h, const cam_play_config_t *cfg, const cam_tick_r
         m->is_stopping = false;
         m->state = cam_state_off;
     }
-    return shift_nm;
 }
 
 void cam_jog_idle_isr(cam_jog_t *h, const cam_play_config_t *cfg, const cam_tick_record_t *r)

@@ -44,10 +44,9 @@ typedef struct {
 
 /// One plan of the state manual; ends the state when a disable was requested and all axes rest.
 /// @param m  increments, replaced from the next tick on; U's origin shifted
-/// @return   [nm] shift of U's position by a new origin, for the stages that keep U; 0: none
 /// Context: ISR; constant time in each phase.
-int32_t cam_jog_isr(cam_jog_t *h, const cam_play_config_t *cfg, const cam_tick_record_t *r,
-                    cam_motion_t *m);
+void cam_jog_isr(cam_jog_t *h, const cam_play_config_t *cfg, const cam_tick_record_t *r,
+                 cam_motion_t *m);
 
 /// One plan of any other state: orders are discarded, and homes are forgotten while the drives are
 /// not ready. Context: ISR, constant time.

@@ -3,8 +3,7 @@
 #include "cam_fix.h" // cam_abs_i64, cam_sat_i32
 #include <stddef.h>  // NULL
 
-/// [nm] largest step of the command of U by a learned correction: by its blending, and by its
-/// fading in a fault, a sixteenth of 30 um per tick.
+/// [nm] largest step of the command of U when learned values change, all of them at once.
 #define LEARNED_STEP_NM 1900
 
 static cam_config_t *other_half(cam_config_bank_t *bank, const cam_config_t *offered)
@@ -41,9 +40,9 @@ cam_config_t *cam_config_copy(cam_config_bank_t *bank)
 void cam_config_learn(cam_config_t *config)
 {
     cam_axis_command_config_t *t = &config->command;
-    t->in_cut.k1_q16 = t->by_time.k1_q16 + config->learned.k1_q16;
-    t->in_cut.k2_q16 = t->by_time.k2_q16 + config->learned.k2_q16;
-    t->in_cut.friction_q6 = t->friction_q6 + config->learned.friction_q6;
+    t->in_cut.k1_q16 = t->configured.k1_q16 + config->learned.k1_q16;
+    t->in_cut.k2_q16 = t->configured.k2_q16 + config->learned.k2_q16;
+    t->in_cut.friction_q6 = t->configured.friction_q6 + config->learned.friction_q6;
     t->in_cut.chip_q32 = config->learned.chip_q32;
     t->in_cut.chip_q6 = config->learned.chip_q6;
     cam_config_limit_command(config);
@@ -63,28 +62,22 @@ static int32_t limit_nm(int64_t q10)
 
 void cam_config_limit_command(cam_config_t *config)
 {
-    const cam_guard_config_t *g = &config->guard;
-    cam_axis_command_config_t *t = &config->command;
-    const int64_t k1_q16 = larger(t->by_time.k1_q16, t->in_cut.k1_q16);
-    const int64_t k2_q16 = larger(t->by_time.k2_q16, t->in_cut.k2_q16);
+    cam_guard_config_t *g = &config->guard;
+    const cam_axis_command_config_t *t = &config->command;
+    const int64_t k1_q16 = larger(t->configured.k1_q16, t->in_cut.k1_q16);
+    const int64_t k2_q16 = larger(t->configured.k2_q16, t->in_cut.k2_q16);
     const int64_t v_q10 = (int64_t)g->u_vel_q6 * 16;
     const int64_t a_q10 = (int64_t)g->u_acc_q6 * 16;
-    const int64_t j_q10 = 2 * a_q10 / (INT64_C(1) << g->leave.log2_window) + 1;
-    // In a fault what is learned of the gains fades by a sixteenth per tick.
-    const int64_t learned_q26 =
-        cam_abs_i64(config->learned.k1_q16) * v_q10 + cam_abs_i64(config->learned.k2_q16) * a_q10;
-    const int64_t friction_q10 = cam_abs_i64(t->in_cut.friction_q6) * 16;
+    const int64_t j_q10 = 2 * a_q10 / (INT64_C(1) << g->u.log2_window) + 1;
+    const int64_t reversed_q10 = 2 * cam_abs_i64(t->in_cut.friction_q6) * 16; // of the friction
     const int64_t chip_q32 = cam_abs_i64(t->in_cut.chip_q32);
-    const int64_t chip_q10 = cam_abs_i64(t->in_cut.chip_q6) * 16 + (chip_q32 * g->u_range_q6 >> 28);
-    const int64_t fade_q10 =
-        (learned_q26 / 65536 + friction_q10 + chip_q10) / 16 + 2 * friction_q10;
     const int64_t step_q10 = v_q10 + k1_q16 * a_q10 / 65536 + k2_q16 * j_q10 / 65536 +
-                             (chip_q32 * v_q10 >> 32) + fade_q10;
+                             (chip_q32 * v_q10 >> 32) + reversed_q10;
     const int64_t change_q10 = a_q10 + k1_q16 * j_q10 / 65536 + 2 * (k2_q16 * j_q10 / 65536) +
-                               (chip_q32 * a_q10 >> 32) + fade_q10;
-    t->step_nm = limit_nm(step_q10);
-    t->change_nm = limit_nm(change_q10);
-    t->change_off_nm = limit_nm(change_q10 + step_q10);
+                               (chip_q32 * a_q10 >> 32) + reversed_q10;
+    g->step_nm = limit_nm(step_q10);
+    g->change_nm = limit_nm(change_q10);
+    g->change_off_nm = limit_nm(change_q10 + step_q10);
 }
 
 void cam_config_offer(cam_config_bank_t *bank)

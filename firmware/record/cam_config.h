@@ -147,9 +147,7 @@ typedef struct {
     const int16_t *c;         ///< of cam_learned_t of the same configuration
     const int16_t *d;         ///< ... likewise
     cam_u_scale_t u;
-    int32_t lead_q16;                ///< [ticks] dead time of U, below cam_play_history - 2
-    uint32_t due_ticks;              ///< [ticks] whole ones of lead and latency of U's scale
-    int32_t due_part_q31;            ///< [ticks / 2^31] their fractional part
+    int32_t lead_q16;                ///< [ticks] dead time of U, below cam_guard_history - 2
     int32_t plan_ticks;              ///< [ticks] from plan to plan, 1 .. 80
     int32_t per_plan_q30;            ///< [1 / ticks] its reciprocal, rounded down
     int32_t xz_lag_q16;              ///< [ticks] lag of X and Z
@@ -211,13 +209,17 @@ typedef struct {
     uint32_t plan_ticks;        ///< [ticks] from plan to plan
     uint32_t stopped_ticks;     ///< [ticks] in the cut
     uint32_t homing_ticks;      ///< [ticks] for the spindle to turn while homing
+    uint32_t due_ticks;         ///< [ticks] whole ones of lead and latency of U's scale
+    int32_t due_part_q31;       ///< [ticks / 2^31] their fractional part
     int32_t following_nm;       ///< [nm] accepted following error of U in the cut
     int32_t approach_nm;        ///< [nm] the same where U moves by time, at least as large
+    int32_t range_nm;           ///< [nm] half the stroke, for set-point and command of U
     int32_t u_vel_q6, u_acc_q6; ///< [nm / 64 per tick, per tick^2] of the set-point
     int32_t u_acc_off_q6;       ///< [nm / 64 per tick^2] of a tick off its time, whose step differs
-    int32_t u_range_q6;         ///< [nm / 64] half the stroke
-    cam_motion_limits_t u;      ///< capability of U
-    cam_motion_limits_t leave;  ///< of the retract: leaves room for the feed-forward
+    int32_t step_nm;            ///< [nm per tick] speed of the command, feed-forward included
+    int32_t change_nm;          ///< [nm per tick^2] its acceleration
+    int32_t change_off_nm;      ///< ... in a tick off its time
+    cam_motion_limits_t u;      ///< capability of U, within which it retracts
     int64_t u_retract_q10;      ///< [nm / 1024] position of U outside the work
 } cam_guard_config_t;
 
@@ -230,16 +232,11 @@ typedef struct {
     int32_t chip_q6;     ///< [nm / 64] against the mean of that force
 } cam_u_gains_t;
 
-/// Limits of the axis commands, and feed-forward of U (cam_axis_command.h).
+/// Feed-forward of U in the cut, and limits of X and Z per plan (cam_axis_command.h).
 typedef struct {
-    cam_u_gains_t by_time;       ///< of motions by time, for which the ends of the stroke keep room
-    cam_u_gains_t in_cut;        ///< where U follows the table: learned part included
-    int32_t friction_q6;         ///< [nm / 64] configured feed-forward of the friction in the cut
-    int32_t range_nm;            ///< [nm] half the stroke, for the command of U
-    int32_t step_nm;             ///< [nm per tick] speed of the command of U, feed-forward included
-    int32_t change_nm;           ///< [nm per tick^2] its acceleration
-    int32_t change_off_nm;       ///< ... in a tick off its time
-    int32_t vel_q10[hal_n_axes]; ///< [nm / 1024 per tick] X and Z
+    cam_u_gains_t configured;       ///< without the learned part; no force of the chip
+    cam_u_gains_t in_cut;           ///< with it
+    int32_t vel_q10[hal_n_axes];    ///< [nm / 1024 per tick] X and Z
     int32_t change_q10[hal_n_axes]; ///< [nm / 1024 per tick] change of speed per plan
     int32_t jump_q10[hal_n_axes];   ///< [nm / 1024] step of position in a plan
 } cam_axis_command_config_t;
@@ -282,15 +279,15 @@ typedef struct {
 /// @return the half that may be written; NULL until the interrupt has taken the previous offer
 cam_config_t *cam_config_free_half(cam_config_bank_t *bank);
 
-/// Copy the newest configuration into the free half, and subtract the learned part of its gains.
+/// Copy the newest configuration into the free half.
 /// @return the copy, NULL while the interrupt has not taken the last one.
 cam_config_t *cam_config_copy(cam_config_bank_t *bank);
 
 /// Set the pointers of a configuration to its own table and learned values, before it is offered.
 void cam_config_tie(cam_config_t *config, bool has_table);
 
-/// Add the learned part to the gains and limit U's command by them, once before the configuration
-/// is offered.
+/// Add the learned part to the configured gains and limit U's command by them, once before the
+/// configuration is offered.
 void cam_config_learn(cam_config_t *config);
 
 /// Derive the limits of U's command from those of U and from the feed-forward: speed

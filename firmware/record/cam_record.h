@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_record: data passed between the stages of a tick.
 ///
-///     sense -> cam_sense_t -> angle -> cam_angle_t -> play, guard -> cam_want_t -> command -> out
+///     sense -> cam_sense_t -> angle -> cam_angle_t -> play -> cam_want_t -> command -> out ->
+///     guard
 ///
 /// Inputs, results and axis commands form the record of a tick, from which it can be replayed.
 /// cam_motion_t holds set-points and increments: the plan writes them, play advances them in every
@@ -67,6 +68,17 @@ typedef struct {
     bool is_there; ///< at rest at 0, out of the work
 } cam_swing_t;
 
+/// U as the guard has accepted it: its set-point, and its command, which leads the set-point in the
+/// cut. In state fault both are one.
+typedef struct {
+    int32_t home_nm;     ///< [nm] U of the controller minus U of the port, found by homing
+    int32_t set_q6;      ///< [nm / 64] last set-point
+    int32_t set_step_q6; ///< ... its step
+    int32_t nm;          ///< [nm] last command
+    int32_t step_nm;     ///< [nm per tick] ... its step
+    int32_t change_nm;   ///< [nm per tick^2] ... the change of that step
+} cam_u_t;
+
 /// Set-points, and their increments per tick until the next plan. The set-points of X, Z and the
 /// swing are written as they are.
 typedef struct {
@@ -81,8 +93,8 @@ typedef struct {
     bool was_open;        ///< off, and the emergency-stop chain was open since the last plan
     bool is_acknowledged; ///< the button at the machine was pressed (cam_acknowledge.h)
     bool is_by_hand;      ///< manual, and a fault after it: all axes brake where they are
-    int32_t u_home_nm;    ///< [nm] U of the controller minus U of the port, found by homing
     uint32_t faults;      ///< found by the plan, for the ticks up to the next one
+    cam_u_t u;            ///< written by the guard
     cam_axis_motion_t axis[hal_n_axes]; ///< while playing, U's position is in cam_want_t
     int32_t c_q6;            ///< [nm / 64] while playing: learned correction of U's command
     uint32_t dwell_ticks;    ///< [ticks] left of U's rest after enable
@@ -118,12 +130,6 @@ typedef struct {
     bool is_retracted;    ///< guard: tool at rest out of the work
 } cam_want_t;
 
-/// Last command of U (cam_axis_command.h).
-typedef struct {
-    int32_t nm;      ///< [nm] feed-forward included
-    int32_t step_nm; ///< [nm per tick] since the tick before
-} cam_u_command_t;
-
 /// Complete inputs and outputs of a tick. Each stage writes its result, the next one reads it.
 typedef struct {
     uint32_t tick;                  ///< ticks since start, wraps
@@ -131,7 +137,7 @@ typedef struct {
     cam_sense_t in;                 ///< sense
     cam_angle_t angle;              ///< angle
     cam_want_t want;                ///< play, guard
-    hal_setpoint_t out[hal_n_axes]; ///< what was written to the axes
+    hal_setpoint_t out[hal_n_axes]; ///< command; U's is replaced where the guard refuses it
     int32_t force_q6;               ///< [mN / 64] force of U that was written; 0: none
 } cam_tick_record_t;
 

@@ -9,11 +9,11 @@ static int32_t to_q6(int32_t nm)
 }
 
 void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_record_t *r,
-                        int32_t set_nm, bool is_on, const cam_motion_t *m)
+                        bool is_on, const cam_motion_t *m)
 {
     const cam_axis_motion_t *u = &m->axis[hal_axis_u];
     const bool is_identifying = m->state == cam_state_identifying;
-    const cam_servo_input_t in = {.set_q6 = to_q6(set_nm),
+    const cam_servo_input_t in = {.set_q6 = to_q6(m->u.nm),
                                   .vel_q10 = u->vel_q10,
                                   .acc_q10 = u->acc_q10,
                                   .actual_q6 = to_q6(r->in.actual_nm[hal_axis_u]),
@@ -43,6 +43,7 @@ static int32_t net_force_q6(const cam_force_config_t *cfg, const cam_tick_record
 
 /// Compare the reading with the observer, then move the observer to the next tick. It wraps only
 /// 500 m away, where the deviation has long been a fault unless U presses on its stop.
+/// @param read_nm  in port coordinates: a new home does not move the observer
 /// @return [nm / 64] reading minus observer
 static int32_t observe(cam_force_t *f, const cam_force_config_t *cfg, int32_t read_nm,
                        int32_t net_q6)
@@ -94,7 +95,7 @@ uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
 {
     const int32_t read_nm = r->in.actual_nm[hal_axis_u];
     const int32_t net_q6 = net_force_q6(cfg, r, f->vel_q24);
-    const int32_t off_q6 = observe(f, cfg, read_nm, net_q6);
+    const int32_t off_q6 = observe(f, cfg, cam_wrap_sub(read_nm, m->u.home_nm), net_q6);
     const bool is_runaway =
         is_frozen(f, cfg, read_nm, net_q6) || !cam_is_within(off_q6, cfg->runaway_q6);
     if (!f->is_on) {
@@ -111,9 +112,4 @@ uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
     f->n_limited = f->servo.is_limited ? f->n_limited + 1u : f->n_limited - (f->n_limited > 0u);
     return travel | (is_runaway ? CAM_FAULT_BIT(u_runaway) : 0u) |
            (f->n_limited > cfg->limited_ticks ? CAM_FAULT_BIT(u_force) : 0u);
-}
-
-void cam_force_shift_isr(cam_force_t *f, int32_t by_nm)
-{
-    f->pos_q24 = cam_wrap_add_i64(f->pos_q24, (int64_t)by_nm * (INT64_C(1) << 24));
 }

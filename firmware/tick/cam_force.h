@@ -38,7 +38,7 @@
 typedef struct {
     bool is_on;         ///< the drives were enabled in the last step
     cam_servo_t servo;  ///< position loop
-    int64_t pos_q24;    ///< [nm / 2^24] observer
+    int64_t pos_q24;    ///< [nm / 2^24] observer, in port coordinates
     int64_t vel_q24;    ///< [nm / 2^24 per tick] observer
     int32_t still_nm;   ///< [nm] last reading
     uint32_t n_still;   ///< [ticks] for which it has stood under force
@@ -46,20 +46,17 @@ typedef struct {
 } cam_force_t;
 
 /// Calculate the force.
-/// @param r       inputs of the tick; r->force_q6 is the result
-/// @param set_nm  [nm] last command of U
-/// @param is_on   the last tick left the drives enabled; if not, the force is 0
-/// @param m       speed and acceleration of its set-point; in identifying also the wave's force
+/// @param r      inputs of the tick; r->force_q6 is the result
+/// @param is_on  the last tick left the drives enabled; if not, the force is 0
+/// @param m      last command of U, speed and acceleration of its set-point; in identifying also
+///               the wave's force
 void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_record_t *r,
-                        int32_t set_nm, bool is_on, const cam_motion_t *m);
+                        bool is_on, const cam_motion_t *m);
 
 /// Supervise U.
 /// @param r  with the force of this tick
 /// @return   faults u_travel, u_runaway, u_force or none
 uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
                              const cam_tick_record_t *r, const cam_motion_t *m);
-
-/// Shift the observer, because U's origin shifts after this tick.
-void cam_force_shift_isr(cam_force_t *f, int32_t by_nm);
 
 #endif

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_guard.h"
-#include "cam_fix.h" // cam_clamp_i32, cam_sat_i32
+#include "cam_fix.h" // cam_clamp_i32, cam_is_within, cam_sat_i32, ..
 
 /// After these the drives are disabled at once: one of them, or the position loop, does not work.
 #define LOST (CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(u_travel) | CAM_FAULT_BIT(u_runaway))
@@ -83,37 +83,84 @@ static uint32_t standing_encoder(cam_guard_t *g, uint32_t watched, bool is_still
     return has_stopped ? CAM_FAULT_BIT(spindle_stopped) : 0u;
 }
 
+/// @return [nm / 64] what U's scale should show now: the set-point of one lead plus the scale's
+/// latency ago, interpolated between two ticks. It wraps only in off, without a following error
+static int32_t due_q6(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t home_q6)
+{
+    const int32_t a_q6 = g->history_q6[(g->n_history - cfg->due_ticks) % cam_guard_history];
+    const int32_t b_q6 = g->due_q6;
+    g->due_q6 = a_q6;
+    const uint32_t twice_q6 = 2u * ((uint32_t)b_q6 - (uint32_t)a_q6);
+    const int32_t due_q6 = cam_wrap_add(a_q6, (int32_t)home_q6);
+    return cam_mulhi_add(due_q6, (int32_t)twice_q6, cfg->due_part_q31);
+}
+
+/// @return whether U is where it should be measured now. A motion by time has a limit of its own;
+///         U may press on its stop, with limited force
+static bool is_following(const cam_guard_config_t *cfg, const cam_tick_record_t *r,
+                         const cam_motion_t *m)
+{
+    const int32_t off_nm = cam_wrap_sub(r->in.actual_nm[hal_axis_u], r->want.u_due_q6 >> 6);
+    return cam_is_within(off_nm, cfg->following_nm) ||
+           (!m->is_playing && (m->u_press_q6 != 0 || cam_is_within(off_nm, cfg->approach_nm)));
+}
+
+/// Accept a set-point exactly if position, step and change of step are within their limits.
+/// @return faults of the set-point
+static uint32_t faults_of_setpoint(const cam_guard_config_t *cfg, const cam_u_t *last,
+                                   const cam_u_t *next, bool is_off_time)
+{
+    const int32_t change_q6 = cam_sat_sub(next->set_step_q6, last->set_step_q6);
+    const bool is_bent = !cam_is_within(change_q6, cfg->u_acc_q6) &&
+                         !(is_off_time && cam_is_within(change_q6, cfg->u_acc_off_q6));
+    return (cam_is_within(next->set_q6 >> 6, cfg->range_nm) ? 0u : CAM_FAULT_BIT(setpoint_range)) |
+           (cam_is_within(next->set_step_q6, cfg->u_vel_q6) ? 0u : CAM_FAULT_BIT(setpoint_speed)) |
+           (is_bent ? CAM_FAULT_BIT(setpoint_acceleration) : 0u);
+}
+
+/*@ predicate cam_limits(cam_guard_config_t *cfg) = 0 <= cfg->range_nm <= 0x1000000 &&
+      0 <= cfg->step_nm <= 0x3FFFFFFF && 0 <= cfg->change_nm <= 0x3FFFFFFF &&
+      0 <= cfg->change_off_nm <= 0x3FFFFFFF;
+*/
+/// Accept a command exactly if position, step and change of step are within their limits.
+/*@ requires valid: \valid_read(u) && \valid_read(cfg);
+    requires limits: cam_limits(cfg);
+    requires flag: is_off_time == 0 || is_off_time == 1;
+    assigns \result \from *u, *cfg, is_off_time;
+    ensures exact: \result <==> \abs(u->nm) <= cfg->range_nm && \abs(u->step_nm) <= cfg->step_nm &&
+      (\abs(u->change_nm) <= cfg->change_nm ||
+       (is_off_time && \abs(u->change_nm) <= cfg->change_off_nm));
+*/
+static bool is_allowed(const cam_guard_config_t *cfg, const cam_u_t *u, bool is_off_time)
+{
+    return cam_is_within(u->nm, cfg->range_nm) && cam_is_within(u->step_nm, cfg->step_nm) &&
+           (cam_is_within(u->change_nm, cfg->change_nm) ||
+            (is_off_time && cam_is_within(u->change_nm, cfg->change_off_nm)));
+}
+
+/// @return U with the set-point and the command of this tick
+static cam_u_t moved_to(const cam_u_t *u, int32_t set_q6, int32_t nm)
+{
+    const int32_t step_nm = cam_sat_sub(nm, u->nm);
+    return (cam_u_t){.home_nm = u->home_nm,
+                     .set_q6 = set_q6,
+                     .set_step_q6 = cam_sat_sub(set_q6, u->set_q6),
+                     .nm = nm,
+                     .step_nm = step_nm,
+                     .change_nm = cam_sat_sub(step_nm, u->step_nm)};
+}
+
 /// @param watched  faults that are armed
+/// @param next     U if it is accepted
 /// @return         all faults of a tick, whether armed or not
 static uint32_t faults_of(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_tick_record_t *r,
-                          const cam_motion_t *m, uint32_t watched, int32_t step_q6)
+                          const cam_motion_t *m, uint32_t watched, const cam_u_t *next)
 {
-    const cam_sense_t *in = &r->in;
-    const cam_angle_t *angle = &r->angle;
-    const cam_want_t *want = &r->want;
-    uint32_t faults = want->faults;
-    faults |= standing_encoder(g, watched, angle->is_still);
-    const int32_t off_nm = in->actual_nm[hal_axis_u] - (want->u_due_q6 >> 6);
-    if (!cam_is_within(off_nm, cfg->following_nm)) {
-        const bool is_pressing = m->u_press_q6 != 0; // on its stop, with limited force
-        if (m->is_playing || (!cam_is_within(off_nm, cfg->approach_nm) && !is_pressing)) {
-            faults |= CAM_FAULT_BIT(following_error);
-        }
-    }
-    if (!cam_is_within(want->u_set_q6, cfg->u_range_q6)) {
-        faults |= CAM_FAULT_BIT(setpoint_range);
-    }
-    if (!cam_is_within(step_q6, cfg->u_vel_q6)) {
-        faults |= CAM_FAULT_BIT(setpoint_speed);
-    }
-    const int32_t change_q6 = cam_sat_sub(step_q6, g->u_step_q6);
-    if (!cam_is_within(change_q6, cfg->u_acc_q6)) {
-        const int32_t most_q6 = angle->is_off_time ? cfg->u_acc_off_q6 : cfg->u_acc_q6;
-        if (!cam_is_within(change_q6, most_q6)) {
-            faults |= CAM_FAULT_BIT(setpoint_acceleration);
-        }
-    }
-    return faults;
+    const bool is_off_time = r->angle.is_off_time;
+    return r->want.faults | standing_encoder(g, watched, r->angle.is_still) |
+           (is_following(cfg, r, m) ? 0u : CAM_FAULT_BIT(following_error)) |
+           faults_of_setpoint(cfg, &m->u, next, is_off_time) |
+           (is_allowed(cfg, next, is_off_time) ? 0u : CAM_FAULT_BIT(command));
 }
 
 uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
@@ -132,99 +179,146 @@ bool cam_guard_holds_isr(const cam_guard_t *g, const cam_motion_t *m)
     return m->state != cam_state_off && !(m->state == cam_state_fault && is_let_go);
 }
 
-/// Replace the set-points of play by those of the retract. The drives stay enabled until it has
-/// ended, or a fault of LOST.
-static void write_retract(cam_guard_t *g, cam_tick_record_t *r, const cam_motion_t *m)
+/// @return [nm] the command of U that waits in the record
+static int32_t commanded_nm(const cam_tick_record_t *r, const cam_u_t *u)
 {
-    g->u_set_q6 = cam_sat_i32(m->axis[hal_axis_u].pos_q10 >> 4);
-    r->want.state = cam_state_fault;
-    r->want.spindle_mrpm = 0;
-    r->want.u_set_q6 = g->u_set_q6;
-    r->want.faults = g->faults;
-    r->want.outputs = cam_guard_holds_isr(g, m) ? hal_out_fault | hal_out_enable : hal_out_fault;
-    r->want.is_retracted = m->is_retracted;
+    return cam_wrap_add(r->out[hal_axis_u].pos_nm, u->home_nm);
 }
 
-/// Latch faults and enter the state fault. In this tick U continues from its last set-point with
-/// the speed and acceleration of its last step, because the new set-point is not trusted.
-static void latch(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
-                  cam_motion_t *m, uint32_t faults)
+/// Replace the command of U in the record.
+static void write_u(cam_tick_record_t *r, const cam_motion_t *m)
 {
-    const int32_t most_q10 = cfg->leave.acceleration_q10;
-    // While identifying, u_acc_q10 lacks the acceleration of the wave.
-    const int32_t acc_q10 = r->want.state == cam_state_identifying
-                                ? 0
-                                : cam_clamp_i32(g->u_acc_q10, -most_q10, most_q10);
-    const int32_t vel_q10 = cam_sat_i32((int64_t)g->u_step_q6 * 16 + acc_q10);
+    const cam_axis_motion_t *u = &m->axis[hal_axis_u];
+    r->out[hal_axis_u] = (hal_setpoint_t){.pos_nm = cam_wrap_sub(m->u.nm, m->u.home_nm),
+                                          .vel_q10 = u->vel_q10,
+                                          .acc_q10 = u->acc_q10};
+}
+
+/// Latch faults and enter the state fault. U's motion continues from its last command.
+static void latch(cam_guard_t *g, const cam_guard_config_t *cfg, cam_motion_t *m, uint32_t faults)
+{
+    const int64_t most_q10 = cfg->u.acceleration_q10;
     cam_axis_motion_t *u = &m->axis[hal_axis_u];
     *u = (cam_axis_motion_t){
-        .pos_q10 = (int64_t)g->u_set_q6 * 16 + vel_q10, .vel_q10 = vel_q10, .acc_q10 = acc_q10};
-    cam_jerk_filter_begin_isr(&m->filter[hal_axis_u], u, cfg->leave.log2_window);
+        .pos_q10 = m->u.nm * INT64_C(1024),
+        .vel_q10 = cam_sat_i32(m->u.step_nm * INT64_C(1024)),
+        .acc_q10 = (int32_t)cam_clamp_i64(m->u.change_nm * INT64_C(1024), -most_q10, most_q10)};
+    cam_jerk_filter_begin_isr(&m->filter[hal_axis_u], u, cfg->u.log2_window);
     g->faults |= faults;
     g->first_faults = g->faults;
     m->x_left_q10 = (int64_t)cam_sat_i32(m->axis[hal_axis_x].pos_q10 >> 10) * 1024; // as commanded
     m->state = cam_state_fault;
     m->is_playing = false;
     m->is_retracted = false;
-    write_retract(g, r, m);
 }
 
-/// In the ticks after a fault U retracts (in manual it brakes) while the plan moves the other axes
-/// off. The drives are disabled when all axes are at rest.
-static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
-                    cam_motion_t *m)
+/// Limit a command to the stroke. From beyond it, it may not move farther out.
+/*@ requires range: 0 <= range_nm <= 0x1000000;
+    assigns \result \from last_nm, range_nm, nm;
+    ensures place: \min(-range_nm, last_nm) <= \result <= \max(range_nm, last_nm);
+    ensures same: -range_nm <= nm <= range_nm ==> \result == nm;
+*/
+static int32_t within_stroke_nm(int32_t last_nm, int32_t range_nm, int64_t nm)
+{
+    const int32_t least_nm = last_nm < -range_nm ? last_nm : -range_nm;
+    const int32_t most_nm = last_nm > range_nm ? last_nm : range_nm;
+    return (int32_t)cam_clamp_i64(nm, least_nm, most_nm);
+}
+
+/// Move U on in state fault: it retracts, in manual it brakes. At the end of its stroke it stops.
+/// @return whether it rests there
+static bool move_off(const cam_guard_config_t *cfg, cam_motion_t *m)
 {
     cam_axis_motion_t *u = &m->axis[hal_axis_u];
     cam_jerk_filter_t *filter = &m->filter[hal_axis_u];
-    g->faults |= r->want.faults & ARMED_IN_FAULT;
-    const bool is_u_out = m->is_by_hand
-                              ? cam_jerk_filter_stop_isr(filter, u, &cfg->leave)
-                              : cam_jerk_filter_to_isr(filter, u, &cfg->leave, cfg->u_retract_q10);
+    const bool is_out = m->is_by_hand
+                            ? cam_jerk_filter_stop_isr(filter, u, &cfg->u)
+                            : cam_jerk_filter_to_isr(filter, u, &cfg->u, cfg->u_retract_q10);
+    const int64_t moved_nm = u->pos_q10 >> 10;
+    const int32_t nm = within_stroke_nm(m->u.nm, cfg->range_nm, moved_nm);
+    if (nm != moved_nm) {
+        *u = (cam_axis_motion_t){.pos_q10 = nm * INT64_C(1024)};
+        cam_jerk_filter_begin_isr(filter, u, cfg->u.log2_window);
+    }
+    m->u = moved_to(&m->u, nm * 64, nm);
+    return is_out;
+}
+
+/// Replace what play and command want by the retract. The drives stay enabled until it has ended,
+/// or a fault of LOST.
+static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
+                    cam_motion_t *m)
+{
+    cam_want_t *want = &r->want;
+    const bool is_u_out = move_off(cfg, m);
     m->is_retracted = m->is_retracted || (is_u_out && m->is_clear);
-    write_retract(g, r, m);
+    want->state = cam_state_fault;
+    want->spindle_mrpm = 0;
+    want->u_set_q6 = m->u.set_q6;
+    want->faults = g->faults;
+    want->outputs = cam_guard_holds_isr(g, m) ? hal_out_fault | hal_out_enable : hal_out_fault;
+    want->is_retracted = m->is_retracted;
+    write_u(r, m);
+}
+
+/// In off set-points and command follow U, within its stroke, and no fault is latched.
+static void follow(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
+                   cam_motion_t *m)
+{
+    cam_want_t *want = &r->want;
+    m->u = (cam_u_t){
+        .home_nm = m->u.home_nm,
+        .set_q6 = want->u_set_q6,
+        .nm = cam_clamp_i32(commanded_nm(r, &m->u), -cfg->range_nm, cfg->range_nm),
+    };
+    g->faults = 0;
+    g->counted = 0;
+    g->n_stopped = 0;
+    want->faults = 0;
+    want->outputs = 0;
+    want->is_retracted = true;
+    write_u(r, m);
+}
+
+/// @return whether the command of the tick was accepted; otherwise the state is fault
+static bool accept(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
+                   cam_motion_t *m)
+{
+    cam_want_t *want = &r->want;
+    const uint32_t watched = armed[want->state];
+    const cam_u_t next = moved_to(&m->u, want->u_set_q6, commanded_nm(r, &m->u));
+    const uint32_t faults = faults_of(g, cfg, r, m, watched, &next) & watched;
+    if (faults != 0u) {
+        latch(g, cfg, m, faults);
+        return false;
+    }
+    m->u = next;
+    want->faults = 0;
+    want->outputs = (watched & IN_CUT) != 0u ? hal_out_enable | hal_out_in_cut : hal_out_enable;
+    want->is_retracted = false;
+    return true;
 }
 
 void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
                         cam_motion_t *m)
 {
     cam_want_t *want = &r->want;
-    const uint32_t watched = armed[want->state];
-    if (want->state == cam_state_off) { // set-points follow the axes, and no fault is latched
-        g->u_set_q6 = want->u_set_q6;
-        g->u_step_q6 = 0;
-        g->u_acc_q10 = 0;
-        g->faults = 0;
-        g->counted = 0;
-        g->n_stopped = 0;
-        want->faults = 0;
-        want->outputs = 0;
-        want->is_retracted = true;
+    const uint32_t home_q6 = 64u * (uint32_t)m->u.home_nm;
+    g->n_history++;
+    int32_t *newest_q6 = &g->history_q6[g->n_history % cam_guard_history];
+    *newest_q6 = (int32_t)((uint32_t)want->u_set_q6 - home_q6);
+    want->u_due_q6 = due_q6(g, cfg, home_q6);
+    if (want->state == cam_state_off) {
+        follow(g, cfg, r, m);
         return;
     }
     if (want->state == cam_state_fault) {
-        retract(g, cfg, r, m);
+        g->faults |= want->faults & ARMED_IN_FAULT;
+    } else if (accept(g, cfg, r, m)) {
         return;
+    } else {
+        // refused: U retracts from this tick on
     }
-    const int32_t step_q6 = cam_sat_sub(want->u_set_q6, g->u_set_q6);
-    const uint32_t faults = faults_of(g, cfg, r, m, watched, step_q6) & watched;
-    if (faults != 0u) {
-        latch(g, cfg, r, m, faults);
-        return;
-    }
-    g->u_set_q6 = want->u_set_q6;
-    g->u_step_q6 = step_q6;
-    g->u_acc_q10 = m->axis[hal_axis_u].acc_q10;
-    want->faults = 0;
-    want->outputs = (watched & IN_CUT) != 0u ? hal_out_enable | hal_out_in_cut : hal_out_enable;
-    want->is_retracted = false;
-}
-
-void cam_guard_refuse_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
-                          cam_motion_t *m)
-{
-    if (m->state != cam_state_fault) {
-        latch(g, cfg, r, m, CAM_FAULT_BIT(command));
-    }
-    g->faults |= CAM_FAULT_BIT(command);
-    r->want.faults = g->faults;
+    retract(g, cfg, r, m);
+    *newest_q6 = (int32_t)((uint32_t)want->u_set_q6 - home_q6);
 }

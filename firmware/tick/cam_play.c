@@ -7,7 +7,7 @@
 
 /// Evaluate U with its velocity and acceleration: derivatives per knot times knots per tick. The
 /// slow change of envelope, amplitude and height is neglected (a skirt: 1e-6 of the speed). A value
-/// that overflows its word is a fault of this tick, and the guard writes its own set-point instead.
+/// that overflows its word is a fault of this tick.
 /// @return [nm / 64] U
 static int32_t surface(cam_motion_t *m, const cam_play_config_t *cfg, int32_t speed_q32,
                        uint32_t theta_q32)
@@ -46,16 +46,10 @@ static void advance_all(cam_motion_t *m)
     m->height_q32 = cam_wrap_add_i64(m->height_q32, m->height_step_q32);
 }
 
-/// Evaluate U at the spindle's angle. In the tick of a fault, U repeats its last step.
+/// Evaluate U at the spindle's angle.
 /// @return [nm / 64] U
-static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
-                          cam_motion_t *m, uint32_t faults)
+static int32_t play_table(const cam_play_config_t *cfg, const cam_angle_t *angle, cam_motion_t *m)
 {
-    if (faults != 0u) {
-        const int32_t last_q6 = p->history_q6[p->n_history % cam_play_history];
-        const int32_t before_q6 = p->history_q6[(p->n_history - 1u) % cam_play_history];
-        return cam_sat_add(last_q6, cam_sat_sub(last_q6, before_q6));
-    }
     const uint32_t even_q32 = cam_angle_of_pos(cam_angle_ahead(angle, cfg->lead_q16));
     const cam_learned_place_t at = cam_learned_place(even_q32);
     const uint32_t angle_q32 = even_q32 + cam_learned_turn_q32(cfg->d, at);
@@ -244,25 +238,6 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
     return 0;
 }
 
-/// @return [nm / 64] what U's scale should show now: the set-point of one lead plus the scale's
-/// latency ago, interpolated between two ticks. It wraps only in off, without a following error
-static int32_t due_q6(cam_play_t *p, const cam_play_config_t *cfg)
-{
-    const int32_t a_q6 = p->history_q6[(p->n_history - cfg->due_ticks) % cam_play_history];
-    const int32_t b_q6 = p->due_q6;
-    p->due_q6 = a_q6;
-    const uint32_t twice_q6 = 2u * ((uint32_t)b_q6 - (uint32_t)a_q6);
-    return cam_mulhi_add(a_q6, (int32_t)twice_q6, cfg->due_part_q31);
-}
-
-void cam_play_shift_isr(cam_play_t *p, int32_t by_q6)
-{
-    for (uint32_t i = 0; i < cam_play_history; i++) {
-        p->history_q6[i] = cam_sat_add(p->history_q6[i], by_q6);
-    }
-    p->due_q6 = cam_sat_add(p->due_q6, by_q6);
-}
-
 void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, cam_tick_record_t *r,
                        cam_motion_t *m)
 {
@@ -277,7 +252,7 @@ void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, cam_tick_rec
         }
         const int32_t z_nm = (int32_t)(m->axis[hal_axis_z].pos_q10 >> 10);
         want->z_nm = cam_sat_sub(cam_sat_sub(z_nm, cfg->z_origin_nm), m->lag_q4 >> 4);
-        want->u_set_q6 = play_table(p, cfg, &r->angle, m, want->faults);
+        want->u_set_q6 = play_table(cfg, &r->angle, m);
     } else {
         if (is_new) {
             want->faults |= obey(p, cfg, in->request, want->faults, m);
@@ -285,9 +260,6 @@ void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, cam_tick_rec
         want->z_nm = cam_sat_sub(in->actual_nm[hal_axis_z], cfg->z_origin_nm);
         want->u_set_q6 = move_u(p, cfg, in, m);
     }
-    p->n_history++;
-    p->history_q6[p->n_history % cam_play_history] = want->u_set_q6;
-    want->u_due_q6 = due_q6(p, cfg);
     want->state = m->state;
     want->spindle_mrpm = m->spindle_mrpm;
 }

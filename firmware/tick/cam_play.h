@@ -22,19 +22,12 @@
 #include "cam_config.h" // cam_play_config_t
 #include "cam_excite.h" // cam_excite_t
 #include "cam_record.h" // cam_sense_t, cam_motion_t
-#include <stdint.h>     // int32_t, uint32_t
-
-enum {
-    cam_play_history = 64, ///< ticks of U kept for the following error; a power of two
-};
+#include <stdint.h>     // uint32_t
 
 /// State; zero-initialised: no request carried out.
 typedef struct {
-    uint32_t request;                     ///< serial number of the last one carried out
-    uint32_t n_history;                   ///< ticks
-    int32_t due_q6;                       ///< [nm / 64] set-point looked up last
-    int32_t history_q6[cam_play_history]; ///< [nm / 64] U set-points
-    cam_excite_t excite;                  ///< in the state identifying
+    uint32_t request;    ///< serial number of the last one carried out
+    cam_excite_t excite; ///< in the state identifying
 } cam_play_t;
 
 /// One tick of the sequence, constant time in each state.
@@ -43,9 +36,5 @@ typedef struct {
 /// @param m    set-points, advanced by one tick
 void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, cam_tick_record_t *r,
                        cam_motion_t *m);
-
-/// Shift the set-points of U that are still due, because U's origin shifts after this tick.
-/// @param by_q6  [nm / 64]
-void cam_play_shift_isr(cam_play_t *p, int32_t by_q6);
 
 #endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_tick.h"
 #include "cam_fence.h" // cam_fence_release_isr
-#include "cam_fix.h"   // cam_clamp_i32
+#include "cam_fix.h"   // cam_wrap_add
 #include "hal/hal.h"   // all reads and writes
 
 cam_t g_cam;
@@ -35,7 +35,7 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
     hal_encoder_read_isr(&in->encoder);
     in->swing_q32 = hal_swing_read_q32_isr();
     in->inputs = hal_inputs_read_isr();
-    sense_axis(in, hal_axis_u, cam_wrap_add(hal_axis_read_nm_isr(hal_axis_u), c->motion.u_home_nm));
+    sense_axis(in, hal_axis_u, cam_wrap_add(hal_axis_read_nm_isr(hal_axis_u), c->motion.u.home_nm));
     sense_axis(in, hal_axis_x, hal_axis_read_nm_isr(hal_axis_x));
     sense_axis(in, hal_axis_z, hal_axis_read_nm_isr(hal_axis_z));
     in->request = atomic_load_explicit(&c->request, CAM_ORDER_ACQUIRE);
@@ -49,7 +49,7 @@ static void force_u(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
     const bool is_on = cam_guard_holds_isr(&c->guard, &c->motion);
     c->motion.u_press_q6 = is_on ? c->motion.u_press_q6 : 0;
     c->force.servo.most_q6 = c->motion.u_press_q6;
-    cam_force_step_isr(&c->force, &cfg->force, r, c->command.u.nm, is_on, &c->motion);
+    cam_force_step_isr(&c->force, &cfg->force, r, is_on, &c->motion);
 }
 
 /// Supervise U. Its faults take effect in this tick.
@@ -68,17 +68,14 @@ static __attribute__((noinline)) void servo_isr(cam_t *c, const cam_config_t *cf
     watch_u(c, cfg, r);
 }
 
-/// Observe, play, guard, command. A refused command raises the fault `command` in the same tick.
+/// Observe, play, command, guard.
 static void decide_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     r->config = cfg->generation;
     cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->motion.alpha_q40, &r->angle);
     cam_play_step_isr(&c->play, &cfg->play, r, &c->motion);
+    cam_axis_command_isr(&cfg->command, r, &c->motion);
     cam_guard_step_isr(&c->guard, &cfg->guard, r, &c->motion);
-    if (!cam_axis_command_isr(&c->command, &cfg->command, r, &c->motion)) {
-        cam_guard_refuse_isr(&c->guard, &cfg->guard, r, &c->motion);
-        cam_axis_command_nearest_isr(&c->command, &cfg->command, r, &c->motion);
-    }
 }
 
 static void actuate_isr(cam_t *c, const cam_tick_record_t *r)
@@ -94,21 +91,14 @@ static void actuate_isr(cam_t *c, const cam_tick_record_t *r)
     hal_spindle_write_isr(r->want.spindle_mrpm);
 }
 
-/// Plan the axes: in manual jog them, otherwise follow the table or position them. Finding U's home
-/// in manual shifts U's origin, and with it every position of U by the same amount.
+/// Plan the axes: in manual jog them, otherwise follow the table or position them.
 static void plan_by_state(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
 {
-    if (c->motion.state != cam_state_manual) {
+    if (c->motion.state == cam_state_manual) {
+        cam_jog_isr(&c->jog, &cfg->play, r, &c->motion);
+    } else {
         cam_jog_idle_isr(&c->jog, &cfg->play, r);
         cam_plan_isr(&c->plan, &cfg->play, r, &c->motion);
-        return;
-    }
-    const int32_t by_nm = cam_jog_isr(&c->jog, &cfg->play, r, &c->motion);
-    if (by_nm != 0) {
-        cam_play_shift_isr(&c->play, by_nm * 64);
-        cam_force_shift_isr(&c->force, by_nm);
-        c->guard.u_set_q6 = cam_sat_add(c->guard.u_set_q6, by_nm * 64);
-        c->command.u.nm = cam_clamp_i32(c->command.u.nm + by_nm, -(1 << 25), (1 << 25) - 1);
     }
 }
 
@@ -129,7 +119,7 @@ static __attribute__((noinline)) void plan_isr(cam_t *c, const cam_config_t *cfg
     }
     plan_by_state(c, cfg, r);
     m->was_off = false;
-    faults |= cam_axis_command_plan_isr(&c->command, &cfg->command, m, before);
+    faults |= cam_axis_command_plan_isr(&cfg->command, m, before);
     faults |= cam_guard_plan_isr(&c->guard, &cfg->guard, r);
     cam_turn_bins_plan_isr(&c->bins, r, m);
     cam_acknowledge_isr(&c->acknowledge, &cfg->play.acknowledge, r, m);
@@ -166,7 +156,7 @@ void cam_tick_isr(cam_t *c)
     if (cfg->force.is_used) {
         servo_isr(c, cfg, r); // the position loop of U, for the set-point of the last tick
     }
-    decide_isr(c, cfg, r); // observe -> play -> guard -> command
+    decide_isr(c, cfg, r); // observe -> play -> command -> guard
     actuate_isr(c, r);     // all other writes to the machine
     if (--c->until_plan <= 0) {
         plan_isr(c, cfg, r);

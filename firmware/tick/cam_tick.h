@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_tick: the interrupt, once per tick.
 ///
-///     sense -> force of U -> observe -> play -> guard -> command -> actuate -> publish
+///     sense -> [force of U] -> observe -> play -> command -> guard -> actuate -> [plan] -> publish
 ///
-/// Every n-th tick also runs the plan (cam_plan.h) before it publishes. Only sense reads from the
+/// Every n-th tick runs the plan (cam_plan.h). Only sense reads from the
 /// HAL, and only actuate writes to it, with one exception: where U takes forces, its position loop
 /// runs right after sense on the set-point of the last tick, because each microsecond between the
 /// latch of the scale and the force costs stiffness (cam_force.h). The tick owns the set-points
-/// (cam_motion_t): play advances them, the guard checks them and replaces U's in a fault, command
-/// turns them into axis commands, and the plan writes their increments. All state is one struct: a
+/// (cam_motion_t): play advances them, command makes axis commands of them, the guard accepts these
+/// or brakes U, and the plan writes their increments. All state is one struct: a
 /// test can run several controllers.
 #ifndef CAM_TICK_H
 #define CAM_TICK_H
@@ -23,7 +23,7 @@
 #include "cam_play.h"         // cam_play_t
 #include "cam_record.h"       // cam_motion_t, cam_tick_record_t
 #include "cam_spindle.h"      // cam_spindle_t
-#include "cam_axis_command.h" // cam_axis_command_t
+#include "cam_axis_command.h" // cam_axis_command_isr
 #include "cam_trace.h"        // cam_trace_t
 #include <stdatomic.h>        // request, status sequence
 #include <stdint.h>           // int32_t, int64_t, uint32_t
@@ -34,7 +34,6 @@ typedef struct {
     cam_spindle_t spindle;
     cam_play_t play;
     cam_guard_t guard;
-    cam_axis_command_t command;
     cam_force_t force;   ///< where U takes forces
     cam_motion_t motion; ///< set-points and their increments
     cam_plan_t plan;
