@@ -7,7 +7,6 @@
 #include "cam_derived_limits.h" // cam_derived_limits_jump_counts
 #include "cam_fix.h"            // cam_sat_i32
 #include "cam_plan.h"           // cam_plan_ticks
-#include "cam_trace.h"          // cam_trace_capacity
 #include "cam_units.h"          // cam_units_ticks_of_ns
 #include "cam_feed_profile.h"   // cam_feed_profile_z_last_nm
 #include "hal/hal.h"            // hal_has_edge_time
@@ -362,7 +361,6 @@ cam_refusal_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     config->force.travel_nm = params->u_stroke_nm / 2 + config->guard.approach_nm;
     config->play.u_retract_q10 = retract_q10(params, table, &config->guard.u);
     config->guard.u_retract_q10 = config->play.u_retract_q10;
-    config->trace_room = params->trace_on != 0 ? (uint32_t)cam_trace_capacity : 0u;
     return refusal;
 }
 

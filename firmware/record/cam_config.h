@@ -264,7 +264,6 @@ typedef struct {
     cam_guard_config_t guard;
     cam_axis_command_config_t command;
     cam_table_t table;   ///< play.table points here
-    uint32_t trace_room; ///< [records] of the trace ring that may wait for their reader
     uint32_t generation; ///< rises with every hand-over
     cam_learned_t learned;
 } cam_config_t;

@@ -50,7 +50,7 @@ typedef struct {
     int32_t speed_q32;     ///< [turn / 2^32 per tick]
     bool is_off_time;      ///< this tick or the last one was visibly off its time
     bool is_synced;        ///< the angle is known
-    bool is_still;         ///< the encoder should have advanced and did not
+    bool has_stopped;      ///< by this tick the encoder should have advanced, and did not
     uint32_t faults;       ///< late_tick, encoder_jump
 } cam_angle_t;
 

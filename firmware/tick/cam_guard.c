@@ -73,16 +73,6 @@ uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
            (speed_q32 > cfg->overspeed_q32 ? CAM_FAULT_BIT(overspeed) : 0u);
 }
 
-/// Once the encoder has advanced in the work, it must not stand.
-/// @return spindle_stopped or none
-static uint32_t standing_encoder(cam_guard_t *g, uint32_t watched, bool is_still)
-{
-    const bool is_in_work = (watched & CAM_FAULT_BIT(reverse)) != 0u;
-    const bool has_stopped = g->is_going && is_in_work && is_still;
-    g->is_going = is_in_work && !is_still;
-    return has_stopped ? CAM_FAULT_BIT(spindle_stopped) : 0u;
-}
-
 /// @return [nm / 64] what U's scale should show now: the set-point of one lead plus the scale's
 /// latency ago, interpolated between two ticks. It wraps only in off, without a following error
 static int32_t due_q6(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t home_q6)
@@ -95,27 +85,39 @@ static int32_t due_q6(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t ho
     return cam_mulhi_add(due_q6, (int32_t)twice_q6, cfg->due_part_q31);
 }
 
-/// @return whether U is where it should be measured now. A motion by time has a limit of its own;
-///         U may press on its stop, with limited force
-static bool is_following(const cam_guard_config_t *cfg, const cam_tick_record_t *r,
-                         const cam_motion_t *m)
+/// @return following_error or none. A motion by time has a limit of its own; U may press on its
+///         stop, with limited force
+static uint32_t faults_of_following(const cam_guard_config_t *cfg, const cam_tick_record_t *r,
+                                    const cam_motion_t *m)
 {
     const int32_t off_nm = cam_wrap_sub(r->in.actual_nm[hal_axis_u], r->want.u_due_q6 >> 6);
-    return cam_is_within(off_nm, cfg->following_nm) ||
-           (!m->is_playing && (m->u_press_q6 != 0 || cam_is_within(off_nm, cfg->approach_nm)));
+    if (cam_is_within(off_nm, cfg->following_nm)) {
+        return 0;
+    }
+    const bool is_pressing = m->u_press_q6 != 0;
+    const bool is_near = is_pressing || cam_is_within(off_nm, cfg->approach_nm);
+    return is_near && !m->is_playing ? 0u : CAM_FAULT_BIT(following_error);
 }
 
-/// Accept a set-point exactly if position, step and change of step are within their limits.
-/// @return faults of the set-point
+/// @return faults of the set-point: beyond its limits are position, step or change of step
 static uint32_t faults_of_setpoint(const cam_guard_config_t *cfg, const cam_u_t *last,
                                    const cam_u_t *next, bool is_off_time)
 {
     const int32_t change_q6 = cam_sat_sub(next->set_step_q6, last->set_step_q6);
-    const bool is_bent = !cam_is_within(change_q6, cfg->u_acc_q6) &&
-                         !(is_off_time && cam_is_within(change_q6, cfg->u_acc_off_q6));
-    return (cam_is_within(next->set_q6 >> 6, cfg->range_nm) ? 0u : CAM_FAULT_BIT(setpoint_range)) |
-           (cam_is_within(next->set_step_q6, cfg->u_vel_q6) ? 0u : CAM_FAULT_BIT(setpoint_speed)) |
-           (is_bent ? CAM_FAULT_BIT(setpoint_acceleration) : 0u);
+    uint32_t faults = 0;
+    if (!cam_is_within(next->set_q6 >> 6, cfg->range_nm)) {
+        faults |= CAM_FAULT_BIT(setpoint_range);
+    }
+    if (!cam_is_within(next->set_step_q6, cfg->u_vel_q6)) {
+        faults |= CAM_FAULT_BIT(setpoint_speed);
+    }
+    if (!cam_is_within(change_q6, cfg->u_acc_q6)) {
+        const int32_t most_q6 = is_off_time ? cfg->u_acc_off_q6 : cfg->u_acc_q6;
+        if (!cam_is_within(change_q6, most_q6)) {
+            faults |= CAM_FAULT_BIT(setpoint_acceleration);
+        }
+    }
+    return faults;
 }
 
 /*@ predicate cam_limits(cam_guard_config_t *cfg) = 0 <= cfg->range_nm <= 0x1000000 &&
@@ -150,17 +152,21 @@ static cam_u_t moved_to(const cam_u_t *u, int32_t set_q6, int32_t nm)
                      .change_nm = cam_sat_sub(step_nm, u->step_nm)};
 }
 
-/// @param watched  faults that are armed
-/// @param next     U if it is accepted
-/// @return         all faults of a tick, whether armed or not
-static uint32_t faults_of(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_tick_record_t *r,
-                          const cam_motion_t *m, uint32_t watched, const cam_u_t *next)
+/// @param next  U if it is accepted
+/// @return      all faults of a tick, whether armed or not
+static uint32_t faults_of(const cam_guard_config_t *cfg, const cam_tick_record_t *r,
+                          const cam_motion_t *m, const cam_u_t *next)
 {
     const bool is_off_time = r->angle.is_off_time;
-    return r->want.faults | standing_encoder(g, watched, r->angle.is_still) |
-           (is_following(cfg, r, m) ? 0u : CAM_FAULT_BIT(following_error)) |
-           faults_of_setpoint(cfg, &m->u, next, is_off_time) |
-           (is_allowed(cfg, next, is_off_time) ? 0u : CAM_FAULT_BIT(command));
+    uint32_t faults = r->want.faults | faults_of_following(cfg, r, m) |
+                      faults_of_setpoint(cfg, &m->u, next, is_off_time);
+    if (r->angle.has_stopped && cam_state_is_in_work(r->want.state)) {
+        faults |= CAM_FAULT_BIT(spindle_stopped);
+    }
+    if (!is_allowed(cfg, next, is_off_time)) {
+        faults |= CAM_FAULT_BIT(command);
+    }
+    return faults;
 }
 
 uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
@@ -287,7 +293,7 @@ static bool accept(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_recor
     cam_want_t *want = &r->want;
     const uint32_t watched = armed[want->state];
     const cam_u_t next = moved_to(&m->u, want->u_set_q6, commanded_nm(r, &m->u));
-    const uint32_t faults = faults_of(g, cfg, r, m, watched, &next) & watched;
+    const uint32_t faults = faults_of(cfg, r, m, &next) & watched;
     if (faults != 0u) {
         latch(g, cfg, m, faults);
         return false;

@@ -36,7 +36,6 @@ typedef struct {
     uint32_t first_faults;                 ///< faults that caused the last entry into state fault
     uint32_t count[cam_guard_count_bits];  ///< times latched, cam_guard_count()
     uint32_t n_stopped;                    ///< [ticks] without rotation
-    bool is_going;                         ///< in the work, and the encoder has advanced
     uint32_t n_history;                    ///< ticks
     int32_t due_q6;                        ///< [nm / 64] set-point looked up last
     int32_t history_q6[cam_guard_history]; ///< [nm / 64] set-points of U in port coordinates,

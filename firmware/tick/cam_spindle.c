@@ -74,9 +74,9 @@ static int32_t travel_off_time(int32_t travel_q32, int32_t off_q27)
 
 /// @param moved      [counts] in this tick
 /// @param going_q32  [turn / 2^32] travel of this tick at the speed of the last advance
-/// @return whether the encoder should have advanced since then
-static bool is_still(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t moved,
-                     int32_t going_q32)
+/// @return whether the encoder should have advanced by now, once in each stop
+static bool has_stopped(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t moved,
+                        int32_t going_q32)
 {
     const int32_t ahead = cam_sat_add(moved, s->behind);
     if (ahead > 0) {
@@ -86,8 +86,9 @@ static bool is_still(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t 
         return false;
     }
     s->behind = ahead > -cfg->still_counts ? ahead : -cfg->still_counts;
+    const bool was_still = s->still_q32 > cfg->still_q32;
     s->still_q32 = cam_sat_add(s->still_q32, going_q32);
-    return s->still_q32 > cfg->still_q32;
+    return !was_still && s->still_q32 > cfg->still_q32;
 }
 
 /// Take the counts of this tick. If they differ too far from the predicted travel they are a fault
@@ -168,7 +169,7 @@ void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, con
         going_q32 = travel_off_time(going_q32, off_q27);
     }
     faults |= take_counts(s, cfg, sensed_counts(cfg, in->encoder.counts), travel_q32);
-    angle->is_still = is_still(s, cfg, cam_wrap_diff(s->counts, before), going_q32);
+    angle->has_stopped = has_stopped(s, cfg, cam_wrap_diff(s->counts, before), going_q32);
     const uint32_t raw_q32 = observed_q32(s, cfg, in);
     const uint32_t learned_q32 = cam_learned_turn_q32(cfg->dm, cam_learned_place(raw_q32));
     track(s, cfg, raw_q32 - learned_q32, travel_q32, alpha_q40);

@@ -8,8 +8,9 @@
 /// A tick off its time by more than a sixteenth of a period is evaluated at its time stamp, so a
 /// late tick causes no angle error.
 ///
-/// An encoder that stands still, or only dithers, while the spindle turns shows in is_still: at the
-/// speed of its last advance the spindle would have gone on by more than `still_q32` since then.
+/// An encoder that stands still, or only dithers, while the spindle turns shows in has_stopped: in
+/// this tick the spindle, at the speed of its last advance, would have gone on by more than
+/// `still_q32` since then.
 ///
 /// Errors of the observer, MATHS.md (52), (53), with bandwidth f_o (poles near w_o = 2 pi f_o):
 ///   constant speed           mean 0; quantisation ripple below half a count

@@ -1,44 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_status.h"
-#include <stddef.h> // NULL, size_t
-
-/// A word of any structure.
-typedef uint32_t __attribute__((may_alias)) any_word_t;
-
-/// Copy words that the interrupt may be writing; such a copy is discarded. C11 calls this a race
-/// because the words are not atomic, which would cost time in every tick. Volatile makes the
-/// compiler read each word exactly once.
-__attribute__((noinline, no_sanitize("thread"))) static void copy_words(void *to, const void *from,
-                                                                        size_t n_bytes)
-{
-    any_word_t *words = to;                   // MISRA D20
-    const volatile any_word_t *shared = from; // MISRA D20
-    for (size_t i = 0; i < n_bytes / sizeof *words; i++) {
-        words[i] = shared[i];
-    }
-}
 
 #define COPY(to, from)                                                                             \
     do {                                                                                           \
         _Static_assert(sizeof(to) == sizeof(from) && sizeof(to) % sizeof(uint32_t) == 0u,          \
                        "words");                                                                   \
-        copy_words(&(to), &(from), sizeof(to));                                                    \
+        cam_trace_copy(&(to), &(from), sizeof(to));                                                \
     } while (false)
 
-/// If n ticks have ended before the copy, and number n - 1 is still the newest that has begun after
-/// it, no tick was in progress meanwhile.
+/// If as many ticks have begun after the copy as had ended before it, none was in progress.
 void cam_status_moment(const cam_t *c, cam_moment_t *now)
 {
+    const cam_trace_t *t = &c->trace;
     uint32_t n_ended = 0;
-    uint32_t begun = 0;
+    uint32_t n_begun = 0;
     do {
-        n_ended = atomic_load_explicit(&c->n_ticks, memory_order_acquire);
-        const cam_tick_record_t *newest = atomic_load_explicit(&c->newest, memory_order_acquire);
-        if (newest == NULL) {
-            *now = (cam_moment_t){.record.want.state = cam_state_off};
-            return;
-        }
-        COPY(now->record, *newest);
+        n_ended = atomic_load_explicit(&t->n_written, memory_order_acquire);
+        COPY(now->record, *cam_trace_newest(t));
         COPY(now->spindle, c->spindle);
         COPY(now->motion, c->motion);
         COPY(now->guard, c->guard);
@@ -46,8 +24,8 @@ void cam_status_moment(const cam_t *c, cam_moment_t *now)
         COPY(now->acknowledge, c->acknowledge);
         COPY(now->plan, c->plan);
         atomic_thread_fence(memory_order_acquire);
-        begun = atomic_load_explicit(&c->n_begun, memory_order_relaxed);
-    } while (begun + 1u != n_ended);
+        n_begun = atomic_load_explicit(&t->n_begun, memory_order_relaxed);
+    } while (n_begun != n_ended);
 }
 
 cam_status_t cam_status_read(const cam_t *c)

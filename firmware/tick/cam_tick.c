@@ -6,17 +6,6 @@
 
 cam_t g_cam;
 
-/// Number the tick and take the next record of the trace ring. A reader that sees anything this
-/// tick writes also sees that the tick has begun.
-static cam_tick_record_t *begin_isr(cam_t *c, const cam_config_t *cfg)
-{
-    cam_tick_record_t *r = cam_trace_slot_isr(&c->trace, cfg->trace_room);
-    r->tick = atomic_load_explicit(&c->n_ticks, memory_order_relaxed);
-    atomic_store_explicit(&c->n_begun, r->tick, memory_order_relaxed);
-    cam_fence_release_isr();
-    return r;
-}
-
 /// Take a measured position. Beyond cam_sense_most_nm it is clamped, and the drives are reported as
 /// not ready.
 static void sense_axis(cam_sense_t *in, hal_axis_t axis, int32_t nm)
@@ -126,14 +115,11 @@ static __attribute__((noinline)) void plan_isr(cam_t *c, const cam_config_t *cfg
     m->faults |= faults;
 }
 
-/// The slow side reads the record, which stays unchanged for at least two ticks.
-static void publish_isr(cam_t *c, const cam_tick_record_t *r)
+static void publish_isr(cam_t *c, cam_tick_record_t *r)
 {
     cam_turn_bins_add_isr(&c->bins, r);
-    cam_fence_release_isr(); // the record is complete before all three words that refer to it
-    cam_trace_commit_isr(&c->trace);
-    atomic_store_explicit(&c->newest, r, CAM_ORDER_RELEASE);
-    atomic_store_explicit(&c->n_ticks, r->tick + 1u, CAM_ORDER_RELEASE);
+    cam_fence_release_isr(); // the record is complete before the number that hands it over
+    cam_trace_commit_isr(&c->trace, r);
 }
 
 void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
@@ -151,8 +137,8 @@ void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 void cam_tick_isr(cam_t *c)
 {
     const cam_config_t *cfg = cam_config_take_isr(&c->config);
-    cam_tick_record_t *r = begin_isr(c, cfg); // next record of the trace ring
-    sense_isr(c, &r->in);                     // the only reads from the machine
+    cam_tick_record_t *r = cam_trace_begin_isr(&c->trace);
+    sense_isr(c, &r->in); // the only reads from the machine
     if (cfg->force.is_used) {
         servo_isr(c, cfg, r); // the position loop of U, for the set-point of the last tick
     }

@@ -25,7 +25,7 @@
 #include "cam_spindle.h"      // cam_spindle_t
 #include "cam_axis_command.h" // cam_axis_command_isr
 #include "cam_trace.h"        // cam_trace_t
-#include <stdatomic.h>        // request, status sequence
+#include <stdatomic.h>        // request
 #include <stdint.h>           // int32_t, int64_t, uint32_t
 
 /// The controller as the interrupt sees it.
@@ -39,10 +39,7 @@ typedef struct {
     cam_plan_t plan;
     cam_jog_t jog;
     cam_acknowledge_t acknowledge;
-    int32_t until_plan;                      ///< [ticks] to the next plan, that tick included
-    const cam_tick_record_t *_Atomic newest; ///< NULL before the first tick
-    _Atomic uint32_t n_ticks;                ///< ticks that are complete; wraps
-    _Atomic uint32_t n_begun;                ///< number of the newest tick that has begun
+    int32_t until_plan; ///< [ticks] to the next plan, that tick included
     // interrupt reads
     _Atomic uint32_t request; ///< serial number << 8 | cam_request_t
     cam_config_bank_t config; ///< slow side writes the half that is not in use

@@ -78,8 +78,7 @@ static inline void sim_firmware_tick(sim_firmware_t *f)
 {
     hal_host_tick();
     // No tick is in progress here, so the record need not be copied.
-    const cam_tick_record_t *r =
-        atomic_load_explicit(&f->machine.core->newest, memory_order_relaxed);
+    const cam_tick_record_t *r = cam_trace_newest(&f->machine.core->trace);
     f->tick = r->tick;
     f->state = r->want.state;
     f->following_nm = cam_wrap_sub(r->in.actual_nm[hal_axis_u], r->want.u_due_q6 >> 6);

@@ -64,7 +64,7 @@ static void break_u(void)
     hal_host_fault_drive(true);
     hal_host.in.axis_nm[hal_axis_u] += 1 << 24;
     hal_host.in.swing_q32 += 1 << 30;
-    g_cam.guard.u_set_q6 += 1 << 24;
+    g_cam.motion.u.set_q6 += 1 << 24;
 }
 
 /// What the plan finds wrong: Z is off its place, the swing does not follow.

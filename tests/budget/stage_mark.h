@@ -17,8 +17,8 @@ typedef enum {
     stage_sense,   ///< configuration and record taken, all reads
     stage_angle,   ///< counts and index -> angle and speed
     stage_play,    ///< sequence, set-points
+    stage_command, ///< set-points as the drives want them
     stage_guard,   ///< limits, faults, retract
-    stage_command, ///< set-points as the drives want them, last limits
     stage_actuate, ///< all writes
     stage_plan,    ///< every n-th tick: what changes slowly
     stage_publish, ///< learning, trace and status, the interrupt's end
@@ -32,8 +32,8 @@ void stage_mark(stage_t stage);
 #define cam_spindle_step_isr(...)                                                                  \
     (stage_mark(stage_sense), cam_spindle_step_isr(__VA_ARGS__), stage_mark(stage_angle))
 #define cam_play_step_isr(...) (cam_play_step_isr(__VA_ARGS__), stage_mark(stage_play))
-#define cam_guard_step_isr(...) (cam_guard_step_isr(__VA_ARGS__), stage_mark(stage_guard))
-#define hal_outputs_write_isr(...) (stage_mark(stage_command), hal_outputs_write_isr(__VA_ARGS__))
+#define cam_axis_command_isr(...) (cam_axis_command_isr(__VA_ARGS__), stage_mark(stage_command))
+#define hal_outputs_write_isr(...) (stage_mark(stage_guard), hal_outputs_write_isr(__VA_ARGS__))
 #define hal_spindle_write_isr(...) (hal_spindle_write_isr(__VA_ARGS__), stage_mark(stage_actuate))
 #define cam_turn_bins_add_isr(...) (stage_mark(stage_plan), cam_turn_bins_add_isr(__VA_ARGS__))
 #endif

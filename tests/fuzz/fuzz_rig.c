@@ -54,7 +54,7 @@ uint32_t fuzz_rig_hz(uint32_t rate)
 
 const cam_tick_record_t *fuzz_rig_record(void)
 {
-    return atomic_load_explicit(&g_cam.newest, memory_order_relaxed);
+    return cam_trace_newest(&g_cam.trace);
 }
 
 cam_state_t fuzz_rig_state(void)

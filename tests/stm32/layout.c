@@ -10,7 +10,6 @@
 const uint32_t layout[] = {
     offsetof(cam_t, trace.ring),
     offsetof(cam_t, trace.n_written),
-    offsetof(cam_t, trace.n_dropped),
     cam_trace_capacity,
     sizeof(cam_tick_record_t),
     IN_RECORD(tick),

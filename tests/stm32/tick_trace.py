@@ -12,7 +12,7 @@ from elftools.elf.elffile import ELFFile
 from tests.stm32.emulator import Chip
 
 ROOT = Path(__file__).resolve().parents[2]
-PLACES = ("ring", "n_written", "n_dropped", "capacity", "size")
+PLACES = ("ring", "n_written", "capacity", "size")
 FIELDS = (
     *("tick", "config", "clock", "counts", "index_counts", "n_index", "edge_clock", "u_nm"),
     *("x_nm", "z_nm", "inputs", "request", "out_u_nm", "out_x_nm", "out_z_nm", "force_q6"),
@@ -39,7 +39,7 @@ def compile_layout() -> list[int]:
 
 
 class Trace:
-    """Reads records in order, beside the image's own recorder, which empties the ring."""
+    """Reads records in order, beside the image's own recorder."""
 
     def __init__(self, chip: Chip) -> None:
         numbers = compile_layout()
@@ -52,10 +52,6 @@ class Trace:
 
     def _word(self, place: str) -> int:
         return int.from_bytes(self._chip.read_memory(self._base + self._at[place], 4), "little")
-
-    def dropped(self) -> int:
-        """Return the number of records that found no room."""
-        return self._word("n_dropped")
 
     def take(self) -> Iterator[Record]:
         """Return all records since the last call."""
