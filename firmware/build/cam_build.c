@@ -351,7 +351,7 @@ cam_refusal_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     config->command.configured =
         (cam_u_gains_t){.k1_q16 = cam_units_ticks_of_ns(params->k1_ns, tick_hz),
                         .k2_q16 = held_k2_q16(params->k2_us2, tick_hz),
-                        .friction_q6 = params->u_friction_nm * 64};
+                        .friction_q14 = params->u_friction_nm * 16384};
     cam_build_motion(config, params, tick_hz);
     cam_build_jog(config, params, tick_hz);
     cam_changes_build(&config->play, params, tick_hz);

@@ -92,15 +92,13 @@ static int32_t u_height_nm(const cam_plan_t *p, const cam_play_config_t *cfg, in
                              cam_feed_motion_fed_nm_isr(&p->feed_motion, cfg, pos_q32));
 }
 
-/// Plan U's amplitude, and the lag of its height behind Z's set-point.
+/// Plan U's amplitude, and how far Z's set-point is ahead of its height.
 static void plan_u(cam_motion_t *m, const cam_play_config_t *cfg, int32_t scale_q30, int32_t z_nm,
                    int32_t u_z_nm)
 {
-    const int32_t lag_q4 = cam_sat_i32(((int64_t)z_nm - u_z_nm) * 16);
+    m->z_ahead_nm = cam_sat_i32((int64_t)cfg->z_origin_nm + z_nm - u_z_nm);
     m->scale_step_q30 = cam_plan_move_share(cfg, cam_sat_sub(scale_q30, m->scale_q30));
     m->scale_q30 = cam_sat_i32(scale_q30 - (int64_t)m->scale_step_q30 * cfg->plan_ticks);
-    m->lag_step_q4 = cam_plan_move_share(cfg, cam_sat_sub(lag_q4, m->lag_q4));
-    m->lag_q4 = cam_sat_i32(lag_q4 - (int64_t)m->lag_step_q4 * cfg->plan_ticks);
 }
 
 /// Planned height of Z, height at which U is evaluated, and shares of the lobe.
@@ -305,7 +303,7 @@ static void begin_cut(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tic
     p->ratio_q28 = CAM_RATIO_ONE_Q28;
     m->phase_q32 = cfg->phase_q32;
     m->scale_q30 = 0;
-    m->lag_q4 = 0;
+    m->z_ahead_nm = cfg->z_origin_nm;
     m->height_q32 = slice_q32(cfg, z_nm);
     m->is_stopping = false;
     m->is_playing = true;

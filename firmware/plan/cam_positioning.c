@@ -135,7 +135,6 @@ bool cam_positioning_isr(const cam_play_config_t *cfg, const cam_tick_record_t *
 {
     m->phase_step_q32 = 0; // only the cut moves these
     m->scale_step_q30 = 0;
-    m->lag_step_q4 = 0;
     m->height_step_q32 = 0;
     const bool is_idle = m->state == cam_state_off || m->state == cam_state_fault;
     m->spindle_mrpm = is_idle ? 0 : cam_mul_shift(cfg->spindle_mrpm, cfg->spindle_rate_q30, 30);

@@ -42,7 +42,7 @@ void cam_config_learn(cam_config_t *config)
     cam_axis_command_config_t *t = &config->command;
     t->in_cut.k1_q16 = t->configured.k1_q16 + config->learned.k1_q16;
     t->in_cut.k2_q16 = t->configured.k2_q16 + config->learned.k2_q16;
-    t->in_cut.friction_q6 = t->configured.friction_q6 + config->learned.friction_q6;
+    t->in_cut.friction_q14 = t->configured.friction_q14 + config->learned.friction_q6 * 256;
     t->in_cut.chip_q32 = config->learned.chip_q32;
     t->in_cut.chip_q6 = config->learned.chip_q6;
     cam_config_limit_command(config);
@@ -69,7 +69,7 @@ void cam_config_limit_command(cam_config_t *config)
     const int64_t v_q10 = (int64_t)g->u_vel_q6 * 16;
     const int64_t a_q10 = (int64_t)g->u_acc_q6 * 16;
     const int64_t j_q10 = 2 * a_q10 / (INT64_C(1) << g->u.log2_window) + 1;
-    const int64_t reversed_q10 = 2 * cam_abs_i64(t->in_cut.friction_q6) * 16; // of the friction
+    const int64_t reversed_q10 = cam_abs_i64(t->in_cut.friction_q14) / 8; // twice the friction
     const int64_t chip_q32 = cam_abs_i64(t->in_cut.chip_q32);
     const int64_t step_q10 = v_q10 + k1_q16 * a_q10 / 65536 + k2_q16 * j_q10 / 65536 +
                              (chip_q32 * v_q10 >> 32) + reversed_q10;

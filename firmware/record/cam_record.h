@@ -93,7 +93,7 @@ typedef struct {
     bool was_open;        ///< off, and the emergency-stop chain was open since the last plan
     bool is_acknowledged; ///< the button at the machine was pressed (cam_acknowledge.h)
     bool is_by_hand;      ///< manual, and a fault after it: all axes brake where they are
-    uint32_t faults;      ///< found by the plan, for the ticks up to the next one
+    uint32_t faults;      ///< found by the plan or asked for, for the ticks up to the next plan
     cam_u_t u;            ///< written by the guard
     cam_axis_motion_t axis[hal_n_axes]; ///< while playing, U's position is in cam_want_t
     int32_t c_q6;            ///< [nm / 64] while playing: learned correction of U's command
@@ -107,7 +107,7 @@ typedef struct {
     int64_t height_q32;      ///< [slices] U's height on the table
     int32_t height_step_q32; ///< per tick
     int32_t scale_q30, scale_step_q30; ///< [1] amplitude * envelope of U, per tick
-    int32_t lag_q4, lag_step_q4;       ///< [nm / 16] U's height lags Z by this, per tick
+    int32_t z_ahead_nm;                ///< [nm] Z of the port minus U's height on the part
     int32_t phase_q32, phase_step_q32; ///< [turn / 2^32], per tick
     int32_t alpha_q40; ///< [turn / 2^40 per tick^2] acceleration of the spindle's set-point
     int32_t alpha_u;   ///< the same, in the unit of U's acceleration
@@ -125,7 +125,7 @@ typedef struct {
     int32_t z_nm;         ///< [nm] height played
     int32_t u_set_q6;     ///< [nm / 64] U at the tool
     int32_t u_due_q6;     ///< [nm / 64] where U should be measured now
-    uint32_t faults;      ///< found before the guard; then latched by the guard
+    uint32_t faults;      ///< guard: latched
     uint32_t outputs;     ///< guard: hal_out_*
     bool is_retracted;    ///< guard: tool at rest out of the work
 } cam_want_t;

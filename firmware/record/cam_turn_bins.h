@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_turn_bins: per-turn error bins for learning, and the learned tables.
 ///
-/// In every tick outside the state fault the interrupt adds the error of U to one of 128 bins per
-/// turn; in a turn of more than 2^14 ticks only in every 2nd, 4th .. 64th one. Two banks of bins
-/// alternate from turn to turn: the bank is the lowest bit of the turn number, so a bank holds
-/// exactly one turn. While one bank fills, the slow side reads and clears the other one:
+/// In every tick the interrupt adds the error of U to one of 128 bins per turn; in a turn of more
+/// than 2^14 ticks only in every 2nd, 4th .. 64th one. Two banks of bins alternate from turn to
+/// turn: the bank is the lowest bit of the turn number, so a bank holds exactly one turn. While one
+/// bank fills, the slow side reads and clears the other one:
 ///
 ///     turn      | k - 1      | k          | k + 1      |
 ///     interrupt | odd bank   | even bank  | odd bank   |
@@ -88,10 +88,10 @@ typedef struct {
     uint32_t taken;              ///< slow side only: turn + 2^24 that was taken last
 } cam_turn_bins_t;
 
-/// Add a commanded tick to its bin, except in state fault and where a long turn leaves it out.
+/// Add a tick to its bin, except where a long turn leaves it out.
 static inline void cam_turn_bins_add_isr(cam_turn_bins_t *g, const cam_tick_record_t *r)
 {
-    if (r->want.state == cam_state_fault || (r->tick & g->now.skip) != 0u) {
+    if ((r->tick & g->now.skip) != 0u) {
         return;
     }
     const uint32_t low = cam_angle_of_pos(r->angle.pos_q32) >> (32 - cam_turn_bins_log2);

@@ -3,8 +3,9 @@
 #include "cam_fix.h" // cam_clamp_i32, cam_is_within
 #include <stdbool.h> // bool
 
-/// Inverse of a second-order drive, MATHS.md (56) and (189). Limited to 2^30, far beyond every
-/// stroke: a command that large is refused.
+/// Inverse of a second-order drive, MATHS.md (56) and (189), and its friction, which acts against
+/// the motion, in full from a speed of 4 nm per tick on. Limited to 2^30, far beyond every stroke:
+/// a command that large is refused.
 /// @return [nm / 64]
 /*@ requires valid: \valid_read(by) && \valid_read(u);
     assigns \result \from *by, *u;
@@ -12,7 +13,9 @@
 */
 static int32_t feed_forward_q6(const cam_u_gains_t *by, const cam_axis_motion_t *u)
 {
-    const int64_t more_q26 = (int64_t)by->k1_q16 * u->vel_q10 + (int64_t)by->k2_q16 * u->acc_q10;
+    const int32_t sense_q12 = cam_clamp_i32(u->vel_q10, -4096, 4096);
+    const int64_t more_q26 = (int64_t)by->k1_q16 * u->vel_q10 + (int64_t)by->k2_q16 * u->acc_q10 +
+                             (int64_t)by->friction_q14 * sense_q12;
     //@ assert sign: more_q26 < 0 || more_q26 >= 0;
     const int32_t most_high = 1 << 18; // of the high word: 2^50 / 2^32, beyond every stroke
     const int32_t high = cam_clamp_i32((int32_t)(more_q26 >> 32), -most_high, most_high - 1);
@@ -20,19 +23,11 @@ static int32_t feed_forward_q6(const cam_u_gains_t *by, const cam_axis_motion_t 
     return (int32_t)((uint32_t)high << 12 | low >> 20);
 }
 
-/// Friction acts against the motion, in full from a speed of 4 nm per tick on.
-/// @return [nm / 64]
-static int32_t friction_q6(const cam_u_gains_t *by, const cam_axis_motion_t *u)
-{
-    const int32_t sense_q12 = cam_clamp_i32(u->vel_q10, -4096, 4096);
-    return (int32_t)(((int64_t)sense_q12 * by->friction_q6) >> 12);
-}
-
 /// @return [nm / 64] command of U in the cut
 static int32_t leading_q6(const cam_u_gains_t *by, const cam_axis_motion_t *u, int32_t set_q6,
                           int32_t correction_q6)
 {
-    const int32_t more_q6 = feed_forward_q6(by, u) + friction_q6(by, u) + by->chip_q6;
+    const int32_t more_q6 = feed_forward_q6(by, u) + by->chip_q6;
     const int32_t plain_q6 = cam_sat_add(set_q6, cam_mulhi_add(more_q6, set_q6, by->chip_q32));
     return cam_sat_add(plain_q6, correction_q6);
 }

@@ -75,9 +75,10 @@ uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
 
 /// @return [nm / 64] what U's scale should show now: the set-point of one lead plus the scale's
 /// latency ago, interpolated between two ticks. It wraps only in off, without a following error
-static int32_t due_q6(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t home_q6)
+static int32_t due_q6(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t tick,
+                      uint32_t home_q6)
 {
-    const int32_t a_q6 = g->history_q6[(g->n_history - cfg->due_ticks) % cam_guard_history];
+    const int32_t a_q6 = g->history_q6[(tick - cfg->due_ticks) % cam_guard_history];
     const int32_t b_q6 = g->due_q6;
     g->due_q6 = a_q6;
     const uint32_t twice_q6 = 2u * ((uint32_t)b_q6 - (uint32_t)a_q6);
@@ -99,15 +100,12 @@ static uint32_t faults_of_following(const cam_guard_config_t *cfg, const cam_tic
     return is_near && !m->is_playing ? 0u : CAM_FAULT_BIT(following_error);
 }
 
-/// @return faults of the set-point: beyond its limits are position, step or change of step
+/// @return faults of the set-point: beyond its limits are step or change of step
 static uint32_t faults_of_setpoint(const cam_guard_config_t *cfg, const cam_u_t *last,
                                    const cam_u_t *next, bool is_off_time)
 {
     const int32_t change_q6 = cam_sat_sub(next->set_step_q6, last->set_step_q6);
     uint32_t faults = 0;
-    if (!cam_is_within(next->set_q6 >> 6, cfg->range_nm)) {
-        faults |= CAM_FAULT_BIT(setpoint_range);
-    }
     if (!cam_is_within(next->set_step_q6, cfg->u_vel_q6)) {
         faults |= CAM_FAULT_BIT(setpoint_speed);
     }
@@ -152,19 +150,35 @@ static cam_u_t moved_to(const cam_u_t *u, int32_t set_q6, int32_t nm)
                      .change_nm = cam_sat_sub(step_nm, u->step_nm)};
 }
 
+/// @return fault of the command: setpoint_range where the set-point leaves the stroke, too, or
+/// command
+static uint32_t faults_of_command(const cam_guard_config_t *cfg, const cam_u_t *next,
+                                  bool is_off_time)
+{
+    if (is_allowed(cfg, next, is_off_time)) {
+        return 0;
+    }
+    const bool is_in_stroke = cam_is_within(next->set_q6 >> 6, cfg->range_nm);
+    return is_in_stroke ? CAM_FAULT_BIT(command) : CAM_FAULT_BIT(setpoint_range);
+}
+
+/// @return faults that anybody but the guard has found
+static uint32_t faults_before(const cam_tick_record_t *r, const cam_motion_t *m)
+{
+    return m->faults | r->angle.faults | cam_sense_faults(&r->in);
+}
+
 /// @param next  U if it is accepted
 /// @return      all faults of a tick, whether armed or not
 static uint32_t faults_of(const cam_guard_config_t *cfg, const cam_tick_record_t *r,
                           const cam_motion_t *m, const cam_u_t *next)
 {
     const bool is_off_time = r->angle.is_off_time;
-    uint32_t faults = r->want.faults | faults_of_following(cfg, r, m) |
-                      faults_of_setpoint(cfg, &m->u, next, is_off_time);
+    uint32_t faults = faults_before(r, m) | faults_of_following(cfg, r, m) |
+                      faults_of_setpoint(cfg, &m->u, next, is_off_time) |
+                      faults_of_command(cfg, next, is_off_time);
     if (r->angle.has_stopped && cam_state_is_in_work(r->want.state)) {
         faults |= CAM_FAULT_BIT(spindle_stopped);
-    }
-    if (!is_allowed(cfg, next, is_off_time)) {
-        faults |= CAM_FAULT_BIT(command);
     }
     return faults;
 }
@@ -310,16 +324,15 @@ void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_
 {
     cam_want_t *want = &r->want;
     const uint32_t home_q6 = 64u * (uint32_t)m->u.home_nm;
-    g->n_history++;
-    int32_t *newest_q6 = &g->history_q6[g->n_history % cam_guard_history];
+    int32_t *newest_q6 = &g->history_q6[r->tick % cam_guard_history];
     *newest_q6 = (int32_t)((uint32_t)want->u_set_q6 - home_q6);
-    want->u_due_q6 = due_q6(g, cfg, home_q6);
+    want->u_due_q6 = due_q6(g, cfg, r->tick, home_q6);
     if (want->state == cam_state_off) {
         follow(g, cfg, r, m);
         return;
     }
     if (want->state == cam_state_fault) {
-        g->faults |= want->faults & ARMED_IN_FAULT;
+        g->faults |= faults_before(r, m) & ARMED_IN_FAULT;
     } else if (accept(g, cfg, r, m)) {
         return;
     } else {

@@ -10,10 +10,11 @@
 /// drops at once. At the end of its stroke a command stops at once: it never leaves it, and where U
 /// is beyond it, never moves farther out.
 ///
-///     set-point   range, speed and acceleration of U               faults setpoint_*
-///     command     the same range; speed and acceleration with what the feed-forward adds,
-///                 MATHS.md (213)                                    fault command
+///     set-point  speed and acceleration of U                             faults setpoint_*
+///     command    its stroke; speed and acceleration with what the
+///                feed-forward adds, MATHS.md (213)                       fault command
 ///
+/// If the set-point leaves the stroke, too, the fault is setpoint_range.
 /// FAULTS.md lists detection time, reaction and remedy of each fault. Context: ISR unless noted.
 #ifndef CAM_GUARD_H
 #define CAM_GUARD_H
@@ -36,16 +37,16 @@ typedef struct {
     uint32_t first_faults;                 ///< faults that caused the last entry into state fault
     uint32_t count[cam_guard_count_bits];  ///< times latched, cam_guard_count()
     uint32_t n_stopped;                    ///< [ticks] without rotation
-    uint32_t n_history;                    ///< ticks
     int32_t due_q6;                        ///< [nm / 64] set-point looked up last
-    int32_t history_q6[cam_guard_history]; ///< [nm / 64] set-points of U in port coordinates,
-                                           ///< modulo 2^32: a new home does not move them
+    int32_t history_q6[cam_guard_history]; ///< [nm / 64] set-points of U by tick, in port
+                                           ///< coordinates modulo 2^32: a new home does not move
+                                           ///< them
 } cam_guard_t;
 
 /// Check one tick, in constant time.
-/// @param r  inputs, spindle, commands, and r->want with all faults found so far; the guard
-///           completes r->want, and in state fault replaces it and the command of U
-/// @param m  U as accepted; in state fault its motion too
+/// @param r  inputs, spindle, commands and r->want; the guard completes r->want, and in state fault
+///           replaces it and the command of U
+/// @param m  U as accepted, faults of play and plan; in state fault the motion of U
 void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
                         cam_motion_t *m);
 

@@ -42,7 +42,6 @@ static void advance_all(cam_motion_t *m)
     z->pos_q10 = cam_wrap_add_i64(z->pos_q10, z->vel_q10);
     m->phase_q32 = cam_wrap_add(m->phase_q32, m->phase_step_q32);
     m->scale_q30 = cam_sat_add(m->scale_q30, m->scale_step_q30);
-    m->lag_q4 = cam_sat_add(m->lag_q4, m->lag_step_q4);
     m->height_q32 = cam_wrap_add_i64(m->height_q32, m->height_step_q32);
 }
 
@@ -136,14 +135,14 @@ static int32_t move_u(cam_play_t *p, const cam_play_config_t *cfg, const cam_sen
 
 /// While the axes follow the table only stop and a table fault are obeyed; the next plan schedules
 /// the end of a stopped cut.
-static void obey_in_cut(cam_play_t *p, uint32_t request, cam_motion_t *m, cam_want_t *want)
+static void obey_in_cut(cam_play_t *p, uint32_t request, cam_motion_t *m)
 {
     const uint32_t what = request & 0xFFu;
     p->request = request >> 8;
     if (what == (uint32_t)cam_request_stop) {
         m->is_stopping = true;
     } else if (what == (uint32_t)cam_request_table_fault) {
-        want->faults |= CAM_FAULT_BIT(table);
+        m->faults |= CAM_FAULT_BIT(table);
     } else {
         // ignored in this state
     }
@@ -189,11 +188,11 @@ static void begin_manual(const cam_play_config_t *cfg, cam_motion_t *m, uint32_t
 }
 
 /// Carry out a new request outside the cut, if the state allows it.
-/// @param seen  faults detected so far in this tick
-/// @return      faults reported by the request
-static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t request, uint32_t seen,
-                     cam_motion_t *m)
+static void obey(cam_play_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
+                 cam_motion_t *m)
 {
+    const uint32_t request = r->in.request;
+    const uint32_t seen = m->faults | r->angle.faults | cam_sense_faults(&r->in);
     p->request = request >> 8;
     switch ((cam_request_t)(request & 0xFFu)) {
     case cam_request_enable:
@@ -221,7 +220,8 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
         m->state = m->state == cam_state_fault && m->is_retracted ? cam_state_off : m->state;
         break;
     case cam_request_table_fault:
-        return CAM_FAULT_BIT(table);
+        m->faults |= CAM_FAULT_BIT(table);
+        break;
     case cam_request_identify:
         if (m->state == cam_state_ready && cfg->excite.n > 0u) {
             m->state = cam_state_identifying;
@@ -235,7 +235,6 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
     case cam_request_none:
         break;
     }
-    return 0;
 }
 
 void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, cam_tick_record_t *r,
@@ -244,18 +243,17 @@ void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, cam_tick_rec
     const cam_sense_t *in = &r->in;
     cam_want_t *want = &r->want;
     const bool is_new = in->request >> 8 != p->request;
-    want->faults = m->faults | r->angle.faults | cam_sense_faults(in);
     advance_all(m);
     if (m->is_playing) {
         if (is_new) {
-            obey_in_cut(p, in->request, m, want);
+            obey_in_cut(p, in->request, m);
         }
         const int32_t z_nm = (int32_t)(m->axis[hal_axis_z].pos_q10 >> 10);
-        want->z_nm = cam_sat_sub(cam_sat_sub(z_nm, cfg->z_origin_nm), m->lag_q4 >> 4);
+        want->z_nm = cam_sat_sub(z_nm, m->z_ahead_nm);
         want->u_set_q6 = play_table(cfg, &r->angle, m);
     } else {
         if (is_new) {
-            want->faults |= obey(p, cfg, in->request, want->faults, m);
+            obey(p, cfg, r, m);
         }
         want->z_nm = cam_sat_sub(in->actual_nm[hal_axis_z], cfg->z_origin_nm);
         want->u_set_q6 = move_u(p, cfg, in, m);

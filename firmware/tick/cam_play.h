@@ -32,7 +32,7 @@ typedef struct {
 
 /// One tick of the sequence, constant time in each state.
 /// @param cfg  with a table, unless the state is off or fault
-/// @param r    inputs, request and spindle; r->want is the result, with all faults found so far
+/// @param r    inputs, request and spindle; r->want is the result, without faults and outputs
 /// @param m    set-points, advanced by one tick
 void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, cam_tick_record_t *r,
                        cam_motion_t *m);
