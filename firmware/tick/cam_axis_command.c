@@ -13,7 +13,7 @@
 */
 static int32_t feed_forward_q6(const cam_u_gains_t *by, const cam_axis_motion_t *u)
 {
-    const int32_t sense_q12 = cam_clamp_i32(u->vel_q10, -4096, 4096);
+    const int32_t sense_q12 = cam_clamp_i32(u->vel_q10, -4096, 4095);
     const int64_t more_q26 = (int64_t)by->k1_q16 * u->vel_q10 + (int64_t)by->k2_q16 * u->acc_q10 +
                              (int64_t)by->friction_q14 * sense_q12;
     //@ assert sign: more_q26 < 0 || more_q26 >= 0;
@@ -60,9 +60,9 @@ static bool is_plan_allowed(const cam_axis_command_config_t *cfg, uint32_t axis,
     const int32_t jump_q10 = cam_sat_i32(cam_wrap_sub_i64(now->pos_q10, before->pos_q10));
     const int32_t change_q10 = cam_sat_sub(now->vel_q10, before->vel_q10);
     const int32_t was_q10 = before->vel_q10;
-    const int32_t most_q10 = was_q10 < 0 ? cam_sat_add(~was_q10, 1) : was_q10; // its amount
-    const bool is_no_faster = cam_is_within(now->vel_q10, most_q10);
-    return (is_no_faster || cam_is_within(now->vel_q10, cfg->vel_q10[axis])) &&
+    const int32_t amount_q10 = was_q10 < 0 ? cam_sat_sub(0, was_q10) : was_q10;
+    return (cam_is_within(now->vel_q10, cfg->vel_q10[axis]) ||
+            cam_is_within(now->vel_q10, amount_q10)) &&
            cam_is_within(change_q10, cfg->change_q10[axis]) &&
            cam_is_within(jump_q10, cfg->jump_q10[axis]);
 }

@@ -35,10 +35,10 @@ void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_
 static int32_t net_force_q6(const cam_force_config_t *cfg, const cam_tick_record_t *r,
                             int64_t vel_q24)
 {
-    const int64_t spring_q24 =
-        (int64_t)cfg->servo.stiffness_q18 * to_q6(r->in.actual_nm[hal_axis_u]);
-    const int64_t drag_q22 = (int64_t)cfg->servo.drag_q14 * cam_sat_i32(vel_q24 >> 16);
-    return cam_sat_sub(r->force_q6, cam_sat_i32((spring_q24 >> 18) + (drag_q22 >> 16)));
+    const int64_t held_q24 =
+        (int64_t)cfg->servo.stiffness_q18 * to_q6(r->in.actual_nm[hal_axis_u]) +
+        (int64_t)cfg->servo.drag_q14 * cam_sat_i32(vel_q24 >> 14);
+    return cam_sat_sub(r->force_q6, cam_sat_i32(held_q24 >> 18));
 }
 
 /// Compare the reading with the observer, then move the observer to the next tick. It wraps only
@@ -83,6 +83,9 @@ static bool is_beyond(const cam_force_config_t *cfg, int32_t pos_nm, int32_t vel
 /// @return whether a limit switch stops U; in manual one that U leaves does not
 static bool is_at_line(uint32_t inputs, const cam_motion_t *m)
 {
+    if ((inputs & (hal_in_limit_u_low | hal_in_limit_u_high)) == 0u) {
+        return false;
+    }
     const int32_t vel_q10 = m->axis[hal_axis_u].vel_q10;
     const bool is_by_hand = m->state == cam_state_manual;
     const bool is_low = (inputs & hal_in_limit_u_low) != 0u;
