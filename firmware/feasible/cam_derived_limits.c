@@ -48,21 +48,17 @@ int32_t cam_derived_limits_following_nm(const cam_params_t *params, const cam_ta
 int32_t cam_derived_limits_approach_nm(const cam_params_t *params, const cam_table_t *table,
                                        uint32_t tick_hz)
 {
-    const int64_t cut_nm = cam_derived_limits_following_nm(params, table);
-    if (params->following_limit_nm > 0) {
-        return (int32_t)cut_nm;
-    }
+    const cam_params_t *p = params;
     // Products of ns, us^2, um/s and mm/s^2 are in 1e-6 nm.
-    const int64_t jog_um_per_s = cam_cut_smaller(params->u_jog_um_per_s, params->u_speed_um_per_s);
-    const int64_t v_um_per_s = cam_clamp_i64(
-        jog_um_per_s, params->u_speed_um_per_s / cam_derived_limits_approach_share, INT32_MAX);
-    const int64_t a_mm_per_s2 =
-        params->u_acceleration_mm_per_s2 / cam_derived_limits_approach_share;
-    const int64_t lag_ns = 3 * (int64_t)params->k1_ns + params->lead_ns;
-    const int64_t lag_nm =
-        (lag_ns * v_um_per_s + 3 * (int64_t)params->k2_us2 * a_mm_per_s2) / 2000000;
-    const int64_t approach_nm = lag_nm + v_um_per_s * 500 / (int64_t)tick_hz;
-    return cam_sat_i32(cut_nm > approach_nm ? cut_nm : approach_nm);
+    const int64_t v_um_per_s =
+        cam_clamp_i64(p->u_jog_um_per_s, p->u_speed_um_per_s / cam_derived_limits_approach_share,
+                      p->u_speed_um_per_s);
+    const int64_t a_mm_per_s2 = p->u_acceleration_mm_per_s2 / cam_derived_limits_approach_share;
+    const int64_t late_nm = p->lead_ns * v_um_per_s / 2000000 + v_um_per_s * 500 / tick_hz;
+    const int64_t lag_nm = (p->k1_ns * v_um_per_s + p->k2_us2 * a_mm_per_s2) / 1000000;
+    const int64_t cut_nm = cam_derived_limits_following_nm(params, table);
+    const int64_t wrong_nm = p->following_limit_nm > 0 ? 0 : lag_nm / 2 + late_nm;
+    return cam_sat_i32(lag_nm + (cut_nm > wrong_nm ? cut_nm : wrong_nm));
 }
 
 int32_t cam_derived_limits_usual_mHz(int32_t wanted_mHz, uint32_t tick_hz)

@@ -35,10 +35,10 @@ int32_t cam_derived_limits_jump_counts(const cam_params_t *params, uint32_t tick
 /// @return [nm] following_limit_nm, or where that is 0 the derived one
 int32_t cam_derived_limits_following_nm(const cam_params_t *params, const cam_table_t *table);
 
-/// The accepted following error of U out of the cut: that of the cut, but not less than one and a
-/// half times the lag of its drive, since motions by time have no feed-forward, half of the lead
-/// and the travel of half a tick, at the speed of the approach or of a faster jog.
-/// @return [nm] following_limit_nm, or where that is 0 the derived one
+/// The accepted following error of U out of the cut: the lag of its drive, since motions by time
+/// have no feed-forward, plus that of the cut, but not less than half of that lag, half of the lead
+/// and the travel of half a tick, all at the speed of the approach or of a faster jog.
+/// @return [nm] at least that of the cut; following_limit_nm replaces the part beyond the lag
 /// Source: MATHS.md (167).
 int32_t cam_derived_limits_approach_nm(const cam_params_t *params, const cam_table_t *table,
                                        uint32_t tick_hz);

@@ -237,7 +237,8 @@ void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn
         t->n_orders = (uint8_t)(n_orders < s->n_harmonics ? n_orders : s->n_harmonics);
     }
     // The ripple needs no motion of U.
-    const bool is_synced = turn->state != cam_state_off && turn->state != cam_state_homing;
+    const bool is_synced = turn->state != cam_state_off && turn->state != cam_state_homing &&
+                           turn->state != cam_state_fault; // there the spindle brakes
     const bool is_uniform = cam_abs_i64(change_q32) * uniform_part < turn->speed_q32;
     if (!is_uniform) { // the drift of a mean is that of successive turns
         cam_ripple_drop(&t->ripple);

@@ -285,7 +285,7 @@ static void rebase_u(cam_motion_t *m, int32_t by_nm)
     const int64_t by_q10 = (int64_t)by_nm * 1024;
     m->u.home_nm = cam_wrap_add(m->u.home_nm, by_nm);
     m->u.set_q6 = cam_sat_i32(m->u.set_q6 + by_nm * INT64_C(64));
-    m->u.nm = cam_sat_add(m->u.nm, by_nm);
+    m->u.nm = cam_clamp_i32(cam_sat_add(m->u.nm, by_nm), -(1 << 25), (1 << 25) - 1);
     m->axis[hal_axis_u].pos_q10 = cam_wrap_add_i64(m->axis[hal_axis_u].pos_q10, by_q10);
     m->u_target_q10 = cam_wrap_add_i64(m->u_target_q10, by_q10);
     cam_jerk_filter_shift_isr(&m->filter[hal_axis_u], by_q10);

@@ -19,7 +19,7 @@
 #include <stdint.h>     // uint32_t
 
 /// Command the axes, in constant time.
-/// @param r  set-point of play; r->out is the result
+/// @param r  set-point of play; r->out is the result, U not yet from the port's origin
 void cam_axis_command_isr(const cam_axis_command_config_t *cfg, cam_tick_record_t *r,
                           const cam_motion_t *m);
 

@@ -8,7 +8,7 @@
     (LOST | CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(command) |                   \
      CAM_FAULT_BIT(u_force))
 #define ARMED_MOVING (ARMED_IN_FAULT | CAM_FAULT_BIT(late_tick) | CAM_FAULT_BIT(table))
-#define ARMED_ENABLED (ARMED_MOVING | CAM_FAULT_BIT(index_missing))
+#define ARMED_ENABLED (ARMED_MOVING | CAM_FAULT_BIT(index_missing) | CAM_FAULT_BIT(setpoint_range))
 /// Jogging needs neither the spindle nor its encoder.
 #define ARMED_MANUAL                                                                               \
     (ARMED_MOVING | CAM_FAULT_BIT(following_error) | CAM_FAULT_BIT(setpoint_speed) |               \
@@ -199,19 +199,10 @@ bool cam_guard_holds_isr(const cam_guard_t *g, const cam_motion_t *m)
     return m->state != cam_state_off && !(m->state == cam_state_fault && is_let_go);
 }
 
-/// @return [nm] the command of U that waits in the record
-static int32_t commanded_nm(const cam_tick_record_t *r, const cam_u_t *u)
-{
-    return cam_wrap_add(r->out[hal_axis_u].pos_nm, u->home_nm);
-}
-
-/// Replace the command of U in the record.
+/// Write the command of U to the record, from the port's origin on.
 static void write_u(cam_tick_record_t *r, const cam_motion_t *m)
 {
-    const cam_axis_motion_t *u = &m->axis[hal_axis_u];
-    r->out[hal_axis_u] = (hal_setpoint_t){.pos_nm = cam_wrap_sub(m->u.nm, m->u.home_nm),
-                                          .vel_q10 = u->vel_q10,
-                                          .acc_q10 = u->acc_q10};
+    r->out[hal_axis_u].pos_nm = cam_wrap_sub(m->u.nm, m->u.home_nm);
 }
 
 /// Latch faults and enter the state fault. U's motion continues from its last command.
@@ -278,7 +269,8 @@ static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_reco
     want->faults = g->faults;
     want->outputs = cam_guard_holds_isr(g, m) ? hal_out_fault | hal_out_enable : hal_out_fault;
     want->is_retracted = m->is_retracted;
-    write_u(r, m);
+    r->out[hal_axis_u].vel_q10 = m->axis[hal_axis_u].vel_q10;
+    r->out[hal_axis_u].acc_q10 = m->axis[hal_axis_u].acc_q10;
 }
 
 /// In off set-points and command follow U, within its stroke, and no fault is latched.
@@ -289,7 +281,7 @@ static void follow(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_recor
     m->u = (cam_u_t){
         .home_nm = m->u.home_nm,
         .set_q6 = want->u_set_q6,
-        .nm = cam_clamp_i32(commanded_nm(r, &m->u), -cfg->range_nm, cfg->range_nm),
+        .nm = cam_clamp_i32(r->out[hal_axis_u].pos_nm, -cfg->range_nm, cfg->range_nm),
     };
     g->faults = 0;
     g->counted = 0;
@@ -297,7 +289,6 @@ static void follow(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_recor
     want->faults = 0;
     want->outputs = 0;
     want->is_retracted = true;
-    write_u(r, m);
 }
 
 /// @return whether the command of the tick was accepted; otherwise the state is fault
@@ -306,7 +297,7 @@ static bool accept(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_recor
 {
     cam_want_t *want = &r->want;
     const uint32_t watched = armed[want->state];
-    const cam_u_t next = moved_to(&m->u, want->u_set_q6, commanded_nm(r, &m->u));
+    const cam_u_t next = moved_to(&m->u, want->u_set_q6, r->out[hal_axis_u].pos_nm);
     const uint32_t faults = faults_of(cfg, r, m, &next) & watched;
     if (faults != 0u) {
         latch(g, cfg, m, faults);
@@ -329,15 +320,12 @@ void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_
     want->u_due_q6 = due_q6(g, cfg, r->tick, home_q6);
     if (want->state == cam_state_off) {
         follow(g, cfg, r, m);
-        return;
-    }
-    if (want->state == cam_state_fault) {
+    } else if (want->state == cam_state_fault || !accept(g, cfg, r, m)) {
         g->faults |= faults_before(r, m) & ARMED_IN_FAULT;
-    } else if (accept(g, cfg, r, m)) {
-        return;
+        retract(g, cfg, r, m);
+        *newest_q6 = (int32_t)((uint32_t)want->u_set_q6 - home_q6);
     } else {
-        // refused: U retracts from this tick on
+        // accepted
     }
-    retract(g, cfg, r, m);
-    *newest_q6 = (int32_t)((uint32_t)want->u_set_q6 - home_q6);
+    write_u(r, m);
 }

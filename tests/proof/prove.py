@@ -37,7 +37,7 @@ WP = {
         "cam_move_profile.c",
         ("can_brake", "choose", "cam_move_profile_to_isr", "cam_move_profile_stop_isr"),
     ),
-    "tell": ("cam_axis_command.c", ("is_allowed", "nearest_nm", "commit")),
+    "guard": ("cam_guard.c", ("is_allowed", "within_stroke_nm")),
     "plan": ("cam_plan.c", ("ramped",)),
 }
 MACHINES = {"32": "gcc_x86_32", "64": "gcc_x86_64"}

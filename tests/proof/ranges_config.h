@@ -67,8 +67,6 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
 
 #define PLAY_CONFIG(X)                                                                             \
     X(lead_q16, 0, 62 * 65536)                                                                     \
-    X(due_ticks, 0, 62)                                                                            \
-    X(due_part_q31, 0, INT32_MAX)                                                                  \
     X(plan_ticks, 1, 40)                                                                           \
     X(per_plan_q30, Q30 / 40, Q30)                                                                 \
     X(xz_lag_q16, 0, 10000 * 65536)                                                                \
@@ -162,27 +160,26 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(homing_ticks, 0, 100000000)                                                                  \
     X(following_nm, 0, INT32_MAX)                                                                  \
     X(approach_nm, 0, INT32_MAX)                                                                   \
+    X(due_ticks, 0, 62)                                                                            \
+    X(due_part_q31, 0, INT32_MAX)                                                                  \
+    X(range_nm, 0, 15000000)                                                                       \
     X(u_vel_q6, 1, 1 << 26)                                                                        \
     X(u_acc_q6, 1, 1 << 26)                                                                        \
     X(u_acc_off_q6, 1, 1 << 27)                                                                    \
-    X(u_range_q6, 0, 30000000 * 32)                                                                \
+    X(step_nm, 0, INT32_MAX / 2)                                                                   \
+    X(change_nm, 0, INT32_MAX / 2)                                                                 \
+    X(change_off_nm, 0, INT32_MAX / 2)                                                             \
     X(u_retract_q10, -(INT64_C(1) << 35), INT64_C(1) << 35)
 
 #define TELL_CONFIG(X)                                                                             \
-    X(by_time.k1_q16, -INT32_MAX, INT32_MAX)                                                       \
-    X(by_time.k2_q16, -INT32_MAX, INT32_MAX)                                                       \
-    X(in_cut.k1_q16, -INT32_MAX, INT32_MAX)                                                        \
+    X(configured.k1_q16, 0, Q30)                                                                   \
+    X(configured.k2_q16, -INT32_MAX, INT32_MAX)                                                    \
+    X(configured.friction_q14, 0, 16384 * 100000)                                                  \
+    X(in_cut.k1_q16, -Q30, Q30)                                                                    \
     X(in_cut.k2_q16, -INT32_MAX, INT32_MAX)                                                        \
-    X(by_time.friction_q6, 0, 0)                                                                   \
-    X(in_cut.friction_q6, -64 * 30000, 64 * 130000)                                                \
-    X(by_time.chip_q32, 0, 0)                                                                      \
+    X(in_cut.friction_q14, -16384 * 30000, 16384 * 130000)                                         \
     X(in_cut.chip_q32, -(1 << 29), 1 << 29)                                                        \
-    X(by_time.chip_q6, 0, 0)                                                                       \
-    X(in_cut.chip_q6, -64 * 30000, 64 * 30000)                                                     \
-    X(range_nm, 0, 15000000)                                                                       \
-    X(step_nm, 0, INT32_MAX / 2)                                                                   \
-    X(change_nm, 0, INT32_MAX / 2)                                                                 \
-    X(change_off_nm, 0, INT32_MAX / 2)
+    X(in_cut.chip_q6, -64 * 30000, 64 * 30000)
 
 #define TELL_AXIS_CONFIG(X)                                                                        \
     X(vel_q10[i], 0, INT32_MAX)                                                                    \

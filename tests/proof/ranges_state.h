@@ -33,6 +33,7 @@
     X(is_by_hand, 0, 1)                                                                            \
     X(was_open, 0, 1)                                                                              \
     X(is_acknowledged, 0, 1)                                                                       \
+    X(u.nm, -(1 << 25), (1 << 25) - 1)                                                             \
     X(u_speed_q10, 0, 1 << 29)                                                                     \
     X(is_filtering, 0, 1)                                                                          \
     X(u_press_q6, 0, 64 * 200000)                                                                  \
@@ -55,11 +56,6 @@
 
 #define PLAY(X) X(excite.at, 0, WAVE_SAMPLES - 1)
 
-#define COMMAND(X)                                                                                 \
-    X(is_fault, 0, 1)                                                                              \
-    X(u.nm, -(1 << 25), (1 << 25) - 1)                                                             \
-    X(u.step_nm, -(1 << 26), 1 << 26)
-
 #define JOG(X)                                                                                     \
     X(phase, 0, cam_jog_n_phases - 1)                                                              \
     X(end, 0, cam_jog_n_ends - 1)                                                                  \
@@ -75,13 +71,6 @@
     X(is_stopped, 0, 1)                                                                            \
     X(shaft.i_lobe, 0, 63)
 
-#define RECORD(X)                                                                                  \
-    X(angle.is_off_time, 0, 1)                                                                     \
-    X(angle.is_synced, 0, 1)                                                                       \
-    X(angle.is_still, 0, 1)                                                                        \
-    X(want.state, 0, cam_n_states - 1)                                                             \
-    X(want.is_retracted, 0, 1)
-
 #define SENSED(X)                                                                                  \
     X(in.actual_nm[0], -Q30, Q30 - 1)                                                              \
     X(in.actual_nm[1], -Q30, Q30 - 1)                                                              \
@@ -96,7 +85,6 @@
     X(is_held, 0, 1)
 
 #define WHOLE_STATE(X)                                                                             \
-    X(guard.is_going, 0, 1)                                                                        \
     X(bins.is_clean, 0, 1)                                                                         \
     X(bins.now.state, 0, cam_n_states - 1)                                                         \
     X(bins.now.is_steady, 0, 1)                                                                    \

@@ -70,7 +70,6 @@ static inline void walk_guard_config(cam_guard_config_t *guard)
     GUARD_CONFIG(EACH)
 #undef P
     walk_limits(&guard->u);
-    walk_limits(&guard->leave);
 }
 
 static inline void walk_tell_config(cam_axis_command_config_t *tell)
@@ -138,9 +137,6 @@ static inline void walk_state(cam_t *c)
 #define P c->force
     FORCE(EACH)
 #undef P
-#define P c->command
-    COMMAND(EACH)
-#undef P
 #define P c->acknowledge
     ACKNOWLEDGE(EACH)
 #undef P
@@ -149,7 +145,7 @@ static inline void walk_state(cam_t *c)
 #undef P
     walk_plan(&c->plan);
     for (int i = 0; i < 2; i++) {
-#define P c->trace.spare[i]
+#define P c->trace.ring[i]
         SENSED(EACH)
 #undef P
     }

@@ -51,11 +51,25 @@ def damaged(table: Path, at: int, folder: Path) -> Path:
     return copy
 
 
+def check_steps(positions_nm: Rows) -> None:
+    """Check that positions of U, one per tick, stay within its speed and acceleration."""
+    steps_nm = np.diff(positions_nm)
+    assert np.abs(steps_nm).max(initial=0) <= U_SPEED_NM_PER_TICK
+    assert np.abs(np.diff(steps_nm)).max(initial=0) <= U_ACCELERATION_NM_PER_TICK2
+
+
 def check_u_limits(trace: Rows) -> None:
-    """Check that from homing on U set-points stay within speed and acceleration of the axis."""
-    steps_nm = np.diff(trace["u_set_nm"][trace["state"] != STATES.index("off")])
-    assert np.abs(steps_nm).max() <= U_SPEED_NM_PER_TICK
-    assert np.abs(np.diff(steps_nm)).max() <= U_ACCELERATION_NM_PER_TICK2
+    """Check the set-points of U from homing on, and from before a fault on its commands."""
+    start = (
+        int(np.argmax(trace["state"] == FAULT))
+        if np.any(trace["state"] == FAULT)
+        else None
+    )
+    check_steps(
+        trace["u_set_nm"][:start][trace["state"][:start] != STATES.index("off")]
+    )
+    if start is not None:
+        check_steps(trace["out_u_nm"][start - 2 :])
 
 
 def check_outputs(trace: Rows) -> None:
@@ -76,7 +90,9 @@ def check_fault_reaction(trace: Rows, expect: Expect) -> None:
     retract_nm = expect.get("u_retract_nm", RETRACT_NM)
     clearance_nm = expect.get("x_clearance_nm", CLEARANCE_NM)
     assert after["u_set_nm"][-1] == retract_nm
-    assert after["out_x_nm"][-1] - after["out_x_nm"][0] == pytest.approx(clearance_nm, abs=2)
+    assert after["out_x_nm"][-1] - after["out_x_nm"][0] == pytest.approx(
+        clearance_nm, abs=2
+    )
     assert after["out_z_nm"][-1] == after["out_z_nm"][-2]
     enabled = (outputs & ENABLE) != 0
     assert not enabled[-1], "enable drops in the end"
@@ -87,14 +103,20 @@ def check_fault_reaction(trace: Rows, expect: Expect) -> None:
     assert enabled[:n_enabled].all() and not enabled[n_enabled:].any()
     at_rest = after["u_set_nm"][~enabled]
     assert np.all(at_rest == retract_nm), "enable holds until the tool is out"
-    if "cutting" in expect["states"] and expect["first_fault"] != "u_force":  # still pushed
+    if (
+        "cutting" in expect["states"] and expect["first_fault"] != "u_force"
+    ):  # still pushed
         assert after["error_nm"][-1] >= OUT_NM, "the tip leaves the work"
 
 
 def check_fault_time(trace: Rows, words: list[str], within_s: float) -> None:
     """Check that the fault is latched within its promised time after its cause."""
-    cause_s = float(words[words.index("--inject") + 1].partition("@")[2].partition(":")[0])
-    cut_s, fault_s = (trace["t_s"][np.argmax(trace["state"] == one)] for one in (CUTTING, FAULT))
+    cause_s = float(
+        words[words.index("--inject") + 1].partition("@")[2].partition(":")[0]
+    )
+    cut_s, fault_s = (
+        trace["t_s"][np.argmax(trace["state"] == one)] for one in (CUTTING, FAULT)
+    )
     assert 0 <= round(fault_s - cut_s - cause_s, 9) <= within_s
 
 

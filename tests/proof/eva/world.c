@@ -13,7 +13,6 @@ enum { n_knots = cam_table_max_slices * 4096 };
 
 cam_t c;
 cam_config_t *cfg;
-cam_tick_record_t record;
 
 static int32_t words[3 * n_knots];
 static const cam_knot_t *const knots = (const cam_knot_t *)(const void *)words;
@@ -76,7 +75,6 @@ static void make_config(cam_config_t *config)
     make_learned(&config->learned);
     make_table(&config->table);
     config->play.excite.wave = wave;
-    config->trace_room = 0; // the driver `slot` shows that the ring is no worse a place
     cam_config_tie(config, true);
 }
 
@@ -86,16 +84,16 @@ static void make_state(void)
     UNKNOWN(c.spindle);
     UNKNOWN(c.guard);
     UNKNOWN(c.motion);
-    UNKNOWN(c.command);
     UNKNOWN(c.force);
     UNKNOWN(c.play);
     UNKNOWN(c.jog);
     UNKNOWN(c.acknowledge);
     UNKNOWN(c.bins);
     UNKNOWN(c.plan);
-    UNKNOWN(c.n_ticks);
     UNKNOWN(c.request);
-    UNKNOWN(c.trace.spare);
+    UNKNOWN(c.trace.n_written);
+    UNKNOWN(c.trace.ring[0]);
+    UNKNOWN(c.trace.ring[1]);
     walk_state(&c);
 }
 
@@ -110,9 +108,6 @@ void make_world(void)
     c.config.offered = cfg;
     c.config.in_use = cfg;
     make_state();
-    UNKNOWN(record);
-#define P record
-    RECORD(EACH)
-#undef P
-    c.newest = any(0, 1) != 0 ? &record : NULL;
+    // The driver `slot` shows that all other records are no worse a place.
+    c.trace.newest = any(0, 1) != 0 ? &c.trace.ring[0] : NULL;
 }

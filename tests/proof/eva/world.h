@@ -24,7 +24,6 @@ static inline int64_t any(int64_t low, int64_t high)
 
 extern cam_t c;
 extern cam_config_t *cfg;
-extern cam_tick_record_t record;
 
 /// Fill in all of them anew.
 void make_world(void);

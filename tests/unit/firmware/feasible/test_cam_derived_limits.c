@@ -2,7 +2,7 @@
 // Windows and limits that follow from encoder, spindle, drive and part.
 #include "cam_derived_limits.h"
 #include "cam_build.h"
-#include "cam_play.h"
+#include "cam_guard.h"
 #include "hal_host.h"
 #include "unity.h"
 #include <math.h>   // floor
@@ -90,19 +90,27 @@ static void test_following_limit_is_a_tenth_of_the_ovality(void)
     }
 }
 
-/// Approach at 100 mm/s and 62.5 m/s2: half of the lag, and half a tick of the way.
-static void test_approach_limit_is_what_half_of_the_lag_makes(void)
+/// Approach at 100 mm/s and 62.5 m/s2: the lag, half of it again, and half a tick of the way.
+static void test_approach_limit_adds_the_lag_of_the_drive(void)
 {
-    const double lag_nm = (742723e-9 + 100e-6) * 100e6 + 281448e-12 * 62.5e9;
-    TEST_ASSERT_INT32_WITHIN(2, (int32_t)(lag_nm / 2.0 + 100e6 * 25e-6),
+    const double lag_nm = 742723e-9 * 100e6 + 281448e-12 * 62.5e9;
+    const double late_nm = 100e-6 / 2.0 * 100e6; // half of the lead
+    TEST_ASSERT_INT32_WITHIN(4, (int32_t)(1.5 * lag_nm + late_nm + 100e6 * 25e-6),
                              cam_derived_limits_approach_nm(&params, &table, 20000));
-    TEST_ASSERT_INT32_WITHIN(2, (int32_t)(lag_nm / 2.0 + 100e6 * 500e-6),
+    TEST_ASSERT_INT32_WITHIN(4, (int32_t)(1.5 * lag_nm + late_nm + 100e6 * 500e-6),
                              cam_derived_limits_approach_nm(&params, &table, 1000));
-    table.u_max_nm = 1000000;
-    TEST_ASSERT_EQUAL_INT32(
-        200000, cam_derived_limits_approach_nm(&params, &table, 20000)); // that of the cut
+    table.u_max_nm = 1000000; // then that of the cut counts
+    TEST_ASSERT_INT32_WITHIN(4, (int32_t)lag_nm + 200000,
+                             cam_derived_limits_approach_nm(&params, &table, 20000));
     params.following_limit_nm = 100;
-    TEST_ASSERT_EQUAL_INT32(100, cam_derived_limits_approach_nm(&params, &table, 20000));
+    TEST_ASSERT_INT32_WITHIN(4, (int32_t)lag_nm + 100,
+                             cam_derived_limits_approach_nm(&params, &table, 20000));
+    params.u_jog_um_per_s = 200000; // twice the speed of the approach
+    TEST_ASSERT_INT32_WITHIN(4, (int32_t)(lag_nm + 742723e-9 * 100e6) + 100,
+                             cam_derived_limits_approach_nm(&params, &table, 20000));
+    params.u_jog_um_per_s = 1000000; // that of U is the highest
+    TEST_ASSERT_INT32_WITHIN(4, (int32_t)(lag_nm + 742723e-9 * 300e6) + 100,
+                             cam_derived_limits_approach_nm(&params, &table, 20000));
 }
 
 /// What is at the limit is built, what is beyond it is refused, at every rate.
@@ -139,7 +147,7 @@ static int64_t whole(double exact, cam_param_id_t id)
 static void test_limits_by_the_tick_are_exact(void)
 {
     for (uint32_t hz = 500; hz <= 1000000u; hz += 1 + hz / 97u) {
-        const double n = cam_play_history - 2;
+        const double n = cam_guard_history - 2;
         TEST_ASSERT_EQUAL_INT32(whole((n * 1e9 - 15259.0) / hz, cam_param_lead_ns),
                                 cam_derived_limits_most(cam_param_lead_ns, hz));
         TEST_ASSERT_EQUAL_INT32(whole(32766e9 / hz, cam_param_k1_ns),

@@ -12,7 +12,7 @@ static cam_motion_limits_t fade;
 void setUp(void)
 {
     cfg = (cam_config_t){0};
-    cfg.guard.u_range_q6 = 500000 * 64;
+    cfg.guard.range_nm = 500000;
     cfg.guard.u.speed_q10 = 1000 * 1024;
     cfg.guard.u.acceleration_q10 = 100 * 1024;
     range = (cam_wave_range_t){.low_nm = -20000, .high_nm = 10000, .step_nm = 500, .bend_nm = 20};

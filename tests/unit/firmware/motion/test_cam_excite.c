@@ -17,7 +17,7 @@ void setUp(void)
         wave_nm[i] = 0;
     }
     cfg = (cam_config_t){0};
-    cfg.guard.u_range_q6 = 600000 * 64;
+    cfg.guard.range_nm = 600000;
     cfg.guard.u = (cam_motion_limits_t){.speed_q10 = 20480000, .acceleration_q10 = 640000};
 }
 

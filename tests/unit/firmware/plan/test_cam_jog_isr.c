@@ -31,12 +31,20 @@ void setUp(void)
                                       .distance_q10 = 2000 * 1024};
 }
 
+/// A plan. @return [nm] by which it shifts the origin of U
+static int32_t jog(void)
+{
+    const int32_t before_nm = m.u.home_nm;
+    cam_jog_isr(&h, &cfg, &r, &m);
+    return m.u.home_nm - before_nm;
+}
+
 static int32_t order(cam_jog_phase_t begin, hal_axis_t axis)
 {
     cfg.jog.order.serial++;
     cfg.jog.order.begin = begin;
     cfg.jog.order.axis = axis;
-    return cam_jog_isr(&h, &cfg, &r, &m);
+    return jog();
 }
 
 /// No order of X or Z, and none but homing of U, shifts the origin of U; nor does a plan without.
@@ -53,7 +61,7 @@ static void test_origin_of_u_shifts_by_its_homing_alone(void)
             const int32_t shift_nm = order(begins[i], (hal_axis_t)axis);
             TEST_ASSERT_EQUAL(is_homing_u, shift_nm != 0);
             for (int k = 0; k < 20 && !is_homing_u; k++) {
-                TEST_ASSERT_EQUAL_INT32(0, cam_jog_isr(&h, &cfg, &r, &m));
+                TEST_ASSERT_EQUAL_INT32(0, jog());
             }
         }
     }
@@ -118,7 +126,7 @@ static void test_search_forgets_the_home_of_its_axis(void)
     TEST_ASSERT_EQUAL_INT32(0, order(cam_jog_search, hal_axis_x));
     TEST_ASSERT_EQUAL_HEX32(7u & ~(1u << hal_axis_x), h.homed);
     r.in.inputs = 0; // drives without power may come back anywhere
-    (void)cam_jog_isr(&h, &cfg, &r, &m);
+    (void)jog();
     TEST_ASSERT_EQUAL_HEX32(0, h.homed);
 }
 
@@ -130,7 +138,7 @@ static void test_stop_ends_order_and_state_once(void)
     m.is_stopping = true;
     for (int i = 0; i < 1000 && m.state != cam_state_off; i++) {
         TEST_ASSERT_TRUE(m.is_stopping);
-        TEST_ASSERT_EQUAL_INT32(0, cam_jog_isr(&h, &cfg, &r, &m));
+        TEST_ASSERT_EQUAL_INT32(0, jog());
         TEST_ASSERT_EQUAL_INT(cam_jog_stopped, h.end);
         TEST_ASSERT_EQUAL_INT(cam_jog_rest, h.phase);
     }
@@ -207,7 +215,7 @@ enum { press_q6 = 64000, still_plans = 50 };
 /// A plan; the next reading has the new origin.
 static int32_t plan(void)
 {
-    const int32_t shift_nm = cam_jog_isr(&h, &cfg, &r, &m);
+    const int32_t shift_nm = jog();
     r.in.actual_nm[hal_axis_u] += shift_nm;
     return shift_nm;
 }

@@ -142,13 +142,6 @@ static void test_the_angle_is_counted_from_the_begin_of_the_bin(void)
     TEST_ASSERT_EQUAL_INT32(131072, g.bin[255].angle_q24);
 }
 
-static void test_a_tick_in_fault_is_not_gathered(void)
-{
-    record.want.state = cam_state_fault;
-    cam_turn_bins_add_isr(&g, &record);
-    TEST_ASSERT_EQUAL_UINT32(0, g.bin[0].n);
-}
-
 static void test_a_turn_in_motion_is_not_steady(void)
 {
     TEST_ASSERT_NOT_NULL(take_next());
@@ -197,14 +190,14 @@ static void test_turning_back_is_not_a_turn(void)
     }
 }
 
-/// The copy changes nothing; the gains of motions by time stay the configured ones.
+/// The copy changes nothing; the configured gains stay what they are.
 static void test_a_copy_keeps_the_configuration_and_its_ties(void)
 {
     static cam_config_bank_t bank;
     memset(&bank, 0, sizeof bank);
     cam_config_t *first = cam_config_free_half(&bank);
-    first->command.by_time.k1_q16 = 1000;
-    first->command.by_time.k2_q16 = 50;
+    first->command.configured.k1_q16 = 1000;
+    first->command.configured.k2_q16 = 50;
     first->generation = 3;
     cam_config_tie(first, true);
     const cam_learned_t learned = {.k1_q16 = -30, .k2_q16 = 7, .c = {1, 2}, .d = {3}, .dm = {4}};
@@ -218,8 +211,8 @@ static void test_a_copy_keeps_the_configuration_and_its_ties(void)
     cam_config_t *copy = cam_config_copy(&bank);
     TEST_ASSERT_NOT_NULL(copy);
     TEST_ASSERT_TRUE(copy != first);
-    TEST_ASSERT_EQUAL_INT32(1000, copy->command.by_time.k1_q16);
-    TEST_ASSERT_EQUAL_INT32(50, copy->command.by_time.k2_q16);
+    TEST_ASSERT_EQUAL_INT32(1000, copy->command.configured.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(50, copy->command.configured.k2_q16);
     TEST_ASSERT_EQUAL_MEMORY(&learned, &copy->learned, sizeof learned);
     TEST_ASSERT_EQUAL_PTR(&copy->table, copy->play.table);
     TEST_ASSERT_EQUAL_PTR(copy->learned.c, copy->play.c);

@@ -164,8 +164,9 @@ static void begin(void)
 static void write_ring(uint32_t from, uint32_t n)
 {
     for (uint32_t i = 0; i < n; i++) {
-        *cam_trace_slot_isr(&g_cam.trace, cam_trace_capacity) = record(from + i);
-        cam_trace_commit_isr(&g_cam.trace);
+        cam_tick_record_t *next = cam_trace_begin_isr(&g_cam.trace);
+        *next = record(from + i);
+        cam_trace_commit_isr(&g_cam.trace, next);
     }
 }
 

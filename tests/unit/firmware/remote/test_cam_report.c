@@ -64,8 +64,8 @@ static void test_status_comes_every_ten_milliseconds(void)
 
 static void test_status_keeps_its_period_across_the_wrap_of_the_tick(void)
 {
-    g_cam.n_ticks = UINT32_MAX - 449u; // ticks of the interrupt
-    g_cam.n_begun = UINT32_MAX - 450u;
+    g_cam.trace.n_written = UINT32_MAX - 449u; // ticks of the interrupt
+    g_cam.trace.n_begun = UINT32_MAX - 449u;
     f.can.report.status_tick = UINT32_MAX - 449u;
     fixture_rig_tick(&f.rig);
     const uint32_t n_sent = hal_host.slow.n_sent;
@@ -118,11 +118,11 @@ static hal_can_frame_t motion_of(uint32_t tick_hz, int32_t speed_q32, int32_t z_
 {
     begin(tick_hz);
     static cam_tick_record_t record;
-    record = *g_cam.newest;
+    record = *g_cam.trace.newest;
     record.tick += tick_hz;
     record.angle.speed_q32 = speed_q32;
     record.want.z_nm = z_nm;
-    g_cam.newest = &record;
+    g_cam.trace.newest = &record;
     g_cam.spindle.n_late = 0x89ABCDEFu;
     cam_can_poll(&f.can);
     record.tick += tick_hz;
@@ -162,9 +162,9 @@ static void test_speed_is_rounded_signed_and_saturated(void)
 static cam_tick_record_t *one_second_later(void)
 {
     static cam_tick_record_t record;
-    record = *g_cam.newest;
+    record = *g_cam.trace.newest;
     record.tick += 20000u;
-    g_cam.newest = &record;
+    g_cam.trace.newest = &record;
     return &record;
 }
 

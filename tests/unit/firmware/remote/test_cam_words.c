@@ -151,41 +151,55 @@ static void test_params_of_learning_and_their_fit(void)
 
 static cam_trace_t trace;
 
-static void push(uint32_t tick, uint32_t room)
+/// Write the records of ticks, from the number of the next one on.
+static void push(uint32_t n)
 {
-    cam_trace_slot_isr(&trace, room)->tick = tick;
-    cam_trace_commit_isr(&trace);
+    for (uint32_t i = 0; i < n; i++) {
+        cam_trace_commit_isr(&trace, cam_trace_begin_isr(&trace));
+    }
 }
 
-static void test_trace_keeps_order_and_counts_what_it_drops(void)
+/// Take records up to the newest one. @return how many
+static uint32_t pop_from(uint32_t tick)
 {
-    // start close below the wrap of the counters
-    memset(&trace, 0, sizeof trace);
-    trace.n_written = UINT32_MAX - 100u;
-    trace.n_read = UINT32_MAX - 100u;
     cam_tick_record_t record;
-    TEST_ASSERT_FALSE(cam_trace_pop(&trace, &record));
-    for (uint32_t tick = 0; tick < cam_trace_capacity + 10u; tick++) {
-        push(tick, cam_trace_capacity);
+    uint32_t n = 0;
+    while (cam_trace_pop(&trace, &record)) {
+        TEST_ASSERT_EQUAL_UINT32(tick + n, record.tick);
+        n++;
     }
-    TEST_ASSERT_EQUAL_UINT32(10, trace.n_dropped);
-    for (uint32_t tick = 0; tick < cam_trace_capacity; tick++) {
-        TEST_ASSERT_TRUE(cam_trace_pop(&trace, &record));
-        TEST_ASSERT_EQUAL_UINT32(tick, record.tick);
-    }
-    TEST_ASSERT_FALSE(cam_trace_pop(&trace, &record));
+    return n;
 }
 
-static void test_trace_record_without_room_is_not_kept(void)
+/// Close below the wrap of the numbers: a reader in time gets every record, a late one the newest.
+static void test_trace_keeps_order_and_counts_what_was_missed(void)
+{
+    const uint32_t first = UINT32_MAX - 255u; // a whole number of rings below the wrap
+    memset(&trace, 0, sizeof trace);
+    trace.n_written = trace.n_begun = trace.n_read = first;
+    TEST_ASSERT_EQUAL_UINT32(0, pop_from(first));
+    push(100);
+    TEST_ASSERT_EQUAL_UINT32(first + 99u, cam_trace_newest(&trace)->tick);
+    TEST_ASSERT_EQUAL_UINT32(100, pop_from(first));
+    push(cam_trace_capacity - 1);
+    TEST_ASSERT_EQUAL_UINT32(cam_trace_capacity - 1, pop_from(first + 100u));
+    TEST_ASSERT_EQUAL_UINT32(0, trace.n_missed);
+    push(cam_trace_capacity + 10);
+    const uint32_t oldest = first + 100u + cam_trace_capacity - 1u + 11u;
+    TEST_ASSERT_EQUAL_UINT32(cam_trace_capacity - 1, pop_from(oldest));
+    TEST_ASSERT_EQUAL_UINT32(11, trace.n_missed);
+}
+
+/// The tick in progress overwrites the oldest record.
+static void test_trace_does_not_give_the_record_of_the_tick_in_progress(void)
 {
     memset(&trace, 0, sizeof trace);
-    cam_tick_record_t record;
-    push(1, 0);
-    TEST_ASSERT_FALSE(cam_trace_pop(&trace, &record));
-    push(2, cam_trace_capacity);
-    TEST_ASSERT_TRUE(cam_trace_pop(&trace, &record));
-    TEST_ASSERT_EQUAL_UINT32(2, record.tick);
-    TEST_ASSERT_EQUAL_UINT32(0, trace.n_dropped);
+    push(cam_trace_capacity);
+    cam_tick_record_t *record = cam_trace_begin_isr(&trace);
+    TEST_ASSERT_EQUAL_PTR(&trace.ring[0], record);
+    TEST_ASSERT_EQUAL_UINT32(cam_trace_capacity - 1, pop_from(1));
+    cam_trace_commit_isr(&trace, record);
+    TEST_ASSERT_EQUAL_UINT32(1, pop_from(cam_trace_capacity));
 }
 
 /// The lowest byte comes first, and all four count.

@@ -37,8 +37,8 @@ static void begin(uint32_t spindle_mrpm)
 static void go_back(void)
 {
     fixture_rig_put(&rig, &kept);
-    told.u_q6 = g_cam.guard.u_set_q6;
-    told.step_q6 = g_cam.guard.u_step_q6;
+    told.u_q6 = g_cam.motion.u.set_q6;
+    told.step_q6 = g_cam.motion.u.set_step_q6;
 }
 
 /// One tick, in which U moves and accelerates within the limits that the guard has.
@@ -47,7 +47,7 @@ static void tick(const char *what)
     const cam_guard_config_t *most = &g_cam.config.in_use->guard;
     fixture_rig_tick(&rig);
     const int32_t step_q6 = rig.last.want.u_set_q6 - told.u_q6;
-    TEST_ASSERT_TRUE_MESSAGE(labs(rig.last.want.u_set_q6) <= most->u_range_q6, what);
+    TEST_ASSERT_TRUE_MESSAGE(labs(rig.last.want.u_set_q6 / 64) <= most->range_nm, what);
     TEST_ASSERT_TRUE_MESSAGE(labs(step_q6) <= most->u_vel_q6, what);
     TEST_ASSERT_TRUE_MESSAGE(labs(step_q6 - told.step_q6) <= most->u_acc_q6, what);
     told.u_q6 = rig.last.want.u_set_q6;

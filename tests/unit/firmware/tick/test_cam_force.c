@@ -50,7 +50,8 @@ static uint32_t tick(int32_t set_nm)
     if (!is_frozen) {
         r.in.actual_nm[hal_axis_u] = (int32_t)lround(pos_nm);
     }
-    cam_force_step_isr(&force, &cfg.force, &r, set_nm, is_on, &m);
+    m.u.nm = set_nm;
+    cam_force_step_isr(&force, &cfg.force, &r, is_on, &m);
     const uint32_t faults = cam_force_watch_isr(&force, &cfg.force, &r, &m);
     const double drag_n = drag_n_s_per_m * vel_nm_per_s * 1e-9;
     const double force_n = push_n - drag_n + (is_reversed ? -waiting_n : waiting_n);
@@ -310,7 +311,7 @@ static void test_shift_of_the_origin_is_no_motion(void)
 {
     let_settle();
     pos_nm += 5e6;
-    cam_force_shift_isr(&force, 5000000);
+    m.u.home_nm = 5000000;
     cfg.force.travel_nm = 10000000;
     TEST_ASSERT_EQUAL_HEX32(0, tick(5000000));
 }
@@ -380,9 +381,6 @@ static void test_observer_that_is_farther_off_than_its_word_wraps(void)
     force.vel_q24 = INT64_MAX;
     TEST_ASSERT_EQUAL_HEX32(0, tick(0));
     TEST_ASSERT_EQUAL_INT64(-2 - (INT64_C(1) << 31) * cfg.force.pos_q18, force.pos_q24);
-    force.pos_q24 = INT64_MAX;
-    cam_force_shift_isr(&force, 1);
-    TEST_ASSERT_EQUAL_INT64(INT64_MIN + (1 << 24) - 1, force.pos_q24);
 }
 
 /// Without a loop the mass is not checked; at 625 Hz, 10 g would leave nothing of the word.

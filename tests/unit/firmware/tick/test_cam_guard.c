@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The guard alone: each fault at its limit and one step beyond, in every state, as FAULTS.md has
-// it. Then the retract of a whole controller: no axis exceeds its limits, and a late tick that is
-// no fault causes none.
+// it, and how it brakes the command. Then the retract of a whole controller: no axis exceeds its
+// limits, and a late tick that is no fault causes none.
 #include "cam_build.h"
 #include "cam_guard.h"
 #include "rig_bench.h"
@@ -14,6 +14,9 @@ static cam_sense_t in;
 static cam_angle_t angle;
 static cam_want_t want;
 static cam_motion_t motion;
+static int32_t lead_nm;        ///< command minus set-point
+static hal_setpoint_t written; ///< what the last tick wrote to U
+static uint32_t n_ticks;
 
 /// Set up the guard alone, without a controller.
 static void reset(void)
@@ -24,6 +27,9 @@ static void reset(void)
     memset(&motion, 0, sizeof motion);
     TEST_ASSERT_EQUAL_INT(cam_ok,
                           cam_build_config(&config, &params, NULL, 3030000, 20000, 200000000).err);
+    cam_config_learn(&config);
+    lead_nm = 0;
+    n_ticks = 0;
     in = (cam_sense_t){.inputs = hal_in_drive_ready};
     angle = (cam_angle_t){.speed_q32 = 8947849, .is_synced = true};
     want = (cam_want_t){.spindle_mrpm = 2500000};
@@ -32,10 +38,19 @@ static void reset(void)
 /// A tick behind a plan. @return what is written
 static cam_want_t tick(void)
 {
-    cam_tick_record_t r = {.in = in, .angle = angle, .want = want};
-    r.want.faults |= angle.faults | cam_sense_faults(&in) | cam_guard_plan_isr(&guard, cfg, &r);
+    cam_tick_record_t r = {.tick = n_ticks++, .in = in, .angle = angle, .want = want};
+    r.out[hal_axis_u].pos_nm = (cam_sat_add(want.u_set_q6, 32) >> 6) + lead_nm;
+    motion.faults = want.faults | cam_guard_plan_isr(&guard, cfg, &r);
     cam_guard_step_isr(&guard, cfg, &r, &motion);
+    written = r.out[hal_axis_u];
     return r.want;
+}
+
+/// U at rest there, before the next tick.
+static void place(int32_t set_q6)
+{
+    want.u_set_q6 = set_q6;
+    motion.u = (cam_u_t){.set_q6 = set_q6, .nm = (set_q6 + 32) >> 6};
 }
 
 /// Set up a machine in a state without any fault.
@@ -72,7 +87,6 @@ static void cause(cam_fault_t fault, int32_t beyond)
     case cam_fault_z_range:
     case cam_fault_table:
     case cam_fault_swing:
-    case cam_fault_command:
     case cam_fault_u_travel:
     case cam_fault_u_runaway:
     case cam_fault_u_force:
@@ -80,6 +94,11 @@ static void cause(cam_fault_t fault, int32_t beyond)
         break;
     case cam_fault_reverse:
         angle.speed_q32 = -17896 - beyond;
+        break;
+    case cam_fault_command: // its set-point is within the stroke
+        want.faults = want.state == cam_state_fault ? mask : 0u; // there of a plan
+        place((cfg->range_nm - 100) * 64);
+        lead_nm = 100 + beyond;
         break;
     case cam_fault_spindle_stopped:
         angle.speed_q32 = 17895;
@@ -93,14 +112,15 @@ static void cause(cam_fault_t fault, int32_t beyond)
         in.actual_nm[hal_axis_u] = 100000 + beyond;
         break;
     case cam_fault_setpoint_speed: // with the speed of the step before: no acceleration
-        guard.u_step_q6 = cfg->u_vel_q6;
-        want.u_set_q6 = guard.u_set_q6 + cfg->u_vel_q6 + beyond;
+        motion.u.set_step_q6 = cfg->u_vel_q6;
+        motion.u.step_nm = cfg->u_vel_q6 / 64;
+        want.u_set_q6 = motion.u.set_q6 + cfg->u_vel_q6 + beyond;
         break;
     case cam_fault_setpoint_acceleration:
-        want.u_set_q6 = guard.u_set_q6 - cfg->u_acc_q6 - beyond;
+        want.u_set_q6 = motion.u.set_q6 - cfg->u_acc_q6 - beyond;
         break;
     case cam_fault_setpoint_range:
-        guard.u_set_q6 = want.u_set_q6 = cfg->u_range_q6 + beyond;
+        place((cfg->range_nm + beyond) * 64);
         break;
     case cam_n_faults:
         break;
@@ -125,7 +145,7 @@ static bool is_armed(cam_fault_t fault, cam_state_t state)
         [cam_fault_following_error] = "rwm",
         [cam_fault_setpoint_speed] = "rwm",
         [cam_fault_setpoint_acceleration] = "rwm",
-        [cam_fault_setpoint_range] = "rwm",
+        [cam_fault_setpoint_range] = "hrwm",
         [cam_fault_z_range] = "w",
         [cam_fault_table] = "hrwm",
         [cam_fault_swing] = "w",
@@ -224,18 +244,12 @@ static void test_following_error_at_the_stop_is_accepted_in_manual_only(void)
     }
 }
 
-/// A spindle may stand when the work begins; once its encoder has advanced, it must not stand.
-static void test_encoder_that_stands_ends_the_work_where_it_has_advanced(void)
+/// An encoder that stops is a fault in the work only.
+static void test_encoder_that_stops_ends_the_work(void)
 {
     for (int state = 0; state < cam_n_states; state++) {
-        begin(cam_state_off);
-        angle.is_still = true;
-        want.state = (cam_state_t)state;
-        (void)tick();
-        TEST_ASSERT_EQUAL_HEX32(0, guard.faults);
-        angle.is_still = false;
-        (void)tick();
-        angle.is_still = true;
+        begin((cam_state_t)state);
+        angle.has_stopped = true;
         (void)tick();
         const bool is_in_work = is_armed(cam_fault_reverse, (cam_state_t)state);
         TEST_ASSERT_EQUAL_HEX32(is_in_work ? CAM_FAULT_BIT(spindle_stopped) : 0u, guard.faults);
@@ -251,16 +265,95 @@ static void test_limits_of_the_other_sign_are_the_same(void)
         {0, 0, 0, -100001, CAM_FAULT_BIT(following_error)},
         {cfg->u_acc_q6 + 1, 0, 0, 0, CAM_FAULT_BIT(setpoint_acceleration)},
         {-cfg->u_vel_q6 - 1, 0, -cfg->u_vel_q6, 0, CAM_FAULT_BIT(setpoint_speed)},
-        {-cfg->u_range_q6 - 1, -cfg->u_range_q6 - 1, 0, 0, CAM_FAULT_BIT(setpoint_range)},
+        {-cfg->range_nm * 64 - 64, -cfg->range_nm * 64 - 64, 0, 0, CAM_FAULT_BIT(setpoint_range)},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         begin(cam_state_cutting);
+        place(cases[i].before_q6);
+        motion.u.set_step_q6 = cases[i].step_q6;
+        motion.u.step_nm = cases[i].step_q6 / 64;
         want.u_set_q6 = cases[i].set_q6;
-        guard.u_set_q6 = cases[i].before_q6;
-        guard.u_step_q6 = cases[i].step_q6;
         in.actual_nm[hal_axis_u] = cases[i].actual_nm;
         (void)tick();
         TEST_ASSERT_EQUAL_HEX32(cases[i].fault, guard.faults);
+    }
+}
+
+/// [place, its last step, command wanted, off time, whether it is accepted]
+static void test_limits_of_the_command_hold_to_the_nanometre(void)
+{
+    static const struct {
+        int32_t nm, step_nm, want_nm;
+        bool is_off_time, is_accepted;
+    } cases[] = {
+        {0, 0, 50, false, true},           {0, 0, 51, false, false},
+        {0, 0, -50, false, true},          {0, 0, -51, false, false},
+        {0, 970, 1000, false, true},       {0, 970, 1001, false, false},
+        {0, -970, -1000, false, true},     {0, -970, -1001, false, false},
+        {99990, 0, 100000, false, true},   {99990, 0, 100001, false, false},
+        {-99990, 0, -100000, false, true}, {-99990, 0, -100001, false, false},
+        {0, 0, 400, true, true},           {0, 0, 401, true, false},
+        {0, 0, -400, true, true},          {0, 0, -401, true, false},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        begin(cam_state_cutting);
+        config.guard.range_nm = 100000;
+        config.guard.step_nm = 1000;
+        config.guard.change_nm = 50;
+        config.guard.change_off_nm = 400;
+        motion.u.nm = cases[i].nm;
+        motion.u.step_nm = cases[i].step_nm;
+        lead_nm = cases[i].want_nm;
+        angle.is_off_time = cases[i].is_off_time;
+        (void)tick();
+        const int32_t step_nm = cases[i].want_nm - cases[i].nm;
+        TEST_ASSERT_EQUAL_HEX32(cases[i].is_accepted ? 0u : CAM_FAULT_BIT(command), guard.faults);
+        if (cases[i].is_accepted) {
+            TEST_ASSERT_EQUAL_INT32(cases[i].want_nm, written.pos_nm);
+            TEST_ASSERT_EQUAL_INT32(cases[i].want_nm, motion.u.nm);
+            TEST_ASSERT_EQUAL_INT32(step_nm, motion.u.step_nm);
+            TEST_ASSERT_EQUAL_INT32(step_nm - cases[i].step_nm, motion.u.change_nm);
+        }
+    }
+}
+
+/// In off nothing is a motion: the command is where U stands, in its stroke.
+static void test_off_follows_u_without_a_step(void)
+{
+    static const int32_t places_nm[][2] = {
+        {-70000, -70000}, {70000, 70000}, {5000000, 600000}, {-5000000, -600000}};
+    begin(cam_state_off);
+    motion.u.home_nm = 300;
+    for (size_t i = 0; i < 4u; i++) {
+        want.u_set_q6 = places_nm[i][0] * 64;
+        (void)tick();
+        TEST_ASSERT_EQUAL_INT32(places_nm[i][1] - 300, written.pos_nm);
+        TEST_ASSERT_EQUAL_INT32(places_nm[i][1], motion.u.nm);
+        TEST_ASSERT_EQUAL_INT32(0, motion.u.step_nm);
+        TEST_ASSERT_EQUAL_INT32(0, motion.u.set_step_q6);
+    }
+}
+
+/// What the scale should show is the set-point of one lead ago, between two ticks by its share. A
+/// home that is found meanwhile is no motion.
+static void test_due_set_point_is_that_of_one_lead_ago_from_any_home(void)
+{
+    begin(cam_state_ready);
+    config.guard.due_ticks = 3;
+    config.guard.due_part_q31 = 1 << 30; // a half
+    int32_t home_nm = 0;
+    for (int32_t n = 0; n < 200; n++) {
+        home_nm += n == 100 ? 12345678 : 0;
+        motion.u.home_nm = home_nm;
+        motion.u.set_q6 += n == 100 ? home_nm * 64 : 0;
+        motion.u.nm += n == 100 ? home_nm : 0;
+        want.u_set_q6 = 640 * n + 64 * home_nm;
+        config.guard.range_nm = 15000000;
+        in.actual_nm[hal_axis_u] = home_nm + 10 * n - 35;
+        const cam_want_t done = tick();
+        TEST_ASSERT_EQUAL_HEX32(0, guard.faults);
+        TEST_ASSERT_EQUAL_INT32(n < 4 ? done.u_due_q6 : 640 * n - 2240 + 64 * home_nm,
+                                done.u_due_q6);
     }
 }
 
@@ -269,59 +362,79 @@ static void test_limits_are_those_of_the_parameters(void)
 {
     TEST_ASSERT_INT32_WITHIN(1, 21253 * 64, cfg->u_vel_q6);   // 400 mm/s at 20 kHz
     TEST_ASSERT_INT32_WITHIN(7, 667 * 64 + 4, cfg->u_acc_q6); // 250 m/s2: 664.06 + 3
-    TEST_ASSERT_EQUAL_INT32(600000 * 64, cfg->u_range_q6);    // half of 1.2 mm
+    TEST_ASSERT_EQUAL_INT32(600000, cfg->range_nm);           // half of 1.2 mm
 }
 
-static void test_fault_with_a_set_point_far_off_writes_from_the_last_good_place(void)
+static void test_fault_with_a_set_point_far_off_retracts_from_the_last_good_place(void)
 {
     static const int32_t far_q6[] = {INT32_MAX, INT32_MIN, 1 << 30, -(1 << 30)};
     for (int i = 0; i < 4; i++) {
         begin(cam_state_cutting);
         want.u_set_q6 = far_q6[i];
-        motion.axis[hal_axis_u].vel_q10 = INT32_MAX; // the feed-forward would multiply it
+        motion.axis[hal_axis_u].vel_q10 = INT32_MAX; // of the set-point that is not accepted
         const cam_want_t safe = tick();
         TEST_ASSERT_EQUAL_INT(cam_state_fault, safe.state);
         TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(setpoint_speed), guard.faults);
-        TEST_ASSERT_EQUAL_INT32(0, safe.u_set_q6);
-        TEST_ASSERT_EQUAL_INT32(0, motion.axis[hal_axis_u].vel_q10);
+        const int32_t jerk_nm = 2 * cfg->u.acceleration_q10 / 1024 >> cfg->u.log2_window;
+        TEST_ASSERT_INT32_WITHIN(jerk_nm + 1, 0, written.pos_nm);
+        TEST_ASSERT_EQUAL_INT32(written.pos_nm * 64, safe.u_set_q6);
     }
 }
 
-/// At the limit of acceleration the tick of the fault goes on with the speed of the last step and
-/// the acceleration that was told; behind it the acceleration falls within the jerk of the window.
-static void test_retract_goes_on_with_speed_and_acceleration_of_the_last_step(void)
+/// From the tick of the fault on the command continues with the speed and the acceleration of its
+/// last step, whatever the set-point was, and the acceleration changes within the jerk of the
+/// window. A home is no motion.
+static void test_retract_continues_from_the_last_command(void)
 {
-    begin(cam_state_cutting);
-    const int32_t a_q6 = cfg->u.acceleration_q10 / 16;
-    int32_t at_q6 = 0;
-    for (int32_t n = 1; n <= 5; n++) { // constant acceleration: the end of a step is a/2 faster
-        at_q6 += n * a_q6;
-        want.u_set_q6 = at_q6;
-        motion.axis[hal_axis_u] = (cam_axis_motion_t){.pos_q10 = (int64_t)at_q6 * 16,
-                                                      .vel_q10 = (n * a_q6 + a_q6 / 2) * 16,
-                                                      .acc_q10 = a_q6 * 16};
-        (void)tick();
-        TEST_ASSERT_EQUAL_HEX32(0, guard.faults);
+    const int32_t accelerations_nm[] = {0, 300, -300, 5000};
+    for (size_t i = 0; i < 4u; i++) {
+        begin(cam_state_cutting);
+        const int32_t a_nm = cfg->u.acceleration_q10 / 1024;
+        const int32_t jerk_nm = (2 * a_nm >> cfg->u.log2_window) + 2;
+        int32_t change_nm = cam_clamp_i32(accelerations_nm[i], -a_nm, a_nm);
+        motion.u = (cam_u_t){.home_nm = 1000000,
+                             .set_q6 = 100000 * 64,
+                             .nm = 120000,
+                             .step_nm = 2000,
+                             .change_nm = accelerations_nm[i]};
+        in.inputs |= hal_in_estop;
+        int32_t last_nm = 120000;
+        int32_t step_nm = 2000;
+        for (int n = 0; n < 40; n++) {
+            const cam_want_t safe = tick();
+            want.state = cam_state_fault;
+            const int32_t now_nm = written.pos_nm + 1000000;
+            TEST_ASSERT_INT32_WITHIN(jerk_nm, change_nm, now_nm - last_nm - step_nm);
+            TEST_ASSERT_INT32_WITHIN(2, now_nm - last_nm - step_nm, written.acc_q10 / 1024);
+            TEST_ASSERT_EQUAL_INT32(now_nm * 64, safe.u_set_q6);
+            change_nm = now_nm - last_nm - step_nm;
+            step_nm = now_nm - last_nm;
+            last_nm = now_nm;
+        }
+        TEST_ASSERT_LESS_THAN_INT32(0, step_nm);
     }
-    want.u_set_q6 = at_q6 + 6 * a_q6;
-    in.inputs |= hal_in_estop;
-    TEST_ASSERT_EQUAL_INT32(at_q6 + 6 * a_q6, tick().u_set_q6);
-    TEST_ASSERT_EQUAL_INT32(a_q6 * 16, motion.axis[hal_axis_u].acc_q10);
-    want.state = cam_state_fault;
-    int32_t last_q6 = guard.u_set_q6;
-    int32_t step_q6 = 6 * a_q6;
-    int32_t acc_q6 = a_q6;
-    const int32_t jerk_q6 = 2 * a_q6 >> cfg->leave.log2_window;
-    for (int i = 0; i < 40; i++) {
-        const int32_t now_q6 = tick().u_set_q6;
-        const int32_t now_acc_q6 = now_q6 - last_q6 - step_q6;
-        TEST_ASSERT_INT32_WITHIN(jerk_q6 + 4, acc_q6, now_acc_q6);
-        TEST_ASSERT_INT32_WITHIN(2, now_acc_q6, motion.axis[hal_axis_u].acc_q10 / 16);
-        step_q6 = now_q6 - last_q6;
-        last_q6 = now_q6;
-        acc_q6 = now_acc_q6;
+}
+
+/// Towards the end of the stroke too fast to brake, the command stops there, and retracts from
+/// there. From beyond it never moves farther out.
+static void test_retract_stops_at_the_end_of_the_stroke(void)
+{
+    static const int32_t places_nm[][2] = {{599000, 600000}, {600000, 600000}, {700000, 700000}};
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        for (size_t i = 0; i < 3u; i++) {
+            begin(cam_state_cutting);
+            motion.u = (cam_u_t){.nm = sign * places_nm[i][0], .step_nm = sign * 5000};
+            in.inputs |= hal_in_estop;
+            for (int n = 0; n < 300; n++) {
+                (void)tick();
+                want.state = cam_state_fault;
+                TEST_ASSERT_LESS_OR_EQUAL_INT32(places_nm[i][1], sign * written.pos_nm);
+                const bool is_first = n == 0 && i < 2u;
+                TEST_ASSERT_TRUE(!is_first || sign * written.pos_nm == places_nm[i][1]);
+            }
+            TEST_ASSERT_EQUAL_INT32(-500000, written.pos_nm);
+        }
     }
-    TEST_ASSERT_LESS_THAN_INT32(0, step_q6);
 }
 
 /// Faults of one tick are all reported. A drive that is lost while U retracts drops enable at once,
@@ -389,7 +502,8 @@ static void test_time_of_standing_counts_in_the_work_only(void)
 static void test_off_forgets_the_motion_before_it(void)
 {
     begin(cam_state_off);
-    guard = (cam_guard_t){.u_set_q6 = 64, .u_step_q6 = 6400, .u_acc_q10 = 1024};
+    motion.u =
+        (cam_u_t){.set_q6 = 64, .set_step_q6 = 6400, .nm = 1, .step_nm = 100, .change_nm = 1};
     (void)tick();
     want = (cam_want_t){.state = cam_state_manual, .faults = CAM_FAULT_BIT(late_tick)};
     const cam_want_t safe = tick();

@@ -114,7 +114,6 @@ static void test_increments_of_the_cut_end_with_a_fault(void)
     const cam_motion_t then = f.motion;
     fixture_play_ticks(&f, 20 * 1000);
     TEST_ASSERT_EQUAL_INT32(then.scale_q30, f.motion.scale_q30);
-    TEST_ASSERT_EQUAL_INT32(then.lag_q4, f.motion.lag_q4);
     TEST_ASSERT_EQUAL_INT32(then.phase_q32, f.motion.phase_q32);
     TEST_ASSERT_EQUAL_INT64(then.height_q32, f.motion.height_q32);
 }

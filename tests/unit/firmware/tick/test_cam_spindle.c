@@ -252,14 +252,17 @@ static void test_step_encoder_that_stands_shows_within_five_counts(void)
             start(10000, 1, 0);
             config.spindle.still_q32 = 3 * 429496; // without a table U does not move at all
             run_up(rpm / 60.0);
-            TEST_ASSERT_FALSE(angle.is_still);
+            TEST_ASSERT_FALSE(angle.has_stopped);
             const uint32_t stands = in.encoder.counts;
             double n_ticks_still = 0.0;
-            for (; !angle.is_still && n_ticks_still < 1e4; n_ticks_still++) {
+            for (; !angle.has_stopped && n_ticks_still < 1e4; n_ticks_still++) {
                 in.clock += clock_hz / tick_hz;
                 in.encoder.counts = stands - (uint32_t)((int)n_ticks_still % 2 * dither);
                 observe(0);
             }
+            in.clock += clock_hz / tick_hz;
+            observe(0);
+            TEST_ASSERT_FALSE_MESSAGE(angle.has_stopped, "once in each stop");
             TEST_ASSERT_TRUE(n_ticks_still <= 1.0 + 5.0 / (rpm / 6.0 * 1e3 / tick_hz));
         }
     }

@@ -32,9 +32,9 @@ void setUp(void)
     core.spindle.max_period = 1019;
     core.guard.count[0] = 1u << cam_fault_estop;
     core.guard.count[2] = 1u << cam_fault_drive;
-    atomic_store(&core.newest, &record);
-    atomic_store(&core.n_begun, 41);
-    atomic_store(&core.n_ticks, 42);
+    atomic_store(&core.trace.newest, &record);
+    atomic_store(&core.trace.n_begun, 42);
+    atomic_store(&core.trace.n_written, 42);
 }
 
 static void test_words_of_the_record_are_told(void)
@@ -88,7 +88,7 @@ static void test_each_condition_is_told_by_itself(void)
 
 static void test_moment_holds_what_the_stages_left(void)
 {
-    core.motion.u_home_nm = 2001;
+    core.motion.u.home_nm = 2001;
     core.plan.ratio_q28 = 2002;
     cam_moment_t now;
     cam_status_moment(&core, &now);
@@ -101,7 +101,7 @@ static void test_moment_holds_what_the_stages_left(void)
 
 static void test_before_the_first_tick_the_state_is_off_and_nothing_else_is_known(void)
 {
-    atomic_store(&core.newest, NULL);
+    atomic_store(&core.trace.newest, NULL);
     cam_moment_t now;
     memset(&now, 0x55, sizeof now);
     cam_status_moment(&core, &now);

@@ -228,20 +228,6 @@ static void test_session_by_hand_replays_bit_for_bit(void)
     expect_replay();
 }
 
-static void test_trace_switched_off_and_on_has_a_gap_and_goes_on(void)
-{
-    prepare();
-    set(cam_param_trace_on, 0);
-    const uint32_t n = rig.n_log;
-    const uint32_t tick = fixture_rig_status(&rig).tick;
-    fixture_rig_ticks(&rig, 1000);
-    TEST_ASSERT_EQUAL_UINT32(n, rig.n_log);
-    set(cam_param_trace_on, 1);
-    TEST_ASSERT_EQUAL_UINT32(n + 1u, rig.n_log);
-    TEST_ASSERT_EQUAL_UINT32(tick + 1001u, rig.last.tick);
-    TEST_ASSERT_EQUAL_UINT32(0, g_cam.trace.n_dropped);
-}
-
 /// Value and derivatives by time [nm, nm/s, nm/s2] at the angle of a record, read ahead.
 static void expected(const cam_tick_record_t *r, double u[3])
 {

@@ -167,7 +167,7 @@ static void check(void)
     const cam_tick_record_t *r = &f.rig.last;
     check_way(r);
     const int32_t half_nm = f.rig.machine.params.u_stroke_nm / 2;
-    const int32_t told_nm = r->out[hal_axis_u].pos_nm + g_cam.motion.u_home_nm;
+    const int32_t told_nm = r->out[hal_axis_u].pos_nm + g_cam.motion.u.home_nm;
     expect(told_nm >= -half_nm && told_nm <= half_nm, "U is told a place beyond its stroke");
     if (r->want.state == cam_state_off) {
         const int32_t *is_nm = r->in.actual_nm;
