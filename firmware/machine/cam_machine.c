@@ -127,24 +127,10 @@ static cam_err_t check_part(cam_machine_t *m)
     return m->has_table ? cam_machine_judge(m, &m->params, &m->table) : cam_err_no_table;
 }
 
-/// Half of the stroke must hold the overshoot of a motion: it brakes in steps (cam_move_profile.h).
-static cam_err_t check_room(cam_machine_t *m)
-{
-    const cam_motion_limits_t *u = &cam_machine_newest_config(m)->guard.u;
-    const int64_t room_nm = u->acceleration_q10 / 8192 + 1;
-    const int64_t half_nm = m->params.u_stroke_nm / 2;
-    if (room_nm <= half_nm) {
-        return cam_ok;
-    }
-    m->refusal = cam_refusal_of(cam_err_u_command, cam_n_params, room_nm, half_nm);
-    return cam_err_u_command;
-}
-
 cam_err_t cam_machine_enable(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
     cam_err_t err = status.state == cam_state_off ? check_part(m) : cam_err_state;
-    err = err == cam_ok ? check_room(m) : err;
     err = err == cam_ok ? cam_machine_check_drives(&m->params, &status) : err;
     err = err == cam_ok ? cam_machine_check_positions(m, &status) : err;
     err = err == cam_ok ? cam_machine_check_acknowledge(m, &status) : err;

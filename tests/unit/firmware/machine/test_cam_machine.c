@@ -104,20 +104,6 @@ static void test_enable_is_refused_while_u_stands_outside_its_stroke(void)
     }
 }
 
-/// A slow drive whose command would pass the end of a motion by more than the stroke holds.
-static void test_enable_is_refused_where_the_feed_forward_needs_more_stroke(void)
-{
-    set(cam_param_u_speed_um_per_s, 1000000);
-    set(cam_param_u_jerk_m_per_s3, 160000);
-    set(cam_param_k1_ns, 4500000);
-    TEST_ASSERT_EQUAL_INT(cam_err_u_command, cam_machine_enable(&rig.machine));
-    const cam_refusal_t *why = &rig.machine.refusal;
-    TEST_ASSERT_EQUAL_INT(cam_err_u_command, why->err);
-    TEST_ASSERT_EQUAL_INT64(600000, why->limit);
-    set(cam_param_u_stroke_nm, 2 * (int32_t)why->needed);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(&rig.machine));
-}
-
 static void test_request_serial_wraps_without_losing_a_command(void)
 {
     rig.machine.n_requests = 0xFFFFFEu;

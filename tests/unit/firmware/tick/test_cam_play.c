@@ -177,25 +177,3 @@ static void test_amplitude_changed_in_the_cut_is_ramped(void)
         TEST_ASSERT_DOUBLE_WITHIN(0.05, goal_ppm[i] * 1e-6 * u_nm, nm(f.axis, hal_axis_u));
     }
 }
-
-static void test_due_is_the_setpoint_of_lead_ago(void)
-{
-    static const int32_t lead_ns[] = {0, 50000, 68500, 275000, 3090000};
-    static double set_nm[2000];
-    for (int i = 0; i < 5; i++) {
-        setUp();
-        f.params.lead_ns = lead_ns[i];
-        cut_long_at(0);
-        const double lead = lead_ns[i] / 50000.0;
-        const int whole = (int)lead;
-        for (int k = 0; k < 2000; k++) {
-            fixture_play_tick(&f);
-            set_nm[k] = nm(f.axis, hal_axis_u);
-            if (k > whole) {
-                const double newer = set_nm[k - whole];
-                const double due = newer + (set_nm[k - whole - 1] - newer) * (lead - whole);
-                TEST_ASSERT_DOUBLE_WITHIN(0.06, due, f.want.u_due_q6 / 64.0); // 2^-16 tick, 1/64 nm
-            }
-        }
-    }
-}

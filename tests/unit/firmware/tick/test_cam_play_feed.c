@@ -171,20 +171,6 @@ static void test_a_measured_z_has_no_way(void)
     TEST_ASSERT_EQUAL_INT64(height_q32[0], height_q32[1]);
 }
 
-/// An angle that has jumped moves nothing: in that tick U continues at the speed of its last step.
-static void test_angle_at_fault_leaves_u_its_pace(void)
-{
-    fixture_play_init(&f, &part);
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
-    fixture_play_ticks(&f, 100);
-    const int64_t last_q10 = f.axis[hal_axis_u].pos_q10;
-    const int64_t step_q10 = last_q10 - f.before[hal_axis_u].pos_q10;
-    f.angle.pos_q32 += CAM_TURN_Q32 / 5;
-    f.angle.faults = CAM_FAULT_BIT(encoder_jump);
-    fixture_play_tick(&f);
-    TEST_ASSERT_EQUAL_INT64(last_q10 + step_q10, f.axis[hal_axis_u].pos_q10);
-}
-
 /// @return the faults that one plan detects, reported in the ticks up to the next one
 static uint32_t faults_within_a_plan(void)
 {

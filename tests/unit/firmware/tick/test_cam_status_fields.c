@@ -101,7 +101,7 @@ static void test_moment_holds_what_the_stages_left(void)
 
 static void test_before_the_first_tick_the_state_is_off_and_nothing_else_is_known(void)
 {
-    atomic_store(&core.trace.newest, NULL);
+    memset(&core, 0, sizeof core);
     cam_moment_t now;
     memset(&now, 0x55, sizeof now);
     cam_status_moment(&core, &now);
