@@ -14,12 +14,13 @@ enum {
     budget_tick = 3600,            ///< any tick, with its plan: 15 % of the period, one per cycle
 };
 
-/// The slow side of learning: a piece of it, which a main loop waits for, and all of a turn, 2 ms
-/// of a core of 480 MHz with a unit for doubles; without one more.
+/// The slow side: a piece of learning, which a main loop waits for, all of a turn, 2 ms of a core
+/// of 480 MHz, and a feasibility check. Without a unit for doubles software calculates.
+enum { budget_learn_piece = 75000 };
 #if defined(__ARM_FP) && (__ARM_FP & 8)
-enum { budget_learn_piece = 66000, budget_learn_turn = 1000000 };
+enum { budget_learn_turn = 1050000, budget_feasibility_check = 6000 };
 #else
-enum { budget_learn_piece = 75000, budget_learn_turn = 1150000 };
+enum { budget_learn_turn = 1250000, budget_feasibility_check = 80000 };
 #endif
 
 /// A step of the position loop of a force drive.

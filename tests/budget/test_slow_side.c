@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Instructions of the slow side of learning: each piece, and all of a turn.
+// Instructions of the slow side: each piece of learning and all of a turn, a feasibility check.
 #include "budget.h"
 #include "budget_count.h"
+#include "cam_feasible.h"
 #include "cam_ilc.h"
+#include "fixture_image.h"
 #include "unity.h"
 #include <stdio.h>
 
@@ -103,4 +105,22 @@ static void test_pieces_and_turns_fit_their_budgets(void)
     TEST_ASSERT_GREATER_THAN_UINT32(10, ilc.n_turns);
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_learn_piece, most_piece);
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_learn_turn, most_turn);
+}
+
+/// The verdict on a cut with every limit, as before each start.
+static void test_feasibility_check(void)
+{
+    static fixture_image_t image;
+    static cam_table_t table;
+    const fixture_part_t part = fixture_part_short();
+    const cam_params_t params = cam_param_defaults();
+    fixture_image_make(&image, &part);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(image.bytes, image.size, &table));
+    budget_count_start();
+    const uint32_t from = budget_count();
+    const cam_err_t err = cam_feasible_check(&table, &params, 1000000, 20000);
+    const uint32_t n = budget_instructions(from, budget_count());
+    printf("figure feasibility_check %lu\n", (unsigned long)n);
+    TEST_ASSERT_EQUAL_INT(cam_ok, err);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_feasibility_check, n);
 }
