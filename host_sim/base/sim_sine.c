@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_sine.h"
-#include "sim_units.h" // SIM_TWO_PI, sim_abs, sim_round
+#include "sim_units.h"
 
 /// @param quarter  [turn] -1/4 .. 1/4
 static double series(double quarter)

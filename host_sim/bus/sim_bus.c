@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_bus.h"
-#include "canopen.h" // common_get_u32
-#include "sim_units.h"    // SIM_TWO_PI
+#include "canopen.h"   // common_get_u32
+#include "sim_units.h" // SIM_TWO_PI
 
 enum { id_status = 0x1C0 };
 

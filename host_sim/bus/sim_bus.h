@@ -17,7 +17,7 @@
 #ifndef SIM_BUS_H
 #define SIM_BUS_H
 
-#include "canopen.h" // canopen_operational, cia402_state_t
+#include "canopen.h"    // canopen_operational, cia402_state_t
 #include "sim_inject.h" // sim_inject_t
 #include "sim_lathe.h"  // sim_lathe_t
 #include <stdbool.h>    // bool

@@ -14,7 +14,7 @@
 #include "sim_port.h"    // sim_firmware_t, sim_port_t
 #include "sim_removal.h" // sim_removal_t
 #include "sim_session.h" // sim_session_t
-#include "sim_turns.h"   // sim_turns_t
+#include "sim_work.h"    // sim_turns_t
 #include <stdbool.h>     // bool
 #include <stdint.h>      // uint64_t
 

@@ -14,9 +14,8 @@
 #include "sim_inject.h"    // sim_inject_t
 #include "sim_lathe.h"     // sim_sample_t
 #include "sim_lobe_work.h" // sim_lobe_work_t
-#include "sim_work.h"      // sim_nose_t, sim_work_t
+#include "sim_work.h"      // sim_nose_t, sim_work_t, sim_sections_t
 #include "sim_scallop.h"   // sim_scallop_t
-#include "sim_sections.h"  // sim_sections_t
 #include <stdbool.h>       // bool
 #include <stddef.h>        // size_t
 #include <stdint.h>        // uint8_t, uint32_t, uint64_t

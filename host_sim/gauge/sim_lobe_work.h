@@ -26,10 +26,9 @@
 
 #include "sim_lobe_design.h" // sim_lobe_design_t
 #include "sim_removal.h"     // sim_spread_t
-#include "sim_sections.h"    // sim_sections_t
-#include "sim_work.h"        // sim_work_t
-#include <stdbool.h>         // bool
-#include <stdint.h>          // int64_t, uint64_t
+#include "sim_work.h"
+#include <stdbool.h> // bool
+#include <stdint.h>  // int64_t, uint64_t
 
 enum { sim_lobe_dexels = 3600 };
 

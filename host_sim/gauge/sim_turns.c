@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_turns.h"
+#include "sim_work.h"
 #include "sim_units.h" // sim_abs, sim_floor
 #include <math.h>      // HUGE_VAL
 

@@ -18,7 +18,7 @@
 #include "sim_design.h" // sim_design_t
 #include <stdbool.h>    // bool
 #include <stddef.h>     // size_t
-#include <stdint.h>     // uint32_t, uint64_t
+#include <stdint.h>     // uint32_t, uint64_t, int64_t
 
 enum { sim_work_columns = 720, sim_work_rows = 256 };
 
@@ -120,5 +120,137 @@ void sim_nose_init(sim_nose_t *n, double nose_mm, sim_design_t *design);
 /// @return      [mm] radius at which the tip just touches; with a point the radius of the surface
 double sim_nose_radius_mm(const sim_nose_t *n, sim_design_t *design, double turn, double z_mm,
                           bool *is_beside);
+
+// The true cut radius at evenly spaced points, as a roundness instrument measures it.
+//
+// Sections are 3600 angles at one height each; lines are 1025 heights at each of four angles. The
+// tool passes every angle once a turn, between two ticks. There its deviation from the exact
+// surface is interpolated by the cubic through four ticks, its height linearly. Between the tracks
+// of two consecutive passes the deviation is interpolated linearly over the height:
+//
+//     e(phi, z) = e1 + (z - z1) / (z2 - z1) (e2 - e1),   z1 <= z <= z2 at the angle phi
+//     radius    = exact radius of the drawing at (phi, z) + e
+//
+// Only the deviation is interpolated, so steep or cornered drawings add no error. A wave of h per
+// turn sampled n times per turn comes out smaller by at most the share 3/128 (2 pi h / n)^4 (0.4 %
+// for h = 50 at n = 480), and by (pi h f)^2 / 2 for h waves per mm of height at the feed f. A pass
+// counts only if all its samples do, so engaging and disengaging turns are left out. For lobes the
+// points are the dexels, evenly spaced over the direction of the roller. Memory does not grow with
+// the cut. Source: MATHS.md (196), (197).
+
+enum {
+    sim_sections_places = 3600, ///< 7.2 for each of 500 waves per turn
+    sim_sections_most = 16,
+    sim_sections_lines = 4, ///< at 0, 90, 180 and 270 degrees
+    sim_sections_heights = 1025
+};
+
+/// One point of a section.
+typedef struct {
+    double e_mm;     ///< deviation, above 0: metal left; NAN: no pass
+    double turn;     ///< [turn] lobes: polar angle, 0 .. 1
+    double drawn_mm; ///< lobes: radius of the exact profile
+} sim_place_t;
+
+/// A sample of the tool.
+typedef struct {
+    double turn; ///< [turn] drawing's angle, not wrapped: rises with M3, falls with M4
+    double z_mm, e_mm;
+} sim_section_tip_t;
+
+/// Zero-initialised: no sections.
+typedef struct {
+    int n; ///< sections; 0: all calls do nothing
+    double z_mm[sim_sections_most];
+    double first_mm, step_mm; ///< heights of the lines
+    int n_tips;               ///< 0 .. 4 consecutive samples
+    sim_section_tip_t tip[4]; ///< the oldest first
+    bool has_passes;          ///< before_* hold a pass
+    double before_z_mm[sim_sections_places], before_e_mm[sim_sections_places]; ///< NAN: none
+    sim_place_t section[sim_sections_most][sim_sections_places];
+    double line_e_mm[sim_sections_lines][sim_sections_heights]; ///< NAN: no pass
+} sim_sections_t;
+
+/// @param s     2 MB: allocate it
+/// @param z_mm  n heights of sections, n <= sim_sections_most
+/// @param z_first_mm, z_last_mm  ends of the part
+void sim_sections_init(sim_sections_t *s, const double *z_mm, int n, double z_first_mm,
+                       double z_last_mm);
+
+/// Take a sample of the tip of a skirt's tool.
+/// @param turn        [turn] drawing's angle, not wrapped
+/// @param e_mm        radius of the tip less exact radius
+/// @param is_counted  the sample belongs to the surface that is judged
+void sim_sections_touch(sim_sections_t *s, double turn, double z_mm, double e_mm, bool is_counted);
+
+/// Record a pass over one point at a height.
+/// @param place  any whole number; it wraps
+/// @param at     e_mm there; for a lobe also its angle and radius
+void sim_sections_pass(sim_sections_t *s, int64_t place, double z_mm, const sim_place_t *at);
+
+/// Break the sequence of samples: another lobe follows, or the tool leaves the work.
+void sim_sections_break(sim_sections_t *s);
+
+/// @return [mm] height of a point of a line
+double sim_sections_height_mm(const sim_sections_t *s, int i);
+
+// The error of every turn in rehearsal and cut, which shows how learning converges.
+//
+// In the cut it is the largest |form error| of the turn; the last turn may be incomplete. In a
+// rehearsal the tool is clear of the work, and the true position of U is compared with the drawing
+// at the true angle: the error is half the difference between the largest and the smallest
+// deviation in the turn, which a constant offset does not change. Turns with rising or falling
+// amplitude are left out: they are found by number, counted from the first turn in which U moves
+// and back from the end of the rehearsal.
+//
+// Memory is bounded: when it is full, neighbours of the same kind merge into one entry with the
+// larger error.
+
+enum { sim_turns_most = 4096 };
+
+typedef enum { sim_turns_rehearsed, sim_turns_cut } sim_turns_kind_t;
+
+/// One turn, or several merged.
+typedef struct {
+    double turn; ///< [turn] where it began, counted from the first sample
+    double um;
+    sim_turns_kind_t kind;
+} sim_turn_t;
+
+/// Zero-initialised: no turn.
+typedef struct {
+    double rise_turns, fall_turns; ///< of the amplitude in a rehearsal
+    double kept_turns;             ///< [turn] turns of a rehearsal at full amplitude
+    // the present run of turns
+    bool has_begun;
+    double zero_turn;  ///< angle of the very first sample
+    double begin_turn; ///< ... of the present run
+    double full_turn;  ///< where the amplitude begins to rise, from zero_turn; below 0: not yet
+    uint32_t run_from; ///< first entry of the run
+    bool is_running;
+    sim_turns_kind_t kind;
+    // the present turn
+    double n_whole; ///< whole turns of the run before this one
+    double least_um, most_um;
+    double least_u_um, most_u_um, least_drawn_um, most_drawn_um;
+    uint32_t n;
+    sim_turn_t entry[sim_turns_most];
+} sim_turns_t;
+
+/// @param rise_turns, kept_turns, fall_turns  of a rehearsal: amplitude rises, stays, falls
+void sim_turns_init(sim_turns_t *t, double rise_turns, double kept_turns, double fall_turns);
+
+/// Take a sample of a rehearsal.
+/// @param turn      [turn] true angle, not wrapped; it may fall
+/// @param u_um      true position of U's tip, positive towards the axis
+/// @param drawn_um  radius of the drawing there
+void sim_turns_rehearse(sim_turns_t *t, double turn, double u_um, double drawn_um);
+
+/// Take a sample of the cut. @param error_um  above 0: metal left
+void sim_turns_touch(sim_turns_t *t, double turn, double error_um);
+
+/// Take a sample of any other state, which ends a run.
+/// @param is_engaging  the rehearsal was completed; otherwise it was aborted
+void sim_turns_rest(sim_turns_t *t, double turn, bool is_engaging);
 
 #endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_lathe.h"
-#include "sim_sine.h"  // sim_cosine
-#include "sim_units.h" // sim_abs, SIM_TWO_PI
+#include "sim_units.h" // sim_cosine, sim_abs, SIM_TWO_PI
 
 sim_lathe_config_t sim_lathe_defaults(void)
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_operator.h"
+#include "sim_inject.h"
 
 #define SEES_S 0.3
 #define PRESSES_S 0.2

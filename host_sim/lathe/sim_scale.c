@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_encoder.h"
-#include "sim_sine.h"  // sim_sine
-#include "sim_units.h" // sim_floor
+#include "sim_units.h" // sim_sine, sim_floor
 
 sim_scale_config_t sim_scale_defaults(void)
 {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_encoder.h"
-#include "sim_sine.h"  // sim_sine
-#include "sim_units.h" // SIM_TWO_PI, sim_clamp
+#include "sim_units.h" // sim_sine, SIM_TWO_PI, sim_clamp
 #include <math.h>      // exp
 #include <stdbool.h>   // bool
 

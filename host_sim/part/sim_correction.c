@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_surface.h"
-#include "sim_json.h" // sim_json_cubics
-#include "sim_sine.h" // sim_cosine, sim_sine
-#include <math.h>     // floor
-#include <stdio.h>    // snprintf
-#include <stdlib.h>   // calloc, free
+#include "sim_json.h"  // sim_json_cubics
+#include "sim_units.h" // sim_cosine, sim_sine
+#include <math.h>      // floor
+#include <stdio.h>     // snprintf
+#include <stdlib.h>    // calloc, free
 
 #define REMEDY SIM_JSON_REMEDY
 

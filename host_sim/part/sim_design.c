@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_design.h"
-#include "sim_sine.h"  // sim_sine
-#include "sim_units.h" // SIM_TWO_PI
+#include "sim_units.h" // sim_sine, SIM_TWO_PI
 #include <math.h>      // fabs
 
 static void look_up_arc(sim_design_t *d, double z_mm)

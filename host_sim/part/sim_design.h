@@ -21,7 +21,7 @@
 
 #include "cam_table.h"       // cam_table_t
 #include "common_error.h"    // common_error_t
-#include "sim_json.h" // sim_cubics_t
+#include "sim_json.h"        // sim_cubics_t
 #include "sim_lobe_design.h" // sim_lobe_design_t
 #include "sim_surface.h"
 #include <stdbool.h> // bool

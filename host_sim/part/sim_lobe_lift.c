@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_lobe_design.h"
-#include "sim_json.h" // sim_piece_of, sim_json_number
-#include "sim_units.h"  // SIM_TWO_PI, sim_abs, sim_fraction
-#include <math.h>       // cos, sin, sqrt
-#include <stdlib.h>     // free
-#include <string.h>     // strcmp
+#include "sim_json.h"  // sim_piece_of, sim_json_number
+#include "sim_units.h" // SIM_TWO_PI, sim_abs, sim_fraction
+#include <math.h>      // cos, sin, sqrt
+#include <stdlib.h>    // free
+#include <string.h>    // strcmp
 
 #define REMEDY SIM_JSON_REMEDY
 

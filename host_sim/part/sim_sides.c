@@ -2,8 +2,7 @@
 #include "sim_surface.h"
 #include "sim_design.h" // sim_design_delta_mm
 #include "sim_json.h"   // sim_json_cubics
-#include "sim_sine.h"   // sim_sine
-#include "sim_units.h"  // SIM_PI, sim_abs, sim_clamp, sim_fraction
+#include "sim_units.h"  // sim_sine, SIM_PI, sim_abs
 #include <math.h>       // pow
 #include <stdio.h>      // snprintf
 #include <string.h>     // strcmp

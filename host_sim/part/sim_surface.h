@@ -14,7 +14,7 @@
 #define SIM_SURFACE_H
 
 #include "common_error.h" // common_error_t
-#include "sim_json.h" // sim_cubics_t
+#include "sim_json.h"     // sim_cubics_t
 #include <cjson/cJSON.h>
 #include <stdbool.h> // bool
 #include <stddef.h>  // size_t

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// sim_learn_summary: the controller's learning and the convergence of the error, as JSON.
 ///
-///     "error_per_turn_um": [..]            per turn: rehearsal, then cut (sim_turns.h)
+///     "error_per_turn_um": [..]            per turn: rehearsal, then cut (sim_work.h)
 ///     "error_per_turn": {"turn", "state"}  start of each; "rehearsing" or "cutting"
 ///     "learning": is_on, phase, reason, turns, masked, k1_ns, k2_us2, harmonics, ...
 #ifndef SIM_LEARN_SUMMARY_H

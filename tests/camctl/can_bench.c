@@ -11,12 +11,12 @@
 #include "cam_machine_scope.h" // cam_machine_blackbox
 #include "fixture_can.h"
 #include "hal_host.h"
-#include "sim_operator.h" // sim_operator_key
-#include "sim_live.h"     // sim_pace_tick
-#include <errno.h>        // errno
-#include <poll.h>         // poll
-#include <string.h>       // memcpy
-#include <unistd.h>       // read, write
+#include "sim_inject.h" // sim_operator_key
+#include "sim_live.h"   // sim_pace_tick
+#include <errno.h>      // errno
+#include <poll.h>       // poll
+#include <string.h>     // memcpy
+#include <unistd.h>     // read, write
 
 enum { tick_hz = 20000, look_ticks = 5, frame_bytes = 8 + hal_can_max_bytes };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_sine.h"
+#include "sim_units.h"
 #include "unity.h"
 #include <math.h> // cosl, sinl
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The error of each turn, of a rehearsal whose amplitude rises and falls and of the cut behind it.
-#include "sim_turns.h"
+#include "sim_work.h"
 #include "sim_units.h" // SIM_TWO_PI
 #include "unity.h"
 #include <math.h> // sin

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Somebody at the simulated machine: when he presses the button, and when he turns the key.
-#include "sim_operator.h"
+#include "sim_inject.h"
 #include "unity.h"
 
 static sim_operator_t o;
