@@ -39,17 +39,17 @@ static hal_setpoint_t setpoint(const cam_axis_motion_t *m, int32_t pos_nm)
 
 /// U is rounded to nearest. X and Z are rounded down; the plan adds half a nanometre to X, which
 /// rounds X to nearest.
-void cam_axis_command_isr(const cam_axis_command_config_t *cfg, cam_tick_record_t *r,
-                          const cam_motion_t *m)
+int32_t cam_axis_command_isr(const cam_axis_command_config_t *cfg, cam_tick_record_t *r,
+                             const cam_motion_t *m)
 {
     const cam_axis_motion_t *u = &m->axis[hal_axis_u];
     const cam_axis_motion_t *x = &m->axis[hal_axis_x];
     const cam_axis_motion_t *z = &m->axis[hal_axis_z];
     const int32_t set_q6 = r->want.u_set_q6;
     const int32_t u_q6 = m->is_playing ? leading_q6(&cfg->in_cut, u, set_q6, m->c_q6) : set_q6;
-    r->out[hal_axis_u] = setpoint(u, cam_sat_add(u_q6, 32) >> 6);
     r->out[hal_axis_x] = setpoint(x, (int32_t)(x->pos_q10 >> 10));
     r->out[hal_axis_z] = setpoint(z, (int32_t)(z->pos_q10 >> 10));
+    return cam_sat_add(u_q6, 32) >> 6;
 }
 
 /// An axis faster than its limit may keep its speed until it brakes.

@@ -16,12 +16,13 @@
 
 #include "cam_config.h" // cam_axis_command_config_t
 #include "cam_record.h" // cam_tick_record_t, cam_motion_t
-#include <stdint.h>     // uint32_t
+#include <stdint.h>     // int32_t, uint32_t
 
 /// Command the axes, in constant time.
-/// @param r  set-point of play; r->out is the result, U not yet from the port's origin
-void cam_axis_command_isr(const cam_axis_command_config_t *cfg, cam_tick_record_t *r,
-                          const cam_motion_t *m);
+/// @param r  set-point of play; X and Z of r->out are results
+/// @return   [nm] command of U for the guard
+int32_t cam_axis_command_isr(const cam_axis_command_config_t *cfg, cam_tick_record_t *r,
+                             const cam_motion_t *m);
 
 /// Check what a plan commands X and Z until the next one: speed, change of speed, no step of the
 /// position. An axis faster than its limit may brake. A refused axis continues as before the plan.

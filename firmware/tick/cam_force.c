@@ -13,7 +13,7 @@ void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_
 {
     const cam_axis_motion_t *u = &m->axis[hal_axis_u];
     const bool is_identifying = m->state == cam_state_identifying;
-    const cam_servo_input_t in = {.set_q6 = to_q6(m->u.nm),
+    const cam_servo_input_t in = {.set_q6 = m->u.nm * 64,
                                   .vel_q10 = u->vel_q10,
                                   .acc_q10 = u->acc_q10,
                                   .actual_q6 = to_q6(r->in.actual_nm[hal_axis_u]),

@@ -73,6 +73,12 @@ uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
            (speed_q32 > cfg->overspeed_q32 ? CAM_FAULT_BIT(overspeed) : 0u);
 }
 
+/// Keep the set-point of this tick.
+static void keep(cam_guard_t *g, const cam_tick_record_t *r, uint32_t home_q6)
+{
+    g->history_q6[r->tick % cam_guard_history] = (int32_t)((uint32_t)r->want.u_set_q6 - home_q6);
+}
+
 /// @return [nm / 64] what U's scale should show now: the set-point of one lead plus the scale's
 /// latency ago, interpolated between two ticks. It wraps only in off, without a following error
 static int32_t due_q6(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t tick,
@@ -202,7 +208,10 @@ bool cam_guard_holds_isr(const cam_guard_t *g, const cam_motion_t *m)
 /// Write the command of U to the record, from the port's origin on.
 static void write_u(cam_tick_record_t *r, const cam_motion_t *m)
 {
-    r->out[hal_axis_u].pos_nm = cam_wrap_sub(m->u.nm, m->u.home_nm);
+    const cam_axis_motion_t *u = &m->axis[hal_axis_u];
+    r->out[hal_axis_u] = (hal_setpoint_t){.pos_nm = cam_wrap_sub(m->u.nm, m->u.home_nm),
+                                          .vel_q10 = u->vel_q10,
+                                          .acc_q10 = u->acc_q10};
 }
 
 /// Latch faults and enter the state fault. U's motion continues from its last command.
@@ -269,19 +278,18 @@ static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_reco
     want->faults = g->faults;
     want->outputs = cam_guard_holds_isr(g, m) ? hal_out_fault | hal_out_enable : hal_out_fault;
     want->is_retracted = m->is_retracted;
-    r->out[hal_axis_u].vel_q10 = m->axis[hal_axis_u].vel_q10;
-    r->out[hal_axis_u].acc_q10 = m->axis[hal_axis_u].acc_q10;
+    write_u(r, m);
 }
 
 /// In off set-points and command follow U, within its stroke, and no fault is latched.
 static void follow(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
-                   cam_motion_t *m)
+                   int32_t u_nm, cam_motion_t *m)
 {
     cam_want_t *want = &r->want;
     m->u = (cam_u_t){
         .home_nm = m->u.home_nm,
         .set_q6 = want->u_set_q6,
-        .nm = cam_clamp_i32(r->out[hal_axis_u].pos_nm, -cfg->range_nm, cfg->range_nm),
+        .nm = cam_clamp_i32(u_nm, -cfg->range_nm, cfg->range_nm),
     };
     g->faults = 0;
     g->counted = 0;
@@ -289,15 +297,16 @@ static void follow(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_recor
     want->faults = 0;
     want->outputs = 0;
     want->is_retracted = true;
+    write_u(r, m);
 }
 
 /// @return whether the command of the tick was accepted; otherwise the state is fault
 static bool accept(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
-                   cam_motion_t *m)
+                   int32_t u_nm, cam_motion_t *m)
 {
     cam_want_t *want = &r->want;
     const uint32_t watched = armed[want->state];
-    const cam_u_t next = moved_to(&m->u, want->u_set_q6, r->out[hal_axis_u].pos_nm);
+    const cam_u_t next = moved_to(&m->u, want->u_set_q6, u_nm);
     const uint32_t faults = faults_of(cfg, r, m, &next) & watched;
     if (faults != 0u) {
         latch(g, cfg, m, faults);
@@ -307,25 +316,24 @@ static bool accept(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_recor
     want->faults = 0;
     want->outputs = (watched & IN_CUT) != 0u ? hal_out_enable | hal_out_in_cut : hal_out_enable;
     want->is_retracted = false;
+    write_u(r, m);
     return true;
 }
 
 void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
-                        cam_motion_t *m)
+                        int32_t u_nm, cam_motion_t *m)
 {
     cam_want_t *want = &r->want;
     const uint32_t home_q6 = 64u * (uint32_t)m->u.home_nm;
-    int32_t *newest_q6 = &g->history_q6[r->tick % cam_guard_history];
-    *newest_q6 = (int32_t)((uint32_t)want->u_set_q6 - home_q6);
+    keep(g, r, home_q6);
     want->u_due_q6 = due_q6(g, cfg, r->tick, home_q6);
     if (want->state == cam_state_off) {
-        follow(g, cfg, r, m);
-    } else if (want->state == cam_state_fault || !accept(g, cfg, r, m)) {
+        follow(g, cfg, r, u_nm, m);
+    } else if (want->state == cam_state_fault || !accept(g, cfg, r, u_nm, m)) {
         g->faults |= faults_before(r, m) & ARMED_IN_FAULT;
         retract(g, cfg, r, m);
-        *newest_q6 = (int32_t)((uint32_t)want->u_set_q6 - home_q6);
+        keep(g, r, home_q6);
     } else {
         // accepted
     }
-    write_u(r, m);
 }

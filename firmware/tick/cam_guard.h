@@ -44,11 +44,13 @@ typedef struct {
 } cam_guard_t;
 
 /// Check one tick, in constant time.
-/// @param r  inputs, spindle, commands and r->want; the guard completes r->want, and in state fault
-///           replaces it and the command of U
-/// @param m  U as accepted, faults of play and plan; in state fault the motion of U
+/// @param r     inputs, spindle and r->want; the guard completes r->want, and in state fault
+/// replaces
+///              it; U of r->out is a result
+/// @param u_nm  [nm] command of U that it may accept, within +-2^25
+/// @param m     U as accepted, faults of play and plan; in state fault the motion of U
 void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
-                        cam_motion_t *m);
+                        int32_t u_nm, cam_motion_t *m);
 
 /// @return whether the drives are enabled, as the last tick left the state
 bool cam_guard_holds_isr(const cam_guard_t *g, const cam_motion_t *m);

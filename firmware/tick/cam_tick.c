@@ -63,8 +63,8 @@ static void decide_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
     r->config = cfg->generation;
     cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->motion.alpha_q40, &r->angle);
     cam_play_step_isr(&c->play, &cfg->play, r, &c->motion);
-    cam_axis_command_isr(&cfg->command, r, &c->motion);
-    cam_guard_step_isr(&c->guard, &cfg->guard, r, &c->motion);
+    const int32_t u_nm = cam_axis_command_isr(&cfg->command, r, &c->motion);
+    cam_guard_step_isr(&c->guard, &cfg->guard, r, u_nm, &c->motion);
 }
 
 static void actuate_isr(cam_t *c, const cam_tick_record_t *r)

@@ -32,7 +32,7 @@ void stage_mark(stage_t stage);
 #define cam_spindle_step_isr(...)                                                                  \
     (stage_mark(stage_sense), cam_spindle_step_isr(__VA_ARGS__), stage_mark(stage_angle))
 #define cam_play_step_isr(...) (cam_play_step_isr(__VA_ARGS__), stage_mark(stage_play))
-#define cam_axis_command_isr(...) (cam_axis_command_isr(__VA_ARGS__), stage_mark(stage_command))
+#define cam_guard_step_isr(...) (stage_mark(stage_command), cam_guard_step_isr(__VA_ARGS__))
 #define hal_outputs_write_isr(...) (stage_mark(stage_guard), hal_outputs_write_isr(__VA_ARGS__))
 #define hal_spindle_write_isr(...) (hal_spindle_write_isr(__VA_ARGS__), stage_mark(stage_actuate))
 #define cam_turn_bins_add_isr(...) (stage_mark(stage_plan), cam_turn_bins_add_isr(__VA_ARGS__))

@@ -24,8 +24,7 @@ void setUp(void)
 static int32_t command(int32_t set_nm)
 {
     r.want.u_set_q6 = set_nm * 64;
-    cam_axis_command_isr(&cfg, &r, &motion);
-    return r.out[hal_axis_u].pos_nm;
+    return cam_axis_command_isr(&cfg, &r, &motion);
 }
 
 static int32_t command_by_time(int32_t set_nm)
@@ -153,12 +152,9 @@ static void test_plan_in_off_is_told_as_it_is(void)
 /// X and Z are rounded down to whole nanometres.
 static void test_axes_have_speed_and_acceleration_of_their_set_points(void)
 {
-    motion.axis[hal_axis_u] = (cam_axis_motion_t){.vel_q10 = 5, .acc_q10 = 6};
     motion.axis[hal_axis_x] = (cam_axis_motion_t){.pos_q10 = -1, .vel_q10 = 7, .acc_q10 = 8};
     motion.axis[hal_axis_z] = (cam_axis_motion_t){.pos_q10 = 2047};
-    TEST_ASSERT_EQUAL_INT32(1005, command(1005));
-    TEST_ASSERT_EQUAL_INT32(5, r.out[hal_axis_u].vel_q10);
-    TEST_ASSERT_EQUAL_INT32(6, r.out[hal_axis_u].acc_q10);
+    (void)command(1005);
     TEST_ASSERT_EQUAL_INT32(-1, r.out[hal_axis_x].pos_nm);
     TEST_ASSERT_EQUAL_INT32(7, r.out[hal_axis_x].vel_q10);
     TEST_ASSERT_EQUAL_INT32(8, r.out[hal_axis_x].acc_q10);

@@ -39,9 +39,9 @@ static void reset(void)
 static cam_want_t tick(void)
 {
     cam_tick_record_t r = {.tick = n_ticks++, .in = in, .angle = angle, .want = want};
-    r.out[hal_axis_u].pos_nm = (cam_sat_add(want.u_set_q6, 32) >> 6) + lead_nm;
+    const int32_t u_nm = (cam_sat_add(want.u_set_q6, 32) >> 6) + lead_nm;
     motion.faults = want.faults | cam_guard_plan_isr(&guard, cfg, &r);
-    cam_guard_step_isr(&guard, cfg, &r, &motion);
+    cam_guard_step_isr(&guard, cfg, &r, u_nm, &motion);
     written = r.out[hal_axis_u];
     return r.want;
 }
