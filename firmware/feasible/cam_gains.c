@@ -58,7 +58,7 @@ int64_t cam_gains_bound(const cam_params_t *params, cam_param_id_t id, uint32_t 
     const uint32_t n_steps = UINT32_C(1) << cam_gains_log2_window(params, hal_axis_u, tick_hz);
     const int64_t u_ns = (int64_t)step_ns(hal_axis_u, tick_hz) * n_steps;
     switch (id) {
-    case cam_param_k1_ns: // the retract keeps a quarter of U's speed
+    case cam_param_k1_ns: // the acceleration commands about U's speed at most
         return u_ns / 2 + v * 750000 / a;
     case cam_param_k2_us2: // the jerk alone commands no more than U's speed
         return v * u_ns / (2 * a);

@@ -2,10 +2,11 @@
 /// cam_gains: windows of timed moves, and limits of U's feed-forward gains.
 ///
 /// A motion by time is the mean over a window (cam_jerk_filter.h), whose length follows from the
-/// jerk of the axis, or where none is set from tick, limits and feed-forward. The feed-forward adds
-/// k1 times the speed and k2 times the acceleration to the command of U, and so the command itself
-/// moves with v + k1 a + k2 j. Gains that would command U beyond its highest speed are refused.
-/// Source: MATHS.md (212) .. (214). Context: slow side, integers only.
+/// jerk of the axis, or where none is set from tick, limits and feed-forward. In the cut the
+/// feed-forward adds k1 times the speed and k2 times the acceleration to the command of U, and so
+/// the command itself moves with v + k1 a + k2 j. Gains that would add more than about U's highest
+/// speed are refused.
+/// Source: MATHS.md (212), (213). Context: slow side, integers only.
 #ifndef CAM_GAINS_H
 #define CAM_GAINS_H
 

@@ -49,10 +49,6 @@ static int32_t observe(cam_force_t *f, const cam_force_config_t *cfg, int32_t re
                        int32_t net_q6)
 {
     const int64_t read_q24 = (int64_t)read_nm * (INT64_C(1) << 24);
-    if (!f->is_on) {
-        f->pos_q24 = read_q24;
-        f->vel_q24 = 0;
-    }
     const int32_t off_q6 = cam_sat_i32(cam_wrap_sub_i64(read_q24, f->pos_q24) >> 18);
     const int64_t push_q30 = (int64_t)off_q6 * cfg->vel_q24 + (int64_t)net_q6 * cfg->motion_q24;
     const int64_t step_q24 = cam_wrap_add_i64(f->vel_q24, (int64_t)off_q6 * cfg->pos_q18);
@@ -97,14 +93,19 @@ uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
                              const cam_tick_record_t *r, const cam_motion_t *m)
 {
     const int32_t read_nm = r->in.actual_nm[hal_axis_u];
-    const int32_t net_q6 = net_force_q6(cfg, r, f->vel_q24);
-    const int32_t off_q6 = observe(f, cfg, cam_wrap_sub(read_nm, m->u.home_nm), net_q6);
-    const bool is_runaway =
-        is_frozen(f, cfg, read_nm, net_q6) || !cam_is_within(off_q6, cfg->runaway_q6);
+    const int32_t port_nm = cam_wrap_sub(read_nm, m->u.home_nm);
     if (!f->is_on) {
+        f->pos_q24 = (int64_t)port_nm * (INT64_C(1) << 24);
+        f->vel_q24 = 0;
+        f->still_nm = read_nm;
+        f->n_still = 0;
         f->n_limited = 0;
         return 0;
     }
+    const int32_t net_q6 = net_force_q6(cfg, r, f->vel_q24);
+    const int32_t off_q6 = observe(f, cfg, port_nm, net_q6);
+    const bool is_runaway =
+        is_frozen(f, cfg, read_nm, net_q6) || !cam_is_within(off_q6, cfg->runaway_q6);
     const int32_t vel_nm = cam_sat_i32(cam_wrap_add_i64(f->vel_q24, 1 << 23) >> 24);
     const bool is_lost = m->state != cam_state_manual && is_beyond(cfg, read_nm, vel_nm);
     const uint32_t travel = is_lost || is_at_line(r->in.inputs, m) ? CAM_FAULT_BIT(u_travel) : 0u;

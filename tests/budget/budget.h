@@ -8,10 +8,10 @@
 #define BUDGET_H
 
 enum {
-    budget_tick_in_cut = 664,      ///< U plays the table with position outputs, without the plan
-    budget_tick_with_force = 1070, ///< ... with the position loop of U and its supervision
+    budget_tick_in_cut = 600,      ///< U plays the table, without the plan
+    budget_tick_with_force = 980,  ///< ... with the position loop of U and its supervision
     budget_sense_with_force = 490, ///< from the latch of U's scale to the end of its supervision
-    budget_tick = 3600,            ///< any tick, with its plan: 15 % of the period, one per cycle
+    budget_tick = 2750,            ///< any tick, with its plan
 };
 
 /// The slow side: a piece of learning, which a main loop waits for, all of a turn, 2 ms of a core

@@ -44,8 +44,7 @@ static double turn_s(const cam_params_t *p, uint32_t axis, double tick_s)
     return fuzz_more(fuzz_more(0.8e-3, 2.0 * tick_s), fuzz_more(p->k1_ns / 1e9, by_k2_s));
 }
 
-/// MATHS.md (212), (213): what the feed-forward tells U beyond its set-point, and how much gentler
-/// its retract is for that.
+/// MATHS.md (213): what the feed-forward tells U beyond its set-point.
 static void add_gains(fuzz_limits_t *l, const cam_params_t *p, double hz)
 {
     const uint32_t u = (uint32_t)hal_axis_u;
@@ -58,8 +57,6 @@ static void add_gains(fuzz_limits_t *l, const cam_params_t *p, double hz)
     l->told_step_nm = v_nm + k1 * a_nm + k2 * jerk_nm;
     l->told_change_nm = a_nm + k1 * jerk_nm + 2.0 * k2 * jerk_nm;
     l->gain_rounding_nm = (2.0 * k1 + 4.0 * k2) / 1024.0;
-    l->leave_nm[u] = v_nm / 4.0;
-    l->brake_nm[u] = fuzz_less(l->brake_nm[u], 0.75 * v_nm / (n / 2.0 + k1 + k2 / n));
 }
 
 /// @return [nm] fastest way of X or Z over a turn: Z by the feed, X also by a smooth step to its
@@ -141,8 +138,8 @@ double fuzz_limits_patience(const fuzz_limits_t *l, int32_t rise_nm)
                                         (double)(l->clearance_nm + rise_nm), 0.0};
     double ticks = 0;
     for (uint32_t i = 0; i < hal_n_axes; i++) {
-        ticks =
-            fuzz_more(ticks, ticks_for(ways_nm[i], l->speed_nm[i], l->leave_nm[i], l->brake_nm[i]));
+        const double fastest_nm = i == (uint32_t)hal_axis_u ? l->told_step_nm : l->speed_nm[i];
+        ticks = fuzz_more(ticks, ticks_for(ways_nm[i], fastest_nm, l->leave_nm[i], l->brake_nm[i]));
     }
     return ticks;
 }

@@ -27,7 +27,8 @@ static int64_t followed_mrpm(int32_t k1_ns)
     return k1_ns > 0 ? INT64_C(4774648292756) / k1_ns : INT32_MAX;
 }
 
-/// @return [nm] where U comes to rest at most when it is stopped at the worst angle, MATHS.md (211)
+/// @return [nm] where the command of U comes to rest at most when it is braked at the worst angle,
+///         MATHS.md (211)
 static double stopped_nm(int64_t mrpm)
 {
     const cam_params_t *p = &fuzz_rig.machine.params;
@@ -35,11 +36,16 @@ static double stopped_nm(int64_t mrpm)
     const uint32_t hz = fuzz_rig.judge.tick_hz;
     const double omega = (double)mrpm * 6.283185307 / 60000.0;
     const double window_s = ldexp(1.0, (int)cam_gains_log2_window(p, hal_axis_u, hz)) / hz;
-    const double speed = t->u1_peak_nm_per_rad * omega;
-    const double acceleration = t->u2_peak_nm_per_rad2 * omega * omega;
-    const double later = speed + acceleration * window_s / 2.0;
-    const double inwards = fmax(abs(t->u_min_nm), abs(t->u_max_nm));
-    return inwards + speed * window_s / 2.0 + later * later / (2e6 * p->u_acceleration_mm_per_s2);
+    const double k1 = p->k1_ns * 1e-9;
+    const double k2 = p->k2_us2 * 1e-12;
+    const double u1 = t->u1_peak_nm_per_rad * omega;
+    const double u2 = t->u2_peak_nm_per_rad2 * omega * omega;
+    const double u3 = t->u3_peak_nm_per_rad3 * omega * omega * omega;
+    const double inwards = fmax(abs(t->u_min_nm), abs(t->u_max_nm)) + k1 * u1 + k2 * u2;
+    const double speed = u1 + k1 * u2 + k2 * u3;
+    const double a = 1e6 * p->u_acceleration_mm_per_s2;
+    const double later = speed + a * window_s / 2.0;
+    return inwards + speed * window_s / 2.0 + later * later / (2.0 * a);
 }
 
 /// The spindle turns at a share of the highest speed at which the machine can cut the part, its

@@ -16,7 +16,6 @@ void main(void)
         make_world();
         cfg->play.table = NULL;
         c.motion.state = states[i];
-        c.trace.newest = NULL;
         c.motion.is_playing = false;
         cfg->play.swing.is_swung = false;
         cam_tick_isr(&c);

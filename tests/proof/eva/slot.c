@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The place of a tick's record, whatever the trace holds; the whole tick is analysed with the first
-// two places alone.
+// place alone.
 #include "world.h"
 
 static cam_tick_record_t record;
