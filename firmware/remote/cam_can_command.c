@@ -184,6 +184,18 @@ static cam_outcome_t read_scope(cam_can_t *r, const struct camturn_command_t *m,
     return (cam_outcome_t){.err = err, .is_deferred = err == cam_ok};
 }
 
+static cam_outcome_t stop_scope(cam_machine_t *machine)
+{
+    cam_machine_scope_stop(machine);
+    return cam_outcome(cam_ok);
+}
+
+static cam_outcome_t keep_alive(cam_machine_t *machine)
+{
+    cam_machine_keep_alive(machine);
+    return cam_outcome(cam_ok);
+}
+
 static cam_outcome_t strobe(cam_can_t *r, uint32_t every)
 {
     cam_machine_t *machine = r->machine;
@@ -206,6 +218,18 @@ static cam_outcome_t take_session(cam_can_t *r, const struct camturn_command_t *
     return (cam_outcome_t){.err = err, .value = session};
 }
 
+static cam_outcome_t release_command(cam_machine_t *machine)
+{
+    cam_machine_release_command(machine);
+    return cam_outcome(cam_ok);
+}
+
+static cam_outcome_t lock(cam_rights_t *rights)
+{
+    cam_rights_lock(rights);
+    return cam_outcome(cam_ok);
+}
+
 static cam_outcome_t challenge(cam_can_t *r, uint32_t tick)
 {
     uint32_t number = 0;
@@ -223,73 +247,72 @@ typedef enum {
 } right_t;
 
 // clang-format off
-/// X(name, right, action): every command, the right that it requires, and the expression that
-/// executes it and sets the outcome. The machine checks the state, for callers other than this one, too.
+/// X(name, right, outcome): every command, the right that it requires, and the expression that
+/// executes it and gives its outcome. The machine checks the state, for callers other than this one, too.
 #define COMMANDS(X) \
-    X(ENABLE,            command,  out = explained(r, cam_machine_enable(machine))) \
-    X(HOME,              command,  out = explained(r, cam_machine_home(machine))) \
-    X(DISABLE,           command,  out.err = cam_machine_disable(machine)) \
-    X(START,             command,  out = explained(r, cam_machine_start(machine))) \
-    X(STOP,              none,     out.err = cam_machine_stop(machine)) \
-    X(RESET,             command,  out.err = cam_machine_reset(machine)) \
-    X(HOLD,              command,  out.err = cam_machine_hold(machine)) \
-    X(RESUME,            command,  out.err = cam_machine_resume(machine)) \
-    X(SET_PARAMETER,     command,  out = set(r, id, m->value)) \
-    X(GET_PARAMETER,     none,     out = get(r, id, cam_ok)) \
-    X(GET_MINIMUM,       none,     out = limit(id, true)) \
-    X(GET_MAXIMUM,       none,     out = limit(id, false)) \
-    X(GET_REFUSAL,       none,     out = get_refusal(&machine->refusal, m->parameter)) \
-    X(BEGIN_PARAMETERS,  command,  out = begin_params(r)) \
-    X(STAGE_PARAMETER,   command,  out = stage(r, id, m->value)) \
-    X(COMMIT_PARAMETERS, command,  out = with_version(r, cam_machine_stage_commit(machine))) \
-    X(SAVE_PARAMETERS,   command,  out = with_version(r, cam_machine_save_params(machine))) \
-    X(RESTORE_DEFAULTS,  command,  out = with_version(r, cam_machine_restore_defaults(machine))) \
-    X(REVERT_PARAMETERS, command,  out = with_version(r, cam_machine_revert_params(machine))) \
-    X(SET_PARTS,         command,  out = with_parts(r, cam_machine_set_parts(machine, m->parts))) \
-    X(GET_PARTS,         none,     out = with_parts(r, cam_ok)) \
+    X(ENABLE,            command,  explained(r, cam_machine_enable(machine))) \
+    X(HOME,              command,  explained(r, cam_machine_home(machine))) \
+    X(DISABLE,           command,  cam_outcome(cam_machine_disable(machine))) \
+    X(START,             command,  explained(r, cam_machine_start(machine))) \
+    X(STOP,              none,     cam_outcome(cam_machine_stop(machine))) \
+    X(RESET,             command,  cam_outcome(cam_machine_reset(machine))) \
+    X(HOLD,              command,  cam_outcome(cam_machine_hold(machine))) \
+    X(RESUME,            command,  cam_outcome(cam_machine_resume(machine))) \
+    X(SET_PARAMETER,     command,  set(r, id, m->value)) \
+    X(GET_PARAMETER,     none,     get(r, id, cam_ok)) \
+    X(GET_MINIMUM,       none,     limit(id, true)) \
+    X(GET_MAXIMUM,       none,     limit(id, false)) \
+    X(GET_REFUSAL,       none,     get_refusal(&machine->refusal, m->parameter)) \
+    X(BEGIN_PARAMETERS,  command,  begin_params(r)) \
+    X(STAGE_PARAMETER,   command,  stage(r, id, m->value)) \
+    X(COMMIT_PARAMETERS, command,  with_version(r, cam_machine_stage_commit(machine))) \
+    X(SAVE_PARAMETERS,   command,  with_version(r, cam_machine_save_params(machine))) \
+    X(RESTORE_DEFAULTS,  command,  with_version(r, cam_machine_restore_defaults(machine))) \
+    X(REVERT_PARAMETERS, command,  with_version(r, cam_machine_revert_params(machine))) \
+    X(SET_PARTS,         command,  with_parts(r, cam_machine_set_parts(machine, m->parts))) \
+    X(GET_PARTS,         none,     with_parts(r, cam_ok)) \
     /* Downloads */ \
-    X(SELECT_TABLE,      unlocked, out.err = cam_can_select(r)) \
-    X(BEGIN_DOWNLOAD,    unlocked, out = begin_download(r, m->size, false)) \
-    X(END_DOWNLOAD,      unlocked, out = cam_can_received(r, cam_table_store_end(&r->store, m->crc))) \
-    X(BEGIN_WAVE,        command,  out = begin_download(r, m->size, true)) \
-    X(END_WAVE,          command,  out = cam_can_received(r, cam_machine_wave_end(machine, m->crc))) \
+    X(SELECT_TABLE,      unlocked, cam_outcome(cam_can_select(r))) \
+    X(BEGIN_DOWNLOAD,    unlocked, begin_download(r, m->size, false)) \
+    X(END_DOWNLOAD,      unlocked, cam_can_received(r, cam_table_store_end(&r->store, m->crc))) \
+    X(BEGIN_WAVE,        command,  begin_download(r, m->size, true)) \
+    X(END_WAVE,          command,  cam_can_received(r, cam_machine_wave_end(machine, m->crc))) \
     /* Axes by hand */ \
-    X(MANUAL,            command,  out.err = cam_machine_manual(machine)) \
-    X(JOG,               command,  out = outcome_of(cam_machine_jog(machine, axis, m->jog_speed))) \
-    X(STEP,              command,  out = outcome_of(cam_machine_step(machine, axis, m->step))) \
-    X(HOME_AXIS,         command,  out.err = cam_machine_home_axis(machine, axis)) \
-    X(ZERO_X,            command,  out = outcome_of(cam_machine_zero(machine, hal_axis_x, m->diameter))) \
-    X(ZERO_Z,            command,  out = outcome_of(cam_machine_zero(machine, hal_axis_z, m->height))) \
-    X(GET_PLACE,         none,     out = place_of(r, axis)) \
+    X(MANUAL,            command,  cam_outcome(cam_machine_manual(machine))) \
+    X(JOG,               command,  outcome_of(cam_machine_jog(machine, axis, m->jog_speed))) \
+    X(STEP,              command,  outcome_of(cam_machine_step(machine, axis, m->step))) \
+    X(HOME_AXIS,         command,  cam_outcome(cam_machine_home_axis(machine, axis))) \
+    X(ZERO_X,            command,  outcome_of(cam_machine_zero(machine, hal_axis_x, m->diameter))) \
+    X(ZERO_Z,            command,  outcome_of(cam_machine_zero(machine, hal_axis_z, m->height))) \
+    X(GET_PLACE,         none,     place_of(r, axis)) \
     /* Recorder, excitation and learning */ \
-    X(SET_SCOPE,         command,  out = set_scope(r, m->parameter, m->value)) \
-    X(GET_SCOPE,         none,     out = get_scope(r, m->parameter, cam_ok)) \
-    X(START_SCOPE,       command,  out.err = cam_machine_scope_start(machine)) \
-    X(STOP_SCOPE,        command,  cam_machine_scope_stop(machine)) \
-    X(RELEASE_SCOPE,     command,  out.err = cam_machine_release(machine)) \
-    X(READ_SCOPE,        none,     out = read_scope(r, m, false)) \
-    X(READ_SCOPE_FD,     none,     out = read_scope(r, m, true)) \
-    X(STROBE,            none,     out = strobe(r, m->every)) \
-    X(EXCITE,            command,  out = outcome_of(cam_machine_excite(machine, m->periods, m->fade))) \
-    X(KEEP_ALIVE,        command,  cam_machine_keep_alive(machine)) \
-    X(GET_LEARNED,       none,     out = get_learned(r, m->parameter, cam_ok)) \
-    X(SET_LEARNED,       unlocked, out = set_learned(r, m->parameter, m->value)) \
+    X(SET_SCOPE,         command,  set_scope(r, m->parameter, m->value)) \
+    X(GET_SCOPE,         none,     get_scope(r, m->parameter, cam_ok)) \
+    X(START_SCOPE,       command,  cam_outcome(cam_machine_scope_start(machine))) \
+    X(STOP_SCOPE,        command,  stop_scope(machine)) \
+    X(RELEASE_SCOPE,     command,  cam_outcome(cam_machine_release(machine))) \
+    X(READ_SCOPE,        none,     read_scope(r, m, false)) \
+    X(READ_SCOPE_FD,     none,     read_scope(r, m, true)) \
+    X(STROBE,            none,     strobe(r, m->every)) \
+    X(EXCITE,            command,  outcome_of(cam_machine_excite(machine, m->periods, m->fade))) \
+    X(KEEP_ALIVE,        command,  keep_alive(machine)) \
+    X(GET_LEARNED,       none,     get_learned(r, m->parameter, cam_ok)) \
+    X(SET_LEARNED,       unlocked, set_learned(r, m->parameter, m->value)) \
     /* Rights; the commander has been heard already */ \
-    X(TAKE_COMMAND,      none,     out = take_session(r, m)) \
-    X(RELEASE_COMMAND,   command,  cam_machine_release_command(machine)) \
-    X(HEARTBEAT,         command,  out.err = cam_ok) \
-    X(GET_CHALLENGE,     command,  out = challenge(r, tick)) \
-    X(UNLOCK,            command,  out.err = cam_rights_unlock(rights, m->unlock_answer, tick)) \
-    X(LOCK,              command,  cam_rights_lock(rights))
+    X(TAKE_COMMAND,      none,     take_session(r, m)) \
+    X(RELEASE_COMMAND,   command,  release_command(machine)) \
+    X(HEARTBEAT,         command,  cam_outcome(cam_ok)) \
+    X(GET_CHALLENGE,     command,  challenge(r, tick)) \
+    X(UNLOCK,            command,  cam_outcome(cam_rights_unlock(rights, m->unlock_answer, tick))) \
+    X(LOCK,              command,  lock(rights))
 // clang-format on
 
-#define RIGHT(name, right, action) [CAMTURN_COMMAND_COMMAND_##name##_CHOICE] = right_##right,
+#define RIGHT(name, right, outcome) [CAMTURN_COMMAND_COMMAND_##name##_CHOICE] = right_##right,
 
 cam_err_t cam_can_admit(const cam_rights_t *rights, const struct camturn_command_t *m)
 {
-    static const uint8_t required[] = {COMMANDS(RIGHT)};
-    const right_t right =
-        m->command < sizeof required ? (right_t)required[m->command] : right_command;
+    static const uint8_t required[UINT8_MAX + 1] = {COMMANDS(RIGHT)};
+    const right_t right = (right_t)required[m->command];
     if (right == right_none) {
         return cam_ok;
     }
@@ -299,10 +322,9 @@ cam_err_t cam_can_admit(const cam_rights_t *rights, const struct camturn_command
     return right == right_unlocked ? cam_rights_check_level(rights) : cam_ok;
 }
 
-#define EXECUTE(name, right, action)                                                               \
+#define EXECUTE(name, right, outcome)                                                              \
     case CAMTURN_COMMAND_COMMAND_##name##_CHOICE:                                                  \
-        (void)(action);                                                                            \
-        break;
+        return (outcome);
 
 cam_outcome_t cam_can_carry_out(cam_can_t *r, const struct camturn_command_t *m)
 {
@@ -311,12 +333,9 @@ cam_outcome_t cam_can_carry_out(cam_can_t *r, const struct camturn_command_t *m)
     const uint32_t tick = cam_machine_status(machine).tick;
     const cam_param_id_t id = (cam_param_id_t)m->parameter;
     const hal_axis_t axis = (hal_axis_t)m->parameter;
-    cam_outcome_t out = cam_outcome(cam_ok);
     switch (m->command) {
         COMMANDS(EXECUTE)
     default:
-        out.err = cam_err_command;
-        break;
+        return cam_outcome(cam_err_command);
     }
-    return out;
 }
