@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): open_memstream, strdup
+#define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): strdup
 #include "sim_api.h"
 #include "camsim.h"          // camsim_options_read
+#include "sim_cut_pass.h"    // sim_cut_planned_s
 #include "sim_cut_summary.h" // sim_cut_summary
-#include "sim_map.h"         // sim_map_surface
 #include "hal/version.h"     // CAMTURN_VERSION
-#include "sim_trace.h"       // sim_trace_drain
 #include <stdlib.h>          // calloc, free
 #include <string.h>          // memset, strdup
 
@@ -17,8 +16,7 @@ struct sim_api {
     camsim_options_t options;
     sim_cut_t cut;
     bool is_open; ///< the cut is to be closed
-    sim_out_t trace, out;
-    sim_values_t trace_values, surface_values;
+    sim_tables_t tables;
     char *summary;
     common_error_t error;
 };
@@ -38,8 +36,7 @@ void sim_api_end(sim_api_t *s)
     }
     s->is_open = false;
     at_work = at_work == s ? NULL : at_work;
-    sim_values_free(&s->trace_values);
-    sim_values_free(&s->surface_values);
+    sim_tables_free(&s->tables);
     free(s->summary);
     s->summary = NULL;
     for (int i = 0; i < s->n_words; i++) {
@@ -85,20 +82,6 @@ static bool copy_words(sim_api_t *s, const char *const *words, int n_words)
     return is_good;
 }
 
-/// Refuse what only a program has: help and files.
-static bool check_options(sim_api_t *s)
-{
-    const camsim_options_t *o = &s->options;
-    for (int i = 0; i < camsim_n_outs; i++) {
-        if (o->out_path[i] != NULL) {
-            return common_error(&s->error, "%s: results come back in memory; leave the option out",
-                                o->out_path[i]);
-        }
-    }
-    return !o->is_help ||
-           common_error(&s->error, "--help: camsim run --help tells the options; leave it out");
-}
-
 static bool read_machine(sim_api_t *s, const char *machine, size_t size, const char *name)
 {
     if (machine == NULL) {
@@ -113,28 +96,13 @@ static bool read_machine(sim_api_t *s, const char *machine, size_t size, const c
 
 static bool open_cut(sim_api_t *s)
 {
-    sim_file_t file;
-    const char *path = s->options.table_path;
-    if (!sim_file_read(&file, path, camsim_max_table_bytes, &s->error)) {
-        return false;
-    }
     memset(&s->cut, 0, sizeof s->cut);
-    s->is_open = sim_cut_open(&s->cut, &s->options.cut, file.bytes, file.size, path, &s->error);
-    sim_file_free(&file);
+    s->is_open = camsim_open_cut(&s->options, &s->cut, &s->error);
     return s->is_open && camsim_check_lobes(&s->options, &s->cut, &s->error);
 }
 
-static void begin_trace(sim_api_t *s, bool is_traced)
-{
-    (void)sim_out_open(&s->trace, NULL, "", &s->error); // not wanted
-    if (is_traced) {
-        sim_out_open_values(&s->trace, "trace", &s->trace_values);
-        sim_trace_header(&s->trace, &s->cut);
-    }
-}
-
 bool sim_api_begin(sim_api_t *s, const char *const *words, int n_words, const char *machine,
-                   size_t machine_size, const char *name, bool is_traced)
+                   size_t machine_size, const char *name)
 {
     sim_api_end(s);
     if (at_work != NULL) {
@@ -142,19 +110,22 @@ bool sim_api_begin(sim_api_t *s, const char *const *words, int n_words, const ch
     }
     at_work = s;
     if (!copy_words(s, words, n_words) ||
-        !camsim_options_read(&s->options, s->n_words, s->word, &s->error) || !check_options(s) ||
-        !read_machine(s, machine, machine_size, name)) {
-        at_work = NULL;
-        return false;
-    }
-    s->options.cut.is_traced = is_traced;
-    s->options.cut.session.has_map = true;
-    if (!open_cut(s)) {
+        !camsim_options_read(&s->options, s->n_words, s->word, &s->error) ||
+        (s->options.is_help &&
+         !common_error(&s->error, "--help: camsim run --help tells the options; leave it out")) ||
+        !read_machine(s, machine, machine_size, name) || !open_cut(s)) {
         sim_api_end(s);
         return false;
     }
-    begin_trace(s, is_traced);
+    sim_tables_open(&s->tables, &s->cut, s->options.out_path);
     return true;
+}
+
+void sim_api_plan(const sim_api_t *s, double *turns, double *seconds, double *tick_hz)
+{
+    *turns = sim_cut_planned_in_all(&s->cut);
+    *seconds = sim_cut_planned_s(&s->cut);
+    *tick_hz = s->options.cut.session.config.lathe.tick_hz;
 }
 
 bool sim_api_run(sim_api_t *s, uint64_t n_ticks)
@@ -162,40 +133,15 @@ bool sim_api_run(sim_api_t *s, uint64_t n_ticks)
     sim_cut_t *cut = &s->cut;
     for (uint64_t i = 0; i < n_ticks && s->is_open && cut->end == sim_cut_running; i++) {
         sim_cut_tick(cut);
-        if (s->trace.name != NULL) {
-            sim_trace_drain(&s->trace, cut);
-        }
+        sim_tables_tick(&s->tables, cut);
     }
     return s->is_open && cut->end == sim_cut_running;
 }
 
 double sim_api_progress(const sim_api_t *s)
 {
-    const double turns = s->is_open ? sim_cut_planned_turns(&s->cut) : 0.0;
-    const double share = turns > 0.0 ? s->cut.session.cut_turns / turns : 0.0;
+    const double share = s->is_open ? s->cut.port.time_s / sim_cut_planned_s(&s->cut) : 0.0;
     return share < 1.0 ? share : 1.0;
-}
-
-/// @return whether the summary was made
-static bool make_summary(sim_api_t *s, double wall_s)
-{
-    size_t size;
-    free(s->summary);
-    s->summary = NULL;
-    FILE *stream = open_memstream(&s->summary, &size);
-    if (stream == NULL) {
-        return false;
-    }
-    sim_out_open_stream(&s->out, "summary", stream);
-    const bool is_made = sim_cut_summary(&s->out, &s->cut, s->options.table_path, wall_s);
-    return sim_out_finish(&s->out, &s->error) && is_made;
-}
-
-static void make_surface(sim_api_t *s)
-{
-    sim_values_free(&s->surface_values);
-    sim_out_open_values(&s->out, "surface", &s->surface_values);
-    sim_map_surface(&s->out, &s->cut.session);
 }
 
 int sim_api_finish(sim_api_t *s, double wall_s)
@@ -204,8 +150,14 @@ int sim_api_finish(sim_api_t *s, double wall_s)
         (void)common_error(&s->error, "no cut is open; begin one");
         return camsim_wrong;
     }
-    make_surface(s);
-    if (!make_summary(s, wall_s) || s->surface_values.is_lost || s->trace_values.is_lost) {
+    sim_tables_end(&s->tables, &s->cut);
+    free(s->summary);
+    s->summary = sim_cut_summary(&s->cut, s->options.table_path, wall_s);
+    bool is_lost = s->summary == NULL;
+    for (int i = 0; i < sim_n_tables; i++) {
+        is_lost = is_lost || s->tables.rows[i].is_lost;
+    }
+    if (is_lost) {
         (void)common_error(&s->error,
                            "not enough memory for the results; free some, or trace less");
         return camsim_wrong;
@@ -214,30 +166,41 @@ int sim_api_finish(sim_api_t *s, double wall_s)
     return camsim_judge_cut(&s->cut, s->options.table_path, &s->error);
 }
 
-static const double *values_of(const sim_values_t *v, size_t *n)
+/// @return index of the output whose option has this name; camsim_n_outs for any other name
+static int output_of(const char *name)
 {
-    *n = v->n;
-    return v->value;
+    int i = 0;
+    while (i < camsim_n_outs && strcmp(name, camsim_out_option[i] + strlen("--")) != 0) {
+        i++;
+    }
+    return i;
 }
 
-const double *sim_api_surface(const sim_api_t *s, size_t *n)
+const char *sim_api_path(const sim_api_t *s, const char *output)
 {
-    return values_of(&s->surface_values, n);
+    const int i = output_of(output);
+    return i < camsim_n_outs ? s->options.out_path[i] : NULL;
 }
 
-const double *sim_api_trace(const sim_api_t *s, size_t *n)
+const char *sim_api_columns(const sim_api_t *s, const char *table)
 {
-    return values_of(&s->trace_values, n);
+    const int i = output_of(table);
+    return i < sim_n_tables ? s->tables.rows[i].columns : NULL;
 }
 
-const char *sim_api_surface_header(const sim_api_t *s)
+const int64_t *sim_api_rows(const sim_api_t *s, const char *table, size_t *n)
 {
-    return s->surface_values.header;
+    const int i = output_of(table);
+    *n = i < sim_n_tables ? s->tables.rows[i].n : 0u;
+    return i < sim_n_tables ? s->tables.rows[i].number : NULL;
 }
 
-const char *sim_api_trace_header(const sim_api_t *s)
+void sim_api_drop(sim_api_t *s, const char *table)
 {
-    return s->trace_values.header;
+    const int i = output_of(table);
+    if (i < sim_n_tables) {
+        sim_rows_drop(&s->tables.rows[i]);
+    }
 }
 
 const char *sim_api_summary(const sim_api_t *s)

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// sim_api: the simulator as a library, for programs in any language: `camsim run` without files.
 ///
-///     open -> begin -> run, run, ... -> finish -> surface, trace, summary -> begin -> ... -> close
+///     open -> begin -> run, run, ... -> finish -> rows, summary -> begin -> ... -> close
 ///
 /// A cut is described by the words of a command line of `camsim run`, so options, ranges, defaults
-/// and messages are the same, and so are the results: the numbers are those that a reader of the
-/// files of `camsim run` gets, bit for bit, and the summary is its text. Nothing is printed and
-/// nothing is written.
+/// and messages are the same, and so are the results: the rows are those of the files of
+/// `camsim run`, the summary is its text. An option that names a file, as `--trace F.csv`, asks for
+/// a table of rows; nothing is printed and nothing is written.
 ///
 /// Firmware and port are one per process, as on a machine, so there is one cut at a time in a
 /// process: `begin` refuses while another session is between begin and end. What one cut did leaves
@@ -47,20 +47,27 @@ const char *sim_api_version(void);
 const char *sim_api_error(const sim_api_t *s);
 
 /// Begin a cut; one that has not ended is ended, and results are freed.
-/// @param words      of `camsim run`: the table, options; without those that name outputs
-/// @param machine    text of a machine file; NULL: that of --machine, or the default machine
-/// @param name       of the machine's text, for messages
-/// @param is_traced  every tick, or one of --trace-every, is kept: 300 bytes each
-/// @return           false when camsim would refuse (exit status 2)
+/// @param words    of `camsim run`: the table, options
+/// @param machine  text of a machine file; NULL: that of --machine, or the default machine
+/// @param name     of the machine's text, for messages
+/// @return         false when camsim would refuse (exit status 2)
 bool sim_api_begin(sim_api_t *s, const char *const *words, int n_words, const char *machine,
-                   size_t machine_size, const char *name, bool is_traced);
+                   size_t machine_size, const char *name);
+
+/// Give the length of the cut that was begun: turns of cutting, time on the machine, all passes,
+/// rehearsals and ramps included.
+void sim_api_plan(const sim_api_t *s, double *turns, double *seconds, double *tick_hz);
+
+/// @param output  trace, surface, removal, scallop, sections or summary
+/// @return        file that the option of that name gives; NULL: not asked for
+const char *sim_api_path(const sim_api_t *s, const char *output);
 
 /// Go on with the cut.
 /// @param n_ticks  at most so many
 /// @return         true while there is more to do
 bool sim_api_run(sim_api_t *s, uint64_t n_ticks);
 
-/// @return share of the turns that are done, 0 .. 1
+/// @return share of the planned machine time that is done, 0 .. 1
 double sim_api_progress(const sim_api_t *s);
 
 /// Make the results of a cut, at its end or before.
@@ -69,16 +76,18 @@ double sim_api_progress(const sim_api_t *s);
 ///                gauged; 2 refused or no memory; sim_api_error() says why
 int sim_api_finish(sim_api_t *s, double wall_s);
 
-/// @return rows of the surface file (sim_map.h), one behind the other
+/// @param table  trace, surface, removal, scallop or sections
+/// @return       its columns, "NAME:FORMAT,NAME:FORMAT,..": a number of decimals, x4 for a
+///               hexadecimal mask, s for a state by its number; NULL: not asked for
+const char *sim_api_columns(const sim_api_t *s, const char *table);
+
 /// @param n  numbers in all
-const double *sim_api_surface(const sim_api_t *s, size_t *n);
+/// @return   rows, one after the other; a number is in units of its column's last decimal. Rows of
+///           trace and removal come while the cut runs, the others when it is finished
+const int64_t *sim_api_rows(const sim_api_t *s, const char *table, size_t *n);
 
-/// @return rows of the trace (sim_trace.h); the state by its number, masks as numbers
-const double *sim_api_trace(const sim_api_t *s, size_t *n);
-
-/// @return names of the columns of surface or trace, separated by commas
-const char *sim_api_surface_header(const sim_api_t *s);
-const char *sim_api_trace_header(const sim_api_t *s);
+/// Forget the rows, so that a long cut needs little memory.
+void sim_api_drop(sim_api_t *s, const char *table);
 
 /// @return the summary, JSON
 const char *sim_api_summary(const sim_api_t *s);

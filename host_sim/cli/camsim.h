@@ -19,22 +19,18 @@
 #include "sim_cut.h"      // sim_cut_options_t, sim_cut_t
 #include "sim_file.h"     // sim_file_t
 #include "sim_out.h"      // sim_out_t
+#include "sim_tables.h"   // sim_n_tables
 #include <stdbool.h>      // bool
 #include <stddef.h>       // size_t
 
 enum { camsim_done = 0, camsim_not_good = 1, camsim_wrong = 2 };
 enum { camsim_max_table_bytes = 64 * 1024 * 1024 };
 
-/// Output files, in order of opening.
-enum {
-    camsim_trace,
-    camsim_surface,
-    camsim_summary,
-    camsim_removal,
-    camsim_scallop,
-    camsim_sections,
-    camsim_n_outs
-};
+/// Output files, in order of opening: the tables, then the summary.
+enum { camsim_summary = sim_n_tables, camsim_n_outs };
+
+/// Names of the options of the outputs, with --.
+extern const char *const camsim_out_option[camsim_n_outs];
 
 /// The commands; argv[0] is the command's name.
 int camsim_eval(int argc, char **argv);
@@ -72,8 +68,13 @@ bool camsim_options_read_with(camsim_options_t *o, camsim_set_t own, int argc, c
 /// Print the help of `run`.
 void camsim_options_help(void);
 
-/// Open the first n outputs. @return false and *e on the first that cannot be written
-bool camsim_open_outs(sim_out_t *outs, const camsim_options_t *o, int n, common_error_t *e);
+/// Read the table and open its cut. @return false and *e when something is wrong
+bool camsim_open_cut(const camsim_options_t *o, sim_cut_t *cut, common_error_t *e);
+
+/// Write a summary, unless it is not wanted, and free it; then publish all outputs.
+/// @param summary  NULL: there was not enough memory
+/// @return         false and *e when something cannot be written
+bool camsim_publish(sim_out_t *outs, char *summary, common_error_t *e);
 
 /// Name the first retired parameter that an option or the machine file gives.
 void camsim_warn_of_retired(const camsim_options_t *o);

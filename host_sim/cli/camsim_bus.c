@@ -1,29 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camsim_bus.h"
-#include "sim_map.h"       // sim_map_surface
 #include "sim_watch_out.h" // sim_watch_summary
 #include <stdio.h>         // printf
-
-/// Trace, surface and summary.
-enum { n_outs = camsim_summary + 1 };
 
 typedef struct {
     camsim_bus_options_t options;
     sim_watch_t watch;
-    sim_out_t out[n_outs];
+    sim_rows_t trace, surface;
+    sim_out_t out[camsim_n_outs];
 } bus_t;
 
 static void watch_to_the_end(bus_t *b)
 {
-    sim_out_t *trace = &b->out[camsim_trace];
+    sim_out_t *trace = &b->out[sim_table_trace];
     sim_link_watch_signals();
+    sim_rows_open(&b->trace, sim_watch_trace_columns);
     if (trace->name != NULL) {
-        sim_watch_trace_header(trace);
+        sim_out_header(trace, &b->trace);
     }
     while (b->watch.end == sim_watch_running && trace->error == 0) {
         sim_watch_tick(&b->watch);
         if (trace->name != NULL) {
-            sim_watch_trace_line(trace, &b->watch);
+            sim_watch_trace_row(&b->trace, &b->watch);
+            sim_out_rows(trace, &b->trace);
         }
     }
 }
@@ -65,19 +64,18 @@ static int judge(const sim_watch_t *w, const char *table)
 static int watch(bus_t *b, common_error_t *e)
 {
     const camsim_options_t *o = &b->options.common;
-    if (!sim_watch_connect(&b->watch, e) || !camsim_open_outs(b->out, o, n_outs, e)) {
+    if (!sim_watch_connect(&b->watch, e) ||
+        !sim_out_open_all(b->out, o->out_path, camsim_out_option, camsim_n_outs, e)) {
         return camsim_complain(e);
     }
     watch_to_the_end(b);
-    sim_out_t *summary = &b->out[camsim_summary];
-    if (b->out[camsim_surface].name != NULL) {
-        sim_map_surface(&b->out[camsim_surface], &b->watch.session);
+    sim_out_t *surface = &b->out[sim_table_surface];
+    if (surface->name != NULL) {
+        sim_tables_surface(&b->surface, &b->watch.session);
+        sim_out_header(surface, &b->surface);
+        sim_out_rows(surface, &b->surface);
     }
-    if (summary->name != NULL && !sim_watch_summary(summary, &b->watch)) {
-        (void)common_error(e, "%s: not enough memory for the summary; free some", summary->name);
-        return camsim_complain(e);
-    }
-    if (!sim_out_publish_all(b->out, n_outs, e)) {
+    if (!camsim_publish(b->out, sim_watch_summary(&b->watch), e)) {
         return camsim_complain(e);
     }
     print_summary(&b->watch);
@@ -109,7 +107,9 @@ int camsim_bus(int argc, char **argv)
     }
     camsim_warn_of_design(&b.options.common);
     const int status = watch(&b, &e);
-    sim_out_drop_all(b.out, n_outs);
+    sim_out_drop_all(b.out, camsim_n_outs);
+    sim_rows_free(&b.trace);
+    sim_rows_free(&b.surface);
     sim_watch_close(&b.watch);
     return status;
 }

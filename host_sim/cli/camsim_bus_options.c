@@ -65,8 +65,9 @@ static bool check_foreign(const camsim_bus_options_t *o, common_error_t *e)
     const sim_cut_options_t *cut = &o->common.cut;
     bool is_clean = cut->rpm == 0.0 && cut->feed_mm == 0.0 && !cut->is_without_feed_forward &&
                     !cut->is_without_lead && !cut->is_without_learning && cut->max_turns == 0.0 &&
-                    cut->slice_s == 0.0 && o->common.out_path[camsim_removal] == NULL &&
-                    !cut->has_sections && !o->common.is_progress_shown;
+                    cut->slice_s == 0.0 && o->common.out_path[sim_table_removal] == NULL &&
+                    o->common.out_path[sim_table_scallop] == NULL && !cut->has_sections &&
+                    !o->common.is_progress_shown;
     for (int i = 0; i < cam_n_params; i++) {
         is_clean = is_clean && !cut->wishes.is_given[i];
     }

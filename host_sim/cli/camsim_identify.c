@@ -156,25 +156,29 @@ static int32_t *read_wave(const char *path, sim_identify_options_t *o, common_er
 
 static void write_record(sim_out_t *out, const sim_cut_t *cut)
 {
+    static char columns[sim_rows_max_columns * 40]; // sim_rows_open keeps them
+    static sim_rows_t rows;
     const cam_scope_t *s = &cut->firmware.machine.scope;
-    sim_out_text(out, "tick,t_s");
+    size_t n = (size_t)snprintf(columns, sizeof columns, "tick:0,t_s:9");
     for (uint32_t i = 0; i < cam_scope_n_signals; i++) {
         if ((s->plan.signals >> i & 1u) != 0u) {
-            sim_out_char(out, ',');
-            sim_out_text(out, cam_scope_signal_name(i));
+            n += (size_t)snprintf(columns + n, sizeof columns - n, ",%s:0",
+                                  cam_scope_signal_name(i));
         }
     }
-    sim_out_char(out, '\n');
+    sim_rows_open(&rows, columns);
+    sim_out_header(out, &rows);
     const int32_t *word = &s->words[s->at];
     const uint32_t n_rows = sim_identify_n_played(cut);
     for (uint32_t row = 0; row < n_rows; row++) {
-        sim_out_integer(out, (int64_t)s->ring.first_tick + row);
-        sim_out_real_column(out, (double)row / s->tick_hz, 9);
+        sim_rows_add(&rows, (int64_t)s->ring.first_tick + row);
+        sim_rows_real(&rows, (double)row / s->tick_hz);
         for (uint32_t i = 0; i < s->n_signals; i++) {
-            sim_out_integer_column(out, *word++);
+            sim_rows_add(&rows, *word++);
         }
-        sim_out_char(out, '\n');
+        sim_out_rows(out, &rows);
     }
+    sim_rows_free(&rows);
 }
 
 static int report_short(const sim_cut_t *cut)
@@ -223,14 +227,7 @@ static int record(const identify_options_t *o, sim_cut_t *cut, common_error_t *e
 
 static int identify(identify_options_t *o, sim_cut_t *cut, common_error_t *e)
 {
-    sim_file_t file;
-    const char *path = o->common.table_path;
-    if (!sim_file_read(&file, path, camsim_max_table_bytes, e)) {
-        return camsim_complain(e);
-    }
-    const bool is_open = sim_cut_open(cut, &o->common.cut, file.bytes, file.size, path, e);
-    sim_file_free(&file);
-    if (!is_open) {
+    if (!camsim_open_cut(&o->common, cut, e)) {
         return camsim_complain(e);
     }
     const int status = record(o, cut, e);

@@ -94,7 +94,7 @@ int camsim_judge_cut(const sim_cut_t *cut, const char *table, common_error_t *e)
 bool camsim_check_lobes(const camsim_options_t *o, const sim_cut_t *cut, common_error_t *e)
 {
     const cam_table_t *table = &cut->session.table;
-    const char *removal_path = o->out_path[camsim_removal];
+    const char *removal_path = o->out_path[sim_table_removal];
     if (table->angle.knots != NULL && o->cut.nose_mm > 0.0) {
         return common_error(
             e, "--nose-mm %.12g: tracks are for skirts only, %s is a cam; leave it out",

@@ -96,15 +96,15 @@ static const camsim_option_t options[] = {
                 "exact geometry for the gauge (default: NAME.json next to TABLE)"),
     CAMSIM_NUMBER("tolerance-um", "T", AT(cut.session.tolerance_um), 0.0, 1e6, "um",
                   "largest form error accepted (default: 5)"),
-    CAMSIM_TEXT("trace", "F.csv", AT(out_path[camsim_trace]),
+    CAMSIM_TEXT("trace", "F.csv", AT(out_path[sim_table_trace]),
                 "every tick: inputs, set-points, outputs, truth"),
     CAMSIM_NUMBER("trace-every", "N", AT(cut.trace_every), 1.0, 1e9, "ticks",
                   "only one tick of N in the trace"),
-    CAMSIM_TEXT("surface", "F.csv", AT(out_path[camsim_surface]),
+    CAMSIM_TEXT("surface", "F.csv", AT(out_path[sim_table_surface]),
                 "turn,z_mm,radius_mm,error_nm of the worst sample of each cell, and control_nm "
                 "where the table plays a refit or a filter"),
     CAMSIM_TEXT("summary", "F.json", AT(out_path[camsim_summary]), "results"),
-    CAMSIM_TEXT("removal", "F.csv", AT(out_path[camsim_removal]),
+    CAMSIM_TEXT("removal", "F.csv", AT(out_path[sim_table_removal]),
                 "metal removed, power and forces of every time slice"),
     CAMSIM_NUMBER("slice-us", "T", AT(slice_us), 1.0, 1e9, "microseconds",
                   "length of those slices (default: a 120th of the mean turn)"),
@@ -116,11 +116,11 @@ static const camsim_option_t options[] = {
     CAMSIM_NUMBER("nose-mm", "R", AT(cut.nose_mm), 0.01, 100.0, "mm",
                   "radius of the tool's nose, for the gauge (default: that of the machine file, "
                   "else of the part file); also makes the surface between tracks"),
-    CAMSIM_TEXT("scallop", "F.csv", AT(out_path[camsim_scallop]),
+    CAMSIM_TEXT("scallop", "F.csv", AT(out_path[sim_table_scallop]),
                 "turn,z_mm,proud_um of that surface; with --nose-mm"),
     CAMSIM_TAKEN("scallop-mm", "FROM:TO", take_window,
                  "its heights (default: four feeds in the middle)"),
-    CAMSIM_TEXT("sections", "F.csv", AT(out_path[camsim_sections]),
+    CAMSIM_TEXT("sections", "F.csv", AT(out_path[sim_table_sections]),
                 "section,turn,z_mm,radius_mm,deviation_nm at 3600 angles of each section, and of "
                 "lines along the height at 0, 90, 180, 270 degrees (section 0)"),
     CAMSIM_TAKEN("sections-mm", "A,B,..", take_heights,
@@ -196,11 +196,21 @@ static bool check_outputs(const camsim_options_t *o, common_error_t *e)
     return true;
 }
 
-bool camsim_open_outs(sim_out_t *outs, const camsim_options_t *o, int n, common_error_t *e)
+const char *const camsim_out_option[camsim_n_outs] = {
+    [sim_table_trace] = "--trace",       [sim_table_surface] = "--surface",
+    [sim_table_removal] = "--removal",   [sim_table_scallop] = "--scallop",
+    [sim_table_sections] = "--sections", [camsim_summary] = "--summary",
+};
+
+bool camsim_open_cut(const camsim_options_t *o, sim_cut_t *cut, common_error_t *e)
 {
-    static const char *const option[camsim_n_outs] = {"--trace",   "--surface", "--summary",
-                                                      "--removal", "--scallop", "--sections"};
-    return sim_out_open_all(outs, o->out_path, option, n, e);
+    sim_file_t file;
+    if (!sim_file_read(&file, o->table_path, camsim_max_table_bytes, e)) {
+        return false;
+    }
+    const bool is_open = sim_cut_open(cut, &o->cut, file.bytes, file.size, o->table_path, e);
+    sim_file_free(&file);
+    return is_open;
 }
 
 void camsim_warn_of_retired(const camsim_options_t *o)
@@ -225,18 +235,18 @@ void camsim_warn_of_design(const camsim_options_t *o)
 /// Check what the options say together.
 static bool check(camsim_options_t *o, common_error_t *e)
 {
-    o->cut.is_traced = o->out_path[camsim_trace] != NULL;
-    o->cut.session.has_map = o->out_path[camsim_surface] != NULL;
+    o->cut.is_traced = o->out_path[sim_table_trace] != NULL;
+    o->cut.session.has_map = o->out_path[sim_table_surface] != NULL;
     if (o->machine_path != NULL && !sim_config_load(&o->cut.session.config, o->machine_path, e)) {
         return false;
     }
     if (o->cut.session.design_path == NULL && !find_design(o, e)) {
         return false;
     }
-    if ((o->out_path[camsim_scallop] != NULL || o->cut.has_window) && o->cut.nose_mm <= 0.0) {
+    if ((o->out_path[sim_table_scallop] != NULL || o->cut.has_window) && o->cut.nose_mm <= 0.0) {
         return common_error(e, "--scallop, --scallop-mm: no tool for it; give --nose-mm, too");
     }
-    o->cut.has_sections = o->out_path[camsim_sections] != NULL;
+    o->cut.has_sections = o->out_path[sim_table_sections] != NULL;
     if (o->cut.n_sections > 0 && !o->cut.has_sections) {
         return common_error(e, "--sections-mm: no file for them; give --sections F.csv, too");
     }

@@ -48,13 +48,7 @@ int camsim_params(int argc, char **argv)
         return camsim_done;
     }
     camsim_warn_of_retired(&o);
-    sim_file_t file;
-    if (!sim_file_read(&file, o.table_path, camsim_max_table_bytes, &e)) {
-        return camsim_complain(&e);
-    }
-    const bool is_open = sim_cut_open(&cut, &o.cut, file.bytes, file.size, o.table_path, &e);
-    sim_file_free(&file);
-    if (!is_open) {
+    if (!camsim_open_cut(&o, &cut, &e)) {
         return camsim_complain(&e);
     }
     const int status = print(&cut);

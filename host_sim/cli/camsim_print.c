@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camsim.h"
-#include "sim_cut_pass.h"     // sim_cut_pass_result
-#include "sim_lobe_cut.h"     // sim_lobe_cut_due_mm_s
-#include "sim_lobe_summary.h" // sim_lobe_off_plan_percent
-#include <stdio.h>            // printf
+#include "sim_cut_pass.h" // sim_cut_pass_result
+#include "sim_lobe_cut.h" // sim_lobe_cut_due_mm_s
+#include "sim_summary.h"  // sim_summary_off_plan_percent
+#include <stdio.h>        // printf
 
 static void print_lobes(const sim_session_t *s)
 {
@@ -26,7 +26,7 @@ static void print_lobes(const sim_session_t *s)
     (void)printf(
         "surface speed   %.3f .. %.3f mm/s, base circle %.3f; off the table's by %.2f %%\n",
         w->speed_mm_s.min, w->speed_mm_s.max, sim_lobe_cut_due_mm_s(s),
-        sim_lobe_off_plan_percent(s));
+        sim_summary_off_plan_percent(s));
     if (s->design.lobes.is_turned) {
         (void)printf("effective rake  varies by %.4f .. %.4f degrees; without the swing by "
                      "%.2f .. %.2f\n",

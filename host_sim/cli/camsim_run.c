@@ -3,18 +3,18 @@
 #include "camsim.h"
 #include "sim_cut_summary.h" // sim_cut_summary
 #include "sim_cut_pass.h"    // sim_cut_planned_s
-#include "sim_map.h"         // sim_map_surface
-#include "sim_trace.h"       // sim_trace_drain
 #include <stdio.h>           // fprintf
+#include <stdlib.h>          // free
 #include <time.h>            // clock_gettime
 #include <unistd.h>          // isatty
 
-enum { progress_ticks = 1 << 16 };
+enum { progress_ticks = 1 << 16, batch_ticks = 64 };
 
 /// All of one run.
 typedef struct {
     camsim_options_t options;
     sim_cut_t cut;
+    sim_tables_t tables;
     sim_out_t out[camsim_n_outs];
     double wall_s;
     double begin_s, shown_s; ///< [s] clock times of the start and of the last progress
@@ -34,16 +34,27 @@ static bool open_outputs(run_t *r, common_error_t *e)
 {
     sim_out_watch_signals();
     if (!camsim_check_lobes(&r->options, &r->cut, e) ||
-        !camsim_open_outs(r->out, &r->options, camsim_n_outs, e)) {
+        !sim_out_open_all(r->out, r->options.out_path, camsim_out_option, camsim_n_outs, e)) {
         return false;
     }
-    if (r->out[camsim_trace].name != NULL) {
-        sim_trace_header(&r->out[camsim_trace], &r->cut);
-    }
-    if (r->out[camsim_removal].name != NULL) {
-        sim_map_removal_header(&r->out[camsim_removal]);
+    sim_tables_open(&r->tables, &r->cut, r->options.out_path);
+    for (int i = 0; i < sim_n_tables; i++) {
+        if (r->tables.rows[i].columns != NULL) {
+            sim_out_header(&r->out[i], &r->tables.rows[i]);
+        }
     }
     return true;
+}
+
+/// Write the rows that there are. @return false when one cannot be written
+static bool write_rows(run_t *r)
+{
+    bool is_good = true;
+    for (int i = 0; i < sim_n_tables; i++) {
+        sim_out_rows(&r->out[i], &r->tables.rows[i]);
+        is_good = is_good && r->out[i].error == 0;
+    }
+    return is_good;
 }
 
 /// Show progress and remaining time: in place on a terminal, otherwise in occasional lines.
@@ -66,17 +77,10 @@ static void show_progress(run_t *r, bool is_last)
 static void cut_to_the_end(run_t *r)
 {
     sim_cut_t *cut = &r->cut;
-    sim_out_t *trace = &r->out[camsim_trace];
-    sim_out_t *removal = &r->out[camsim_removal];
     r->begin_s = now_s();
-    while (cut->end == sim_cut_running && trace->error == 0 && removal->error == 0) {
+    while (cut->end == sim_cut_running && (cut->n_ticks % batch_ticks != 0u || write_rows(r))) {
         sim_cut_tick(cut);
-        if (trace->name != NULL) {
-            sim_trace_drain(trace, cut);
-        }
-        if (removal->name != NULL && cut->has_slice) {
-            sim_map_removal(removal, &cut->removal.slice);
-        }
+        sim_tables_tick(&r->tables, cut);
         if (r->options.is_progress_shown && cut->n_ticks % progress_ticks == 0u) {
             show_progress(r, false);
         }
@@ -87,30 +91,12 @@ static void cut_to_the_end(run_t *r)
     }
 }
 
-static bool write_results(run_t *r, common_error_t *e)
-{
-    sim_session_t *s = &r->cut.session;
-    sim_out_t *summary = &r->out[camsim_summary];
-    if (r->out[camsim_surface].name != NULL) {
-        sim_map_surface(&r->out[camsim_surface], s);
-    }
-    if (r->out[camsim_scallop].name != NULL) {
-        sim_map_scallop(&r->out[camsim_scallop], &s->scallop, sim_session_played(s));
-    }
-    if (r->out[camsim_sections].name != NULL) {
-        sim_map_sections(&r->out[camsim_sections], s);
-    }
-    if (summary->name != NULL &&
-        !sim_cut_summary(summary, &r->cut, r->options.table_path, r->wall_s)) {
-        return common_error(e, "%s: not enough memory for the summary; free some", summary->name);
-    }
-    return sim_out_publish_all(r->out, camsim_n_outs, e);
-}
-
 static int run(run_t *r, common_error_t *e)
 {
     cut_to_the_end(r);
-    if (!write_results(r, e)) {
+    sim_tables_end(&r->tables, &r->cut);
+    (void)write_rows(r);
+    if (!camsim_publish(r->out, sim_cut_summary(&r->cut, r->options.table_path, r->wall_s), e)) {
         return camsim_complain(e);
     }
     camsim_print_cut(&r->cut, r->wall_s);
@@ -126,6 +112,19 @@ static int run(run_t *r, common_error_t *e)
     return status;
 }
 
+bool camsim_publish(sim_out_t *outs, char *summary, common_error_t *e)
+{
+    sim_out_t *out = &outs[camsim_summary];
+    const bool is_made = summary != NULL || out->name == NULL;
+    if (summary != NULL && out->name != NULL) {
+        sim_out_text(out, summary);
+        sim_out_text(out, "\n");
+    }
+    free(summary);
+    return is_made ? sim_out_publish_all(outs, camsim_n_outs, e)
+                   : common_error(e, "%s: not enough memory for the summary; free some", out->name);
+}
+
 int camsim_run(int argc, char **argv)
 {
     static run_t r; // 10 MB
@@ -138,19 +137,13 @@ int camsim_run(int argc, char **argv)
         return camsim_done;
     }
     camsim_warn_of_retired(&r.options);
-    sim_file_t file;
-    const char *path = r.options.table_path;
-    if (!sim_file_read(&file, path, camsim_max_table_bytes, &e)) {
-        return camsim_complain(&e);
-    }
-    const bool is_open = sim_cut_open(&r.cut, &r.options.cut, file.bytes, file.size, path, &e);
-    sim_file_free(&file);
-    if (!is_open) {
+    if (!camsim_open_cut(&r.options, &r.cut, &e)) {
         return camsim_complain(&e);
     }
     camsim_warn_of_design(&r.options);
     const int status = open_outputs(&r, &e) ? run(&r, &e) : camsim_complain(&e);
     sim_out_drop_all(r.out, camsim_n_outs);
+    sim_tables_free(&r.tables);
     sim_cut_close(&r.cut);
     return status;
 }

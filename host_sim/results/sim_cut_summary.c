@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut_summary.h"
-#include "hal/version.h"       // CAMTURN_VERSION
-#include "sim_cut_pass.h"      // sim_cut_pass_result
-#include "sim_learn_summary.h" // sim_learn_summary
-#include "sim_lobe_summary.h"  // sim_lobe_summary
-#include "sim_summary.h"       // sim_summary_number
-#include "sim_units.h"         // SIM_TWO_PI
-#include <string.h>            // strrchr
+#include "hal/version.h"  // CAMTURN_VERSION
+#include "sim_cut_pass.h" // sim_cut_pass_result
+#include "sim_summary.h"  // sim_summary_number
+#include "sim_units.h"    // SIM_TWO_PI
+#include <string.h>       // strrchr
 
 /// @return the file name only, because folders differ between computers and runs
 static const char *base_name(const char *path)
@@ -209,7 +207,7 @@ static void add_counts(cJSON *root, const sim_cut_t *cut)
     }
 }
 
-bool sim_cut_summary(sim_out_t *o, sim_cut_t *cut, const char *table_path, double wall_s)
+char *sim_cut_summary(sim_cut_t *cut, const char *table_path, double wall_s)
 {
     cJSON *root = cJSON_CreateObject();
     add_what(root, cut, table_path);
@@ -218,13 +216,13 @@ bool sim_cut_summary(sim_out_t *o, sim_cut_t *cut, const char *table_path, doubl
     sim_summary_text(root, "state", cam_state_name(cut->firmware.state));
     add_faults(root, cut);
     sim_summary_errors(root, &cut->session);
-    sim_learn_summary(root, cut);
+    sim_summary_learning(root, cut);
     add_cut(root, cut);
     add_passes(root, cut);
     add_counts(root, cut);
     add_feasibility(root, cut);
     add_tool(root, &cut->session);
-    sim_lobe_summary(root, &cut->session);
+    sim_summary_lobes(root, &cut->session);
     if (cut->session.table.angle.knots == NULL) { // forces are measured on skirts only
         add_removal(root, cut);
     }
@@ -240,5 +238,5 @@ bool sim_cut_summary(sim_out_t *o, sim_cut_t *cut, const char *table_path, doubl
         const cam_param_id_t id = (cam_param_id_t)i;
         sim_summary_number(parameters, cam_param_info(id)->name, cam_param_get(&cut->params, id));
     }
-    return sim_summary_write(o, root);
+    return sim_summary_print(root);
 }

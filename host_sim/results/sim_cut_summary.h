@@ -4,12 +4,11 @@
 #define SIM_CUT_SUMMARY_H
 
 #include "sim_cut.h" // sim_cut_t
-#include "sim_out.h" // sim_out_t
 
 /// @param cut         not const: the scallop evaluates its design
 /// @param table_path  path of the table file
 /// @param wall_s      [s] elapsed time on this computer
-/// @return            false when memory is short
-bool sim_cut_summary(sim_out_t *o, sim_cut_t *cut, const char *table_path, double wall_s);
+/// @return            to be freed; NULL when memory is short
+char *sim_cut_summary(sim_cut_t *cut, const char *table_path, double wall_s);
 
 #endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_learn_summary.h"
-#include "sim_summary.h" // sim_summary_number
-#include "sim_units.h"   // sim_round
+#include "sim_summary.h"
+#include "sim_units.h" // sim_round
 
 static const double nm_per_um = 1e3, q6 = 64.0, q12 = 4096.0;
 
@@ -97,7 +96,7 @@ static void add_learning(cJSON *root, sim_cut_t *cut)
     }
 }
 
-void sim_learn_summary(cJSON *root, sim_cut_t *cut)
+void sim_summary_learning(cJSON *root, sim_cut_t *cut)
 {
     add_turns(root, &cut->turns);
     add_learning(root, cut);

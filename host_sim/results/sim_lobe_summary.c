@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_lobe_summary.h"
+#include "sim_summary.h"
 #include "sim_lobe_cut.h" // sim_lobe_cut_due_mm_s
-#include "sim_summary.h"  // sim_summary_number
 #include "sim_units.h"    // sim_abs
 
-double sim_lobe_off_plan_percent(const sim_session_t *s)
+double sim_summary_off_plan_percent(const sim_session_t *s)
 {
     const double low = sim_abs(s->lobes.off_plan.min);
     const double high = sim_abs(s->lobes.off_plan.max);
@@ -39,7 +38,7 @@ static void add_speed(cJSON *cam, const sim_session_t *s)
     sim_summary_number(object, "mean", sim_spread_mean(speed));
     sim_summary_number(object, "min", speed->min);
     sim_summary_number(object, "max", speed->max);
-    sim_summary_number(object, "off_plan_percent", sim_lobe_off_plan_percent(s));
+    sim_summary_number(object, "off_plan_percent", sim_summary_off_plan_percent(s));
 }
 
 static void add_rake(cJSON *cam, const sim_session_t *s)
@@ -55,7 +54,7 @@ static void add_rake(cJSON *cam, const sim_session_t *s)
     sim_summary_number(object, "without_swing_max", w->unswung_deg.max);
 }
 
-void sim_lobe_summary(cJSON *root, const sim_session_t *s)
+void sim_summary_lobes(cJSON *root, const sim_session_t *s)
 {
     if (s->design.shape != sim_shape_lobes) {
         return;

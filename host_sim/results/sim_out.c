@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _XOPEN_SOURCE 700 // NOLINT(bugprone-reserved-identifier): mkstemp, realpath
 #include "sim_out.h"
-#include <errno.h>    // errno
-#include <math.h>     // floor
-#include <signal.h>   // sigaction
-#include <stdlib.h>   // mkstemp, realpath
-#include <string.h>   // memcpy, strlen
-#include <sys/stat.h> // stat
-#include <unistd.h>   // fsync, unlink
+#include "cam_state.h" // cam_state_name
+#include <errno.h>     // errno
+#include <inttypes.h>  // PRIx32
+#include <signal.h>    // sigaction
+#include <stdlib.h>    // mkstemp, realpath
+#include <string.h>    // memcpy, strlen
+#include <sys/stat.h>  // stat
+#include <unistd.h>    // fsync, unlink
 
 enum { max_pending = 6 };
 
@@ -106,7 +107,11 @@ static bool is_planted(const char *name)
 
 bool sim_out_open(sim_out_t *o, const char *name, const char *option, common_error_t *e)
 {
-    sim_out_open_stream(o, name, NULL);
+    o->name = name;
+    o->stream = NULL;
+    o->temporary[0] = '\0';
+    o->error = 0;
+    o->n = 0;
     if (name == NULL) {
         return true;
     }
@@ -134,23 +139,6 @@ bool sim_out_open(sim_out_t *o, const char *name, const char *option, common_err
     return true;
 }
 
-void sim_out_open_stream(sim_out_t *o, const char *name, FILE *stream)
-{
-    o->name = name;
-    o->values = NULL;
-    o->stream = stream;
-    o->temporary[0] = '\0';
-    o->error = 0;
-    o->n = 0;
-}
-
-void sim_out_open_values(sim_out_t *o, const char *name, sim_values_t *values)
-{
-    sim_out_open_stream(o, name, NULL);
-    o->values = values;
-    *values = (sim_values_t){0};
-}
-
 static void flush(sim_out_t *o)
 {
     if (o->stream != NULL && o->error == 0 && o->n > 0u &&
@@ -162,7 +150,7 @@ static void flush(sim_out_t *o)
 
 bool sim_out_finish(sim_out_t *o, common_error_t *e)
 {
-    if (o->name == NULL || o->values != NULL) {
+    if (o->name == NULL) {
         return true;
     }
     flush(o);
@@ -234,18 +222,6 @@ void sim_out_drop_all(sim_out_t *outs, int n)
     }
 }
 
-void sim_out_char(sim_out_t *o, char c)
-{
-    if (o->values != NULL) {
-        sim_values_char(o->values, c);
-        return;
-    }
-    if (o->n == sim_out_buffer) {
-        flush(o);
-    }
-    o->buffer[o->n++] = c;
-}
-
 /// Append n <= 40 bytes to the buffer.
 static void append(sim_out_t *o, const char *bytes, size_t n)
 {
@@ -256,19 +232,24 @@ static void append(sim_out_t *o, const char *bytes, size_t n)
     o->n += n;
 }
 
+static void put(sim_out_t *o, char c)
+{
+    if (o->n == sim_out_buffer) {
+        flush(o);
+    }
+    o->buffer[o->n++] = c;
+}
+
 void sim_out_text(sim_out_t *o, const char *text)
 {
     for (; *text != '\0'; text++) {
-        sim_out_char(o, *text);
+        put(o, *text);
     }
 }
 
-void sim_out_decimal(sim_out_t *o, int64_t value, int decimals)
+/// Write value * 10^-decimals.
+static void write_decimal(sim_out_t *o, int64_t value, int decimals)
 {
-    if (o->values != NULL) {
-        sim_values_add(o->values, value, decimals);
-        return;
-    }
     char text[40]; // filled from its end
     char *first = text + sizeof text;
     uint64_t rest = value < 0 ? -(uint64_t)value : (uint64_t)value;
@@ -289,55 +270,48 @@ void sim_out_decimal(sim_out_t *o, int64_t value, int decimals)
     append(o, first, (size_t)(text + sizeof text - first));
 }
 
-void sim_out_integer(sim_out_t *o, int64_t value)
+/// Write 0x and n_digits digits, or 8 where they are too few.
+static void write_hex(sim_out_t *o, uint32_t value, int n_digits)
 {
-    sim_out_decimal(o, value, 0);
+    char text[16];
+    const int n = n_digits < 8 && value >> (4 * n_digits) != 0u ? 8 : n_digits;
+    append(o, text, (size_t)snprintf(text, sizeof text, "0x%0*" PRIx32, n, value));
 }
 
-void sim_out_real(sim_out_t *o, double value, int decimals)
+static void write_number(sim_out_t *o, const char *format, int64_t number)
 {
-    static const double power[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
-    sim_out_decimal(o, (int64_t)floor(value * power[decimals] + 0.5), decimals);
-}
-
-void sim_out_integer_column(sim_out_t *o, int64_t value)
-{
-    sim_out_char(o, ',');
-    sim_out_integer(o, value);
-}
-
-void sim_out_decimal_column(sim_out_t *o, int64_t value, int decimals)
-{
-    sim_out_char(o, ',');
-    sim_out_decimal(o, value, decimals);
-}
-
-void sim_out_real_column(sim_out_t *o, double value, int decimals)
-{
-    sim_out_char(o, ',');
-    sim_out_real(o, value, decimals);
-}
-
-void sim_out_word_column(sim_out_t *o, const char *word, int number)
-{
-    sim_out_char(o, ',');
-    if (o->values != NULL) {
-        sim_values_add(o->values, number, 0);
+    if (format[0] == 'x') {
+        write_hex(o, (uint32_t)number, format[1] - '0');
+    } else if (format[0] == 's') { // none before a controller has reported one
+        const bool is_known = number >= 0 && number < cam_n_states;
+        sim_out_text(o, is_known ? cam_state_name((cam_state_t)number) : "-");
     } else {
-        sim_out_text(o, word);
+        write_decimal(o, number, format[0] - '0');
     }
 }
 
-void sim_out_hex_column(sim_out_t *o, uint32_t value, int n_digits)
+void sim_out_header(sim_out_t *o, const sim_rows_t *t)
 {
-    if (o->values != NULL) {
-        sim_values_add(o->values, value, 0);
-        return;
-    }
-    sim_out_text(o, ",0x");
-    for (int i = 7; i >= 0; i--) {
-        if (i < n_digits || value >> (4 * n_digits) != 0u) {
-            sim_out_char(o, "0123456789abcdef"[(value >> (4 * i)) & 15u]);
+    const char *c = t->columns;
+    while (*c != '\0') {
+        const size_t name = strcspn(c, ":");
+        for (size_t i = 0; i < name; i++) {
+            put(o, c[i]);
         }
+        c += strcspn(c, ",");
+        put(o, *c != '\0' ? *c++ : '\n');
     }
+}
+
+void sim_out_rows(sim_out_t *o, sim_rows_t *t)
+{
+    const size_t n_columns = (size_t)t->n_columns;
+    for (size_t i = 0; i < t->n; i++) {
+        write_number(o, t->format[i % n_columns], t->number[i]);
+        put(o, i % n_columns + 1u < n_columns ? ',' : '\n');
+    }
+    if (t->is_lost && o->error == 0) {
+        o->error = ENOMEM;
+    }
+    sim_rows_drop(t);
 }

@@ -74,15 +74,9 @@ void sim_summary_metal(cJSON *cut, const sim_session_t *s)
     sim_summary_number(cut, "gouge_um", s->work.gouge_um);
 }
 
-bool sim_summary_write(sim_out_t *o, cJSON *root)
+char *sim_summary_print(cJSON *root)
 {
     char *text = cJSON_Print(root);
     cJSON_Delete(root);
-    if (text == NULL) {
-        return false;
-    }
-    sim_out_text(o, text);
-    sim_out_char(o, '\n');
-    cJSON_free(text);
-    return true;
+    return text;
 }

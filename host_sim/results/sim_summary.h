@@ -5,11 +5,9 @@
 #ifndef SIM_SUMMARY_H
 #define SIM_SUMMARY_H
 
-#include "sim_out.h"     // sim_out_t
-#include "sim_session.h" // sim_session_t
+#include "sim_cut.h" // sim_cut_t, sim_session_t
 #include <cjson/cJSON.h>
-#include <stdbool.h> // bool
-#include <stdint.h>  // uint32_t
+#include <stdint.h> // uint32_t
 
 void sim_summary_number(cJSON *object, const char *key, double value);
 
@@ -31,7 +29,20 @@ void sim_summary_progress(cJSON *cut, const sim_session_t *s);
 /// Add the removed metal to "cut".
 void sim_summary_metal(cJSON *cut, const sim_session_t *s);
 
-/// Write a summary and free it. @return false when memory is short
-bool sim_summary_write(sim_out_t *o, cJSON *root);
+/// Add "cam": lobes, surface speed, effective rake. Adds nothing for a skirt, nor for lobes without
+/// a report, where the gauge compares X - U with the table.
+void sim_summary_lobes(cJSON *root, const sim_session_t *s);
+
+/// @return [%] largest deviation of the surface speed from the plan of table and profile
+double sim_summary_off_plan_percent(const sim_session_t *s);
+
+/// Add the controller's learning and the convergence of the error:
+///     "error_per_turn_um": [..]            per turn: rehearsal, then cut (sim_work.h)
+///     "error_per_turn": {"turn", "state"}  start of each; "rehearsing" or "cutting"
+///     "learning": is_on, phase, reason, turns, masked, k1_ns, k2_us2, harmonics, ...
+void sim_summary_learning(cJSON *root, sim_cut_t *cut);
+
+/// Print a summary and delete it. @return to be freed; NULL when memory is short
+char *sim_summary_print(cJSON *root);
 
 #endif

@@ -4,58 +4,54 @@
 #include "sim_summary.h" // sim_summary_number
 #include "sim_units.h"   // SIM_NM_PER_MM, sim_round
 
-static const char trace_header[] =
-    "tick,t_s,turn,z_mm,u_set_nm,u_act_nm,state,faults,true_turn,true_z_mm,radius_mm,error_nm,"
-    "enable,fault,in_cut,syncs,encoder_counts,"
-    "u_control,u_status,u_target,u_actual,u_offset,x_control,x_status,x_target,x_actual,x_offset,"
-    "z_control,z_status,z_target,z_actual,z_offset,"
-    "spindle_control,spindle_status,spindle_target,spindle_actual\n";
+const char sim_watch_trace_columns[] =
+    "tick:0,t_s:9,turn:9,z_mm:6,u_set_nm:0,u_act_nm:0,state:s,faults:x8,"
+    "true_turn:9,true_z_mm:9,radius_mm:9,error_nm:3,"
+    "enable:0,fault:0,in_cut:0,syncs:0,encoder_counts:0,"
+    "u_control:x4,u_status:x4,u_target:0,u_actual:0,u_offset:0,"
+    "x_control:x4,x_status:x4,x_target:0,x_actual:0,x_offset:0,"
+    "z_control:x4,z_status:x4,z_target:0,z_actual:0,z_offset:0,"
+    "spindle_control:x4,spindle_status:x4,spindle_target:0,spindle_actual:0";
 
-void sim_watch_trace_header(sim_out_t *o)
+static void add_drive(sim_rows_t *t, const sim_node_t *node, double actual)
 {
-    sim_out_text(o, trace_header);
+    sim_rows_add(t, node->active.control_word);
+    sim_rows_add(t, sim_cia402_status(&node->power));
+    sim_rows_add(t, node->active.target);
+    sim_rows_add(t, (int64_t)sim_round(actual));
 }
 
-static void drive_columns(sim_out_t *o, const sim_node_t *node, double actual)
-{
-    sim_out_hex_column(o, node->active.control_word, 4);
-    sim_out_hex_column(o, sim_cia402_status(&node->power), 4);
-    sim_out_integer_column(o, node->active.target);
-    sim_out_integer_column(o, (int64_t)sim_round(actual));
-}
-
-void sim_watch_trace_line(sim_out_t *o, const sim_watch_t *w)
+void sim_watch_trace_row(sim_rows_t *t, const sim_watch_t *w)
 {
     const sim_session_t *s = &w->session;
     const sim_bus_t *bus = &w->bus;
     const double actual[] = {s->at.u_nm, s->at.x_nm, s->at.z_nm};
-    sim_out_integer(o, (int64_t)bus->n_steps);
-    sim_out_real_column(o, s->at.t_s, 9);
-    sim_out_real_column(o, s->at.turn, 9);
-    sim_out_real_column(o, s->z_mm, 6);
-    sim_out_integer_column(o, bus->node[sim_bus_u].active.target);
-    sim_out_integer_column(o, (int64_t)sim_round(s->at.u_nm));
-    sim_out_word_column(o, sim_watch_state(w), 0);
-    sim_out_hex_column(o, bus->reported_faults, 8);
-    sim_out_real_column(o, s->at.turn, 9);
-    sim_out_real_column(o, s->z_mm, 9);
-    sim_out_real_column(o, s->radius_mm, 9);
-    sim_out_real_column(o, (s->radius_mm - s->exact_mm) * SIM_NM_PER_MM, 3);
-    sim_out_integer_column(o, w->outputs.is_enabled ? 1 : 0);
-    sim_out_integer_column(o, w->outputs.is_fault ? 1 : 0);
-    sim_out_integer_column(o, w->outputs.is_in_cut ? 1 : 0);
-    sim_out_integer_column(o, (int64_t)bus->n_syncs);
-    sim_out_integer_column(o, bus->encoder_counts);
+    sim_rows_add(t, (int64_t)bus->n_steps);
+    sim_rows_real(t, s->at.t_s);
+    sim_rows_real(t, s->at.turn);
+    sim_rows_real(t, s->z_mm);
+    sim_rows_add(t, bus->node[sim_bus_u].active.target);
+    sim_rows_add(t, (int64_t)sim_round(s->at.u_nm));
+    sim_rows_add(t, bus->has_status ? (int64_t)bus->reported_state : -1);
+    sim_rows_add(t, bus->reported_faults);
+    sim_rows_real(t, s->at.turn);
+    sim_rows_real(t, s->z_mm);
+    sim_rows_real(t, s->radius_mm);
+    sim_rows_real(t, (s->radius_mm - s->exact_mm) * SIM_NM_PER_MM);
+    sim_rows_add(t, w->outputs.is_enabled ? 1 : 0);
+    sim_rows_add(t, w->outputs.is_fault ? 1 : 0);
+    sim_rows_add(t, w->outputs.is_in_cut ? 1 : 0);
+    sim_rows_add(t, (int64_t)bus->n_syncs);
+    sim_rows_add(t, bus->encoder_counts);
     for (int i = 0; i < hal_n_axes; i++) {
-        drive_columns(o, &bus->node[sim_bus_u + i], actual[i]);
-        sim_out_integer_column(o, bus->node[sim_bus_u + i].active.velocity_offset);
+        add_drive(t, &bus->node[sim_bus_u + i], actual[i]);
+        sim_rows_add(t, bus->node[sim_bus_u + i].active.velocity_offset);
     }
-    drive_columns(o, &bus->node[sim_bus_spindle],
-                  sim_spindle_true_rad_per_s(&bus->lathe.spindle) * (60000.0 / SIM_TWO_PI));
-    sim_out_char(o, '\n');
+    add_drive(t, &bus->node[sim_bus_spindle],
+              sim_spindle_true_rad_per_s(&bus->lathe.spindle) * (60000.0 / SIM_TWO_PI));
 }
 
-bool sim_watch_summary(sim_out_t *o, const sim_watch_t *w)
+char *sim_watch_summary(const sim_watch_t *w)
 {
     static const char *const name[] = {"encoder", "u", "x", "z", "spindle"};
     const sim_session_t *s = &w->session;
@@ -86,5 +82,5 @@ bool sim_watch_summary(sim_out_t *o, const sim_watch_t *w)
     sim_summary_number(root, "syncs", (double)w->bus.n_syncs);
     sim_summary_number(root, "tick_hz", w->options.tick_hz);
     sim_summary_number(root, "unsent_frames", (double)w->link.n_unsent);
-    return sim_summary_write(o, root);
+    return sim_summary_print(root);
 }

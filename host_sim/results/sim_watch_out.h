@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// sim_watch_out: trace and summary of a cut on a bus.
 ///
-/// Trace: one line per period, columns as in a run (sim_trace.h) first (`state` and `faults` as
+/// Trace: one row per period, columns as in a run (sim_tables.h) first (`state` and `faults` as
 /// last reported by the controller, "-" and 0 before), then
 ///     true_turn,true_z_mm,radius_mm,error_nm   the truth at the SYNC
 ///     enable,fault,in_cut                      lines of the controller
@@ -12,15 +12,15 @@
 #ifndef SIM_WATCH_OUT_H
 #define SIM_WATCH_OUT_H
 
-#include "sim_out.h"   // sim_out_t
+#include "sim_rows.h"  // sim_rows_t
 #include "sim_watch.h" // sim_watch_t
 
-void sim_watch_trace_header(sim_out_t *o);
+extern const char sim_watch_trace_columns[];
 
-/// Write the line of the last period.
-void sim_watch_trace_line(sim_out_t *o, const sim_watch_t *w);
+/// Append the row of the last period.
+void sim_watch_trace_row(sim_rows_t *t, const sim_watch_t *w);
 
-/// Write the JSON summary. @return false when memory is short
-bool sim_watch_summary(sim_out_t *o, const sim_watch_t *w);
+/// Print the JSON summary. @return to be freed; NULL when memory is short
+char *sim_watch_summary(const sim_watch_t *w);
 
 #endif

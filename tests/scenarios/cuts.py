@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cuts on the simulator in this process, or by camsim where it is built with sanitizers."""
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -32,12 +31,13 @@ class Outcome:
             return
         with SimSession() as session:
             try:
-                session.begin([str(table), *map(str, words)], None, "", traced=is_traced)
+                traced = ("--trace", "trace") if is_traced else ()
+                session.begin([str(table), *map(str, words), *traced])
             except CamtoolsError as error:
                 self.status, self.message = 2, str(error)
                 return
             while session.run(1 << 20):
                 pass
-            result = session.finish(0.0)
-        self.status, self.message, self.trace = result.status, result.message, result.trace
-        self.summary = json.loads(result.summary_text)
+            ending = session.finish(0.0)
+            self.trace = session.take("trace").rows()
+        self.status, self.message, self.summary = ending.status, ending.message, ending.summary

@@ -10,7 +10,8 @@ _WORDS = {
     "const void *": "c_char_p",  # bytes
     "const char *": "c_char_p",
     "const char *const *": "LP_c_char_p",
-    "const double *": "LP_c_double",
+    "double *": "LP_c_double",
+    "const int64_t *": "LP_c_long",
     "size_t *": "LP_c_ulong",
     "bool": "c_bool",
     "int": "c_int",

@@ -17,7 +17,7 @@ from camtools.part.common import MachineLimits
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.study.path import PathStudy
 from camtools.study.path_cut import PathCut, cut_paths, predicted_scallop_um, read_scallop
-from tests.tools.cases.camsim_cases import CAMSIM, camsim, columns_of, only_error
+from tests.tools.cases.camsim_cases import camsim, columns_of, only_error
 from tests.tools.cases.part_cases import ROOT, load_part
 
 PART = ROOT / "tools" / "parts" / "perkins240_ring_helix.toml"
@@ -103,7 +103,7 @@ def short(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def measured(short: Path, tmp_path_factory: pytest.TempPathFactory) -> Measured:
     """Cut the part along all three paths at its own 500 r/min."""
-    return cut_paths(load_part(short), NOSE_MM, CAMSIM, tmp_path_factory.mktemp("paths"))
+    return cut_paths(load_part(short), NOSE_MM, tmp_path_factory.mktemp("paths"))
 
 
 # Half a spacing d of tracks that are e off leaves d e / nose more or less; the form error is added

@@ -22,6 +22,7 @@ from camtools.report.text import verdict_of
 from camtools.roundness.waves import transmission
 from camtools.sim.camsim import Simulator
 from camtools.sim.results import (
+    CUTTING,
     PLACES,
     AnyCut,
     Cut,
@@ -30,12 +31,12 @@ from camtools.sim.results import (
     GaugedSection,
     GaugedSections,
     GaugedSurface,
+    read_sections,
 )
-from camtools.sim.sections import read_sections
 from camtools.sim.trace_file import read_columns
 from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.part.part_file import SkirtPart
-from tests.tools.cases.camsim_cases import CAMSIM, camsim, only_error
+from tests.tools.cases.camsim_cases import camsim, only_error
 from tests.tools.cases.cut_cases import made_of, written
 from tests.tools.cases.report_cases import made_up_summary
 
@@ -349,11 +350,11 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> RealCut:
     written(made_of("perkins240"), folder)
     words = ["--sections", "sections.csv", "--sections-mm", ",".join(map(str, HEIGHTS_MM))]
     words += ["--turns-limit", str(TURNS), "--no-learning"]
-    simulator = Simulator(CAMSIM, folder, "perkins240.camtab")
-    assert simulator.run_traced(words, "trace.parquet", is_quiet=True) == 0
+    words += ["--trace", "trace.parquet"]
+    assert Simulator(folder, "perkins240.camtab").run(words, is_quiet=True).status == 0
     names = ("true_turn", "true_z_mm", "error_nm")
     found = read_columns(folder / "trace.parquet", ("state", *names))
-    rows = found["state"].astype(str) == "cutting"
+    rows = found["state"] == CUTTING
     turn, z_mm, error_nm = (found[name][rows].astype(np.float64) for name in names)
     return RealCut(folder, read_sections(folder / "sections.csv"), turn, z_mm, error_nm * 1e-6)
 

@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The trace as Parquet: the numbers of the text to the last bit, in a tenth of it."""
+"""Files of a cut in this process: text as the program writes it, Parquet with its numbers."""
 
-import io
-import os
-import threading
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -12,45 +10,70 @@ import pyarrow.parquet as pq
 import pytest
 
 from camtools.link.messages import NAMES
-from camtools.sim import trace_file
-from camtools.sim.results import STATES, read_swing, read_trace
-from camtools.sim.trace_file import TOLD_TWICE, column_names, pack_trace, read_columns
-from tests.tools.cases.camsim_cases import cut
+from camtools.sim import camsim as module
+from camtools.sim.binding import Column
+from camtools.sim.camsim import Simulator
+from camtools.sim.results import STATES, read_swing
+from camtools.sim.trace_file import TOLD_TWICE, ParquetFile, column_names, read_columns
+from tests.tools.cases.camsim_cases import cut, first_difference
+
+CUT = ("--turns-limit", "15", "--nose-mm", "0.8", "--sections-mm", "0.05,0.1")
+TABLES = ("surface.csv", "removal.csv", "scallop.csv", "sections.csv")
+
+
+def outputs() -> list[str]:
+    """Return the words for all tables but the trace."""
+    return [word for name in TABLES for word in (f"--{name.removesuffix('.csv')}", name)]
 
 
 @pytest.fixture(scope="module")
 def text(tmp_path_factory: pytest.TempPathFactory, table: Path) -> Path:
-    """Return the trace of a few turns of cutting, as camsim writes it."""
-    folder = tmp_path_factory.mktemp("trace")
-    cut(table, folder, "--turns-limit", "15", "--trace", folder / "trace.csv")
+    """Return the trace of a few turns of cutting, as camsim writes it, beside other tables."""
+    folder = tmp_path_factory.mktemp("text")
+    words = [folder / word if word in TABLES else word for word in outputs()]
+    cut(table, folder, *CUT, *words, "--trace", folder / "trace.csv")
     return folder / "trace.csv"
 
 
 @pytest.fixture(scope="module")
-def packed(text: Path) -> Path:
-    """Return the same as Parquet."""
-    path = text.with_suffix(".parquet")
-    with text.open("rb") as stream:
-        assert pack_trace(stream, path) == len(text.read_bytes().splitlines()) - 1
-    return path
+def packed(tmp_path_factory: pytest.TempPathFactory, table: Path) -> Path:
+    """Return the same as Parquet, written in groups in this process, beside the same tables."""
+    folder = tmp_path_factory.mktemp("packed")
+    for path in (table, table.with_suffix(".json")):
+        shutil.copy(path, folder)
+    words = [*CUT, *outputs(), "--trace", "trace.parquet"]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "TICKS_AT_A_TIME", 700)
+        patch.setattr(module, "_GROUP_ROWS", 3000)
+        Simulator(folder, table.name).run(words, is_quiet=True, keeps_text=True)
+    return folder / "trace.parquet"
+
+
+@pytest.mark.parametrize("name", ["trace.csv", *TABLES])
+def test_text_is_that_of_the_program(name: str, text: Path, packed: Path) -> None:
+    """Byte by byte; the program formats in C."""
+    assert text.with_name(name).stat().st_size > 10_000
+    assert first_difference(text.with_name(name), packed.with_name(name)) == ""
 
 
 def test_every_number_is_that_of_the_text(text: Path, packed: Path) -> None:
-    """Read by Python's own float, not by the reader of pyarrow that packed it; every 7th row."""
+    """Read by Python's own float; every 7th row."""
     header, *lines = text.read_text("ascii").splitlines()
     names, rows = header.split(","), [line.split(",") for line in lines[::7]]
     cells = dict(zip(names, zip(*rows, strict=True), strict=True))
     kept = column_names(packed)
     assert {*kept, *TOLD_TWICE} == {*names}
+    assert pq.ParquetFile(packed).num_row_groups > 5
     found = read_columns(packed, kept)
     for name in kept:
         ours, theirs = found[name][::7], cells[name]
         if name == "state":
-            assert ours.tolist() == list(theirs)
+            assert [STATES[number] for number in ours] == list(theirs)
         elif name == "faults":
             assert ours.tolist() == [int(cell, 16) for cell in theirs]
         else:
             assert np.array_equal(ours, np.array(theirs, dtype=float)), name
+    assert read_swing(packed) is None
 
 
 def test_what_is_told_once_gives_the_other_column_back(text: Path, packed: Path) -> None:
@@ -61,13 +84,6 @@ def test_what_is_told_once_gives_the_other_column_back(text: Path, packed: Path)
         (kept,) = read_columns(packed, [other]).values()
         told = [int(row[names.index(name)]) for row in rows]
         assert np.rint(kept[::7] * n).astype(int).tolist() == told, name
-
-
-def test_readers_take_both(text: Path, packed: Path) -> None:
-    """The report sees no difference."""
-    for ours, theirs in zip(read_trace(packed), read_trace(text), strict=True):
-        assert np.array_equal(ours, theirs)
-    assert read_swing(packed) is None and read_swing(text) is None
 
 
 def test_states_are_those_of_the_firmware() -> None:
@@ -84,41 +100,15 @@ def test_other_tools_read_plain_numbers_within_a_quarter_of_a_digit(packed: Path
     assert np.abs(table["radius_mm"].to_numpy() - exact).max() <= 0.25e-9
 
 
-def test_bytes_do_not_depend_on_how_the_text_came(
-    text: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """All at once, or through a pipe in small pieces; rows come in many groups here."""
-    monkeypatch.setattr(trace_file, "_GROUP_ROWS", 1000)
-    monkeypatch.setattr(trace_file, "_BLOCK_BYTES", 1 << 16)
-    whole, piped = tmp_path / "whole", tmp_path / "piped"
-    content = text.read_bytes()
-    pack_trace(io.BytesIO(content), whole)
-    ours, theirs = os.pipe()
-
-    def speak() -> None:
-        with os.fdopen(theirs, "wb", buffering=0) as pipe:
-            for at in range(0, len(content), 7777):
-                pipe.write(content[at : at + 7777])
-
-    thread = threading.Thread(target=speak)
-    thread.start()
-    with os.fdopen(ours, "rb") as stream:
-        pack_trace(stream, piped)
-    thread.join()
-    assert whole.read_bytes() == piped.read_bytes()
-    assert pq.ParquetFile(whole).num_row_groups > 5
-
-
 def test_it_takes_a_tenth_of_the_text(text: Path, packed: Path) -> None:
     """The whole Perkins cut has 97 MB of text, of which at most 10 MB are left."""
     assert packed.stat().st_size < 0.1 * text.stat().st_size
 
 
-@pytest.mark.parametrize(("content", "rows"), [(b"", None), (b"tick,t_s,state\n", 0)])
-def test_a_text_without_rows_is_no_error(content: bytes, rows: int | None, tmp_path: Path) -> None:
-    """Nothing at all is no file."""
-    path = tmp_path / "trace.parquet"
-    assert pack_trace(io.BytesIO(content), path) == 0
-    assert path.exists() == (rows is not None)
-    if rows is not None:
-        assert pq.read_table(path).num_rows == rows
+def test_a_table_without_rows_is_a_file_without_rows(tmp_path: Path) -> None:
+    """As of a cut that ended before its first tick."""
+    columns = (Column("tick", "0"), Column("t_s", "9"), Column("state", "s"))
+    with ParquetFile(tmp_path / "trace.parquet", columns) as file:
+        file.write(np.empty((0, 3), dtype=np.int64))
+    found = read_columns(tmp_path / "trace.parquet", ("tick", "t_s", "state"))
+    assert [len(values) for values in found.values()] == [0, 0, 0]

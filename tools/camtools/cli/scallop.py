@@ -15,7 +15,6 @@ from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
 from camtools.pipeline.load import load_for
-from camtools.sim.camsim import camsim_path
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.study.path_cut import csv, cut_paths, text
 
@@ -69,7 +68,7 @@ def _run(arguments: argparse.Namespace) -> int:
     part = _part(arguments)
     with tempfile.TemporaryDirectory(prefix="camturn-scallop.") as folder:
         try:
-            study, cuts = cut_paths(part, arguments.nose_mm, camsim_path(), Path(folder))
+            study, cuts = cut_paths(part, arguments.nose_mm, Path(folder))
         except CamtoolsError as error:
             raise CamtoolsError([f"{arguments.part}: {line}" for line in error.lines]) from error
     from camtools.study.path_cut_plots import draw_measured  # matplotlib is slow to load

@@ -145,7 +145,7 @@ def _begin(task: Task, machine: Machine) -> None:
     """
     table = folder_of(task.table, task.design) / TABLE
     with SimSession() as session:
-        session.begin([str(table), *task.words], machine.text, machine.name, traced=False)
+        session.begin([str(table), *task.words], machine.text, machine.name)
 
 
 def _check(task: Task, machine: Machine, name: str) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.papers.rows import part_of
-from camtools.sim.camsim import SURFACE, Simulator, camsim_path, machine_text
+from camtools.sim.camsim import SURFACE, Simulator, machine_text
 from camtools.sim.results import read_surface
 from camtools.skirt.geometry.refit import Recipe
 from camtools.skirt.part.part_file import SkirtPart
@@ -54,7 +54,7 @@ def with_recipe(part: SkirtPart, recipe: Recipe) -> SkirtPart:
     return part.model_copy(update={"piston": piston})
 
 
-def cut_record(name: str, recipe: Recipe, program: Path, mode_hz: float = 0.0) -> Record:
+def cut_record(name: str, recipe: Recipe, mode_hz: float = 0.0) -> Record:
     """Cut the measured skirt with a refit; return its record.
 
     Parameters
@@ -76,9 +76,9 @@ def cut_record(name: str, recipe: Recipe, program: Path, mode_hz: float = 0.0) -
         machine = machine_text(part.machine.limits)
         machine = machine.replace("[u]\n", f"[u]\nmode_hz = {mode_hz!r}\n")
         (folder / "machine.toml").write_text(machine, encoding="ascii")
-        simulator = Simulator(program, folder, f"{made.table.part_name}.camtab")
+        simulator = Simulator(folder, f"{made.table.part_name}.camtab")
         words = ["--machine", "machine.toml", "--tolerance-um", "1000", "--surface", SURFACE]
-        if simulator.run(words) != 0:
+        if simulator.run(words).status != 0:
             problem = f"{name}: the simulator did not cut it; the line above says why"
             raise CamtoolsError([f"{problem}; run tools/run tools/parts/{PART}.toml"])
         surface = read_surface(folder / SURFACE)
@@ -105,4 +105,4 @@ def _over_quadrant(deg: Floats, columns: Sequence[Floats]) -> list[Floats]:
 
 def cut_records(recipes: Sequence[tuple[str, Recipe]], mode_hz: float = 0.0) -> list[Record]:
     """Return the records of the measured skirt, one for each refit; `mode_hz` as above."""
-    return [cut_record(name, recipe, camsim_path(), mode_hz) for name, recipe in recipes]
+    return [cut_record(name, recipe, mode_hz) for name, recipe in recipes]

@@ -15,7 +15,6 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from camtools.base.command import BAD_INPUT
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
 from camtools.base.output import staged
@@ -37,16 +36,14 @@ from camtools.sim.camsim import (
     SURFACE,
     TRACE,
     Simulator,
-    camsim_path,
     compare,
     cut,
     overview_every,
+    plan_of,
     traced_turns,
 )
-from camtools.sim.cut_plan import plan_of
 from camtools.sim.drive_mismatch import SHARE, Mismatch, mismatch
-from camtools.sim.results import AnyCut, Measured, read_summary, read_surface, read_trace
-from camtools.sim.sections import read_sections
+from camtools.sim.results import AnyCut, Measured, read_sections, read_surface, read_trace
 
 
 def turns_of(job: RunJob, made: Made) -> float:
@@ -54,35 +51,32 @@ def turns_of(job: RunJob, made: Made) -> float:
     return made.kind.turns(made.table, job.feed_mm or made.table.part.process.feed_mm)
 
 
-def _simulate(job: RunJob, made: Made, folder: Path) -> AnyCut | None:
-    """Cut and gauge in a folder; return nothing when camsim refused and said why."""
+def _simulate(job: RunJob, made: Made, folder: Path) -> AnyCut:
+    """Cut and gauge in a folder."""
     kind, part, name = made.kind, made.table.part, made.table.part.part.name
     machine, turns = f"{name}_machine.toml", turns_of(job, made)
     window = traced_turns(turns, kind.mean_rpm(made.table, job.rpm))
     files = made.files(with_plots=False)
     text = kind.machine(part).encode("ascii") if job.machine is None else job.machine
     write_files(folder, files | {machine: text})
-    simulator = Simulator(camsim_path(), folder, f"{name}.camtab")
+    simulator = Simulator(folder, f"{name}.camtab")
     words = [
         *("--machine", machine, *kind.speed_words(job.rpm), *job.feed_words(), *job.extra),
         *job.tolerance(kind.form_error_um(part), kind.taken_um(made.table)),
     ]
     every = overview_every(turns, kind.mean_rpm(made.table, job.rpm))
     plan = plan_of(simulator, words)
-    say(f"cutting {plan.text() if plan else f'about {turns:.0f} turns'} on the host simulator")
-    is_long = plan is not None and plan.is_long
+    say(f"cutting {plan.text()} on the host simulator")
     feed_mm = job.feed_mm or made.table.part.process.feed_mm
-    status = cut(
+    summary = cut(
         *(simulator, words, window, every),
         sections_mm=kind.sections_mm(made.table, feed_mm),
         keeps_text=job.keeps_text,
-        shows_progress=is_long,
+        shows_progress=plan.is_long,
     )
-    if status == BAD_INPUT:
-        return None
     plain = without_faults(words)
     measured = Measured(
-        read_summary(folder / SUMMARY),
+        summary,
         read_surface(folder / SURFACE),
         read_trace(folder / TRACE),
         window is None,
@@ -131,12 +125,12 @@ def run(argv: Sequence[str]) -> int:
     Returns
     -------
     int
-        0 done, 1 fault or out of tolerance, 2 camsim refused and said why.
+        0 done, 1 fault or out of tolerance.
 
     Raises
     ------
     CamtoolsError
-        Wrong usage, or a part that cannot be made.
+        Wrong usage, or a part that cannot be made or cut.
     """
     begin_s = time.monotonic()
     job = RunJob(argv)
@@ -150,8 +144,6 @@ def run(argv: Sequence[str]) -> int:
     folder = job.folder(loaded.part.part.name, len(correction.rounds) if correction else 0)
     with staged(folder) as stage:
         outcome = _simulate(job, made, stage.folder)
-        if outcome is None:
-            return BAD_INPUT
         off = _mismatch(job, made, stage.folder)
         say("drawing the report")
         files = made.kind.report(outcome)

@@ -9,9 +9,10 @@
 from __future__ import annotations
 
 import ctypes
+import json
 import os
-from collections.abc import Callable, Sequence
-from ctypes import c_bool, c_char_p, c_double, c_int, c_size_t, c_uint64, c_void_p
+from collections.abc import Sequence
+from ctypes import c_bool, c_char_p, c_double, c_int, c_int64, c_size_t, c_uint64, c_void_p
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,35 +21,44 @@ import numpy as np
 import numpy.typing as npt
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.json_text import Json
+from camtools.base.project_paths import ROOT
 from camtools.base.shared_library import Prototypes, loaded
-from camtools.sim.camsim import camsim_path
 
 Rows = npt.NDArray[Any]  # structured: a field of float64 for each column
 
 WORDS, SIZE = ctypes.POINTER(c_char_p), ctypes.POINTER(c_size_t)
+DOUBLE = ctypes.POINTER(c_double)
 # Name, result and arguments of every function of the header.
 PROTOTYPES: Prototypes = {
     "sim_api_open": (c_void_p, []),
     "sim_api_close": (None, [c_void_p]),
     "sim_api_version": (c_char_p, []),
     "sim_api_error": (c_char_p, [c_void_p]),
-    "sim_api_begin": (c_bool, [c_void_p, WORDS, c_int, c_char_p, c_size_t, c_char_p, c_bool]),
+    "sim_api_begin": (c_bool, [c_void_p, WORDS, c_int, c_char_p, c_size_t, c_char_p]),
+    "sim_api_plan": (None, [c_void_p, DOUBLE, DOUBLE, DOUBLE]),
+    "sim_api_path": (c_char_p, [c_void_p, c_char_p]),
     "sim_api_run": (c_bool, [c_void_p, c_uint64]),
     "sim_api_progress": (c_double, [c_void_p]),
     "sim_api_finish": (c_int, [c_void_p, c_double]),
-    "sim_api_surface": (ctypes.POINTER(c_double), [c_void_p, SIZE]),
-    "sim_api_trace": (ctypes.POINTER(c_double), [c_void_p, SIZE]),
-    "sim_api_surface_header": (c_char_p, [c_void_p]),
-    "sim_api_trace_header": (c_char_p, [c_void_p]),
+    "sim_api_columns": (c_char_p, [c_void_p, c_char_p]),
+    "sim_api_rows": (ctypes.POINTER(c_int64), [c_void_p, c_char_p, SIZE]),
+    "sim_api_drop": (None, [c_void_p, c_char_p]),
     "sim_api_summary": (c_char_p, [c_void_p]),
     "sim_api_end": (None, [c_void_p]),
 }
 _BAD_INPUT = 2
 
 
+def build_folder() -> Path:
+    """Return where the simulator is built: below the folder CAMTURN_BUILD, or build/host."""
+    build = os.environ.get("CAMTURN_BUILD") or str(ROOT / "build" / "host")
+    return Path(build).resolve() / "host_sim"
+
+
 def library_path() -> Path:
-    """Return where the library is built: beside camsim."""
-    return camsim_path().with_name("libcamsim.so")
+    """Return the path of the library."""
+    return build_folder() / "libcamsim.so"
 
 
 @cache
@@ -56,14 +66,52 @@ def _library(path: Path) -> ctypes.CDLL:
     return loaded(path, PROTOTYPES, "tools/run")
 
 
-class RawResult(NamedTuple):
-    """What a cut left."""
+class Column(NamedTuple):
+    """A column of a table of results."""
 
-    status: int  # exit status of `camsim run`: 0 good, 1 not good
+    name: str  # ends with its unit
+    format: str  # number of decimals; x4: a mask in hexadecimal; s: a state by its number
+
+    @property
+    def decimals(self) -> int:
+        """Return how many decimals its numbers have."""
+        return int(self.format) if self.format.isdigit() else 0
+
+
+class Table(NamedTuple):
+    """Rows of a table of results."""
+
+    columns: tuple[Column, ...]
+    numbers: npt.NDArray[np.int64]  # shape (rows, columns), in units of a column's last decimal
+
+    def rows(self) -> Rows:
+        """Return all columns as fields of a structured array.
+
+        >>> Table((Column("z_mm", "3"),), np.array([[1234], [-5]])).rows()["z_mm"].tolist()
+        [1.234, -0.005]
+        """
+        if not self.columns:
+            return np.empty(0)
+        kinds = np.dtype([(column.name, np.float64) for column in self.columns])
+        units = [10.0**column.decimals for column in self.columns]
+        return (self.numbers / units).view(kinds).reshape(len(self.numbers))
+
+
+NO_ROWS = Table((), np.empty((0, 0), dtype=np.int64))
+
+
+class Ending(NamedTuple):
+    """How a cut ended."""
+
+    status: int  # exit status of `camsim run`: 0 good, 1 not good, 2 the controller refused
     message: str  # why it is not good, "" when it is
-    surface: Rows  # a field for each column of the file; trace is empty when none was asked for
-    trace: Rows
     summary_text: str  # JSON, as the file
+
+    @property
+    def summary(self) -> Json:
+        """Return the summary as data."""
+        summary: Json = json.loads(self.summary_text)
+        return summary
 
 
 class SimSession:
@@ -90,17 +138,16 @@ class SimSession:
             self._library.sim_api_close(self._session)
         self._session = None
 
-    def begin(self, words: Sequence[str], machine: str | None, name: str, *, traced: bool) -> None:
+    def begin(self, words: Sequence[str], machine: str | None = None, name: str = "") -> None:
         """Begin a cut.
 
         Parameters
         ----------
         words : list of str
-            Of `camsim run`, the table included, without outputs.
+            Of `camsim run`, the table included. Options of outputs ask for tables; nothing is
+            written.
         machine : str or None
             Text of a machine file; None: that of --machine, or the default machine.
-        traced : bool
-            Keep every tick, or one of --trace-every.
 
         Raises
         ------
@@ -110,50 +157,64 @@ class SimSession:
         coded = [os.fsencode(word) for word in words]
         array = (c_char_p * len(coded))(*coded)
         text = None if machine is None else machine.encode("utf-8")
-        size = len(text or b"")
-        begin = self._library.sim_api_begin
         label = name.encode("utf-8", "replace")
-        if not begin(self._session, array, len(coded), text, size, label, traced):
+        begin = self._library.sim_api_begin
+        if not begin(self._session, array, len(coded), text, len(text or b""), label):
             raise CamtoolsError([self.error()])
+
+    def plan(self) -> tuple[float, float, float]:
+        """Return turns of cutting and machine time [s] of all passes, and ticks per second."""
+        turns, seconds, tick_hz = c_double(), c_double(), c_double()
+        self._library.sim_api_plan(self._session, turns, seconds, tick_hz)
+        return turns.value, seconds.value, tick_hz.value
+
+    def path(self, output: str) -> str | None:
+        """Return the file that the option of an output names, nothing when it is not given."""
+        found: bytes | None = self._library.sim_api_path(self._session, output.encode())
+        return None if found is None else os.fsdecode(found)
 
     def run(self, n_ticks: int) -> bool:
         """Go on by so many ticks at most; return whether there is more to do."""
         return bool(self._library.sim_api_run(self._session, n_ticks))
 
     def progress(self) -> float:
-        """Return the share of the turns that are done, 0 .. 1."""
+        """Return the share of the machine time that is done, 0 .. 1."""
         return float(self._library.sim_api_progress(self._session))
 
     def error(self) -> str:
         """Return the line of the last call that failed."""
         return str(self._library.sim_api_error(self._session).decode("utf-8", "replace"))
 
-    def finish(self, wall_s: float) -> RawResult:
-        """Return what the cut left, in memory of Python's own; the cut is ended.
+    def finish(self, wall_s: float) -> Ending:
+        """Make the results that come at the end; they stay until the next cut, or the end.
 
         Raises
         ------
         CamtoolsError
             Not enough memory.
         """
-        library, session = self._library, self._session
-        status = int(library.sim_api_finish(session, wall_s))
-        summary = library.sim_api_summary(session).decode("ascii")
-        if status == _BAD_INPUT and not summary:
-            raise CamtoolsError([self.error()])
-        surface = self._rows(library.sim_api_surface, library.sim_api_surface_header)
-        trace = self._rows(library.sim_api_trace, library.sim_api_trace_header)
+        status = int(self._library.sim_api_finish(self._session, wall_s))
         message = self.error()
-        library.sim_api_end(session)
-        return RawResult(status, message, surface, trace, summary)
+        text = self._library.sim_api_summary(self._session).decode("ascii")
+        if status == _BAD_INPUT and not text:
+            raise CamtoolsError([message])
+        return Ending(status, message, f"{text}\n")
 
-    def _rows(self, values: Callable[..., Any], header: Callable[..., bytes]) -> Rows:
-        """Return a copy of a table."""
-        n = c_size_t()
-        pointer = values(self._session, ctypes.byref(n))
-        names = header(self._session).decode("ascii").split(",")
-        kinds = [(name, np.float64) for name in names if name]
-        if not n.value or not kinds:
-            return np.empty(0, dtype=kinds)
-        flat = np.ctypeslib.as_array(pointer, shape=(n.value,)).copy()
-        return flat.view(np.dtype(kinds))
+    def columns(self, table: str) -> tuple[Column, ...]:
+        """Return the columns of a table, none when it was not asked for."""
+        listed = self._library.sim_api_columns(self._session, table.encode()) or b""
+        pairs = (one.split(":") for one in listed.decode("ascii").split(",") if one)
+        return tuple(Column(name, form) for name, form in pairs)
+
+    def take(self, table: str, at_least: int = 0) -> Table:
+        """Return the rows that came since the last call, none when there are fewer."""
+        columns, n = self.columns(table), c_size_t()
+        if not columns:
+            return NO_ROWS
+        pointer = self._library.sim_api_rows(self._session, table.encode(), ctypes.byref(n))
+        n_rows = n.value // len(columns)
+        if not n_rows or n_rows < at_least:
+            return Table(columns, np.empty((0, len(columns)), dtype=np.int64))
+        numbers = np.ctypeslib.as_array(pointer, shape=(n_rows, len(columns))).copy()
+        self._library.sim_api_drop(self._session, table.encode())
+        return Table(columns, numbers)

@@ -1,25 +1,31 @@
-"""The simulator as a process: one cut, its files, its errors.
+"""`camsim run` in this process: one cut, its files, its errors; and the cuts of tools/run.
 
->>> simulator = Simulator(Path("camsim"), Path(), "a.camtab")
->>> simulator.command(["--rpm", "600"])
-['camsim', 'run', 'a.camtab', '--rpm', '600']
+>>> traced_turns(620, 2500), overview_every(62_000, 2500)
+(None, 596)
 """
 
 from __future__ import annotations
 
-import os
-import subprocess
-from collections.abc import Sequence
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, chdir, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, NamedTuple
 
+from camtools.base.command import BAD_INPUT
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
 from camtools.base.output import cannot_write
-from camtools.base.project_paths import ROOT
+from camtools.base.readable import duration_text
 from camtools.part.common import MachineLimits
-from camtools.sim.results import CutVariant, read_summary
+from camtools.sim.binding import Ending, SimSession, build_folder
+from camtools.sim.results import CutVariant
+from camtools.sim.simulate import TABLES, TICKS_AT_A_TIME
+
+if TYPE_CHECKING:
+    from camtools.sim.trace_file import CsvFile, ParquetFile
 
 TRACE, SURFACE, SUMMARY = "trace.parquet", "surface.csv", "summary.json"
 SECTIONS = "sections.csv"
@@ -63,13 +69,15 @@ wear_um = {!r}
 x_trim_nm = {}
 """
 _NM_PER_UM = 1000
-_PIPE_BYTES = 1 << 20
+_LONG_TICKS = 3_000_000  # a few seconds of computing
+_TRIAL_TICKS = 400_000
+_GROUP_ROWS = 1 << 16  # of a table that are written at once
+_SHOWN_EVERY_S, _LINE_EVERY_S = 0.2, 20.0  # progress on a terminal, and elsewhere
 
 
 def camsim_path() -> Path:
-    """Return where the simulator is built: the folder that CAMTURN_BUILD names, or build/host."""
-    build = os.environ.get("CAMTURN_BUILD") or str(ROOT / "build" / "host")
-    return Path(build).resolve() / "host_sim" / "camsim"
+    """Return where the program is built."""
+    return build_folder() / "camsim"
 
 
 def machine_text(limits: MachineLimits, wear_um: float = 0.0) -> str:
@@ -111,93 +119,169 @@ def traced_turns(turns: float, speed_rpm: float) -> float | None:
 
 @dataclass(frozen=True)
 class Simulator:
-    """Where camsim is and where it works."""
+    """Where a table is, and where its results go."""
 
-    program: Path  # the executable
-    folder: Path  # working folder: names of tables and results are relative to it
+    folder: Path  # names of files in the words of camsim are relative to it
     table: str  # name of the table
 
-    def command(self, words: Sequence[str]) -> list[str]:
-        """Return the command line of a cut."""
-        return [str(self.program), "run", self.table, *words]
-
-    def run(self, words: Sequence[str], *, is_quiet: bool = False) -> int:
-        """Cut; return camsim's exit status. Its messages go to our standard error.
+    @contextmanager
+    def begun(self, words: Sequence[str]) -> Iterator[SimSession]:
+        """Begin a cut; the folder is the working folder until its end.
 
         Raises
         ------
         CamtoolsError
-            It cannot be started, or a signal ended it.
+            The simulator refuses it.
         """
-        with self._begun(words, is_quiet=is_quiet) as process:
-            return self._ended(process)
+        with chdir(self.folder), SimSession() as session:
+            session.begin([self.table, *words])
+            yield session
 
-    def run_traced(
-        self, words: Sequence[str], trace: str, *, is_quiet: bool = False, keeps_text: bool = False
-    ) -> int:
-        """Cut as `run` does, and write the trace as Parquet.
+    def run(
+        self,
+        words: Sequence[str],
+        *,
+        is_quiet: bool = False,
+        keeps_text: bool = False,
+        shows_progress: bool = False,
+    ) -> Ending:
+        """Cut, and write the outputs that the words name, as camsim does; .parquet is Parquet.
 
         Parameters
         ----------
+        is_quiet : bool
+            Do not say on standard error why a part is not good.
         keeps_text : bool
-            The text of camsim is kept beside it, with the suffix .csv.
+            Also write what is Parquet as CSV, with the suffix .csv.
+        shows_progress : bool
+            Report on standard error how much is done.
+
+        Raises
+        ------
+        CamtoolsError
+            The simulator refuses, or a file cannot be written.
         """
-        if keeps_text:
-            path = (self.folder / trace).with_suffix(".csv")
-            status = self.run([*words, "--trace", path.name], is_quiet=is_quiet)
-            if path.exists():
-                with path.open("rb", buffering=_PIPE_BYTES) as text:
-                    self._pack(text, trace)
-            return status
-        ours, theirs = os.pipe()
-        with os.fdopen(ours, "rb", buffering=_PIPE_BYTES) as stream:
-            try:
-                words = [*words, "--trace", f"/dev/fd/{theirs}"]
-                process = self._begun(words, is_quiet=is_quiet, pipe=theirs)
-            finally:
-                os.close(theirs)
-            with process:
-                try:
-                    self._pack(stream, trace)
-                except BaseException:
-                    process.kill()
-                    raise
-                return self._ended(process)
-
-    def _pack(self, stream: BinaryIO, trace: str) -> None:
-        from camtools.sim.trace_file import pack_trace  # pyarrow, which making a table never needs
-
+        begin_s = time.monotonic()
         try:
-            pack_trace(stream, self.folder / trace)
+            with self.begun(words) as session, ExitStack() as stack:
+                files = _Files(session, stack, keeps_text=keeps_text)
+                progress = _Progress(session) if shows_progress else None
+                while session.run(TICKS_AT_A_TIME):
+                    files.write(_GROUP_ROWS)
+                    if progress is not None:
+                        progress.show()
+                if progress is not None:
+                    progress.show(is_end=True)
+                ending = session.finish(time.monotonic() - begin_s)
+                files.write()
+                summary = session.path("summary")
+                if summary is not None:
+                    Path(summary).write_text(ending.summary_text, encoding="ascii")
         except OSError as error:
             raise cannot_write(self.folder.parent, error) from error
+        if ending.status == BAD_INPUT:
+            raise CamtoolsError([ending.message])
+        if ending.message and not is_quiet:
+            sys.stderr.write(f"camsim: {ending.message}\n")
+        return ending
 
-    def _begun(
-        self, words: Sequence[str], *, is_quiet: bool, pipe: int | None = None
-    ) -> subprocess.Popen[bytes]:
-        silent = subprocess.DEVNULL
-        try:
-            return subprocess.Popen(
-                self.command(words),
-                cwd=self.folder,
-                stdout=silent,
-                stderr=silent if is_quiet else None,
-                pass_fds=[] if pipe is None else [pipe],
-            )
-        except OSError as error:
-            problem = f"{self.program}: cannot be started: {error.strerror}"
-            raise CamtoolsError([f"{problem}; start tools/run, which builds it"]) from error
 
-    def _ended(self, process: subprocess.Popen[bytes]) -> int:
-        try:
-            status = process.wait()
-        except BaseException:
-            process.kill()
-            raise
-        if status < 0:
-            problem = f"{self.program}: ended by signal {-status}"
-            raise CamtoolsError([f"{problem}; run it again, and report it when it comes back"])
-        return status
+class _Files:
+    """The tables of a cut that its words name."""
+
+    def __init__(self, session: SimSession, stack: ExitStack, *, keeps_text: bool) -> None:
+        self._session = session
+        self._of: dict[str, list[CsvFile | ParquetFile]] = {}
+        for name in TABLES:
+            named, columns = session.path(name), session.columns(name)
+            if named is None:
+                continue
+            from camtools.sim.trace_file import CsvFile, ParquetFile  # pyarrow is slow to load
+
+            path, files = Path(named), self._of.setdefault(name, [])
+            is_packed = path.suffix == ".parquet"
+            if is_packed:
+                files.append(stack.enter_context(ParquetFile(path, columns)))
+            if keeps_text or not is_packed:
+                text = CsvFile(path.with_suffix(".csv") if is_packed else path, columns)
+                files.append(stack.enter_context(text))
+
+    def write(self, at_least: int = 0) -> None:
+        """Write the rows of each table, unless there are fewer."""
+        for name, files in self._of.items():
+            numbers = self._session.take(name, at_least).numbers
+            for file in files:
+                file.write(numbers)
+
+
+class _Progress:
+    """How much of a cut is done, in place on a terminal, else in a line now and then."""
+
+    def __init__(self, session: SimSession) -> None:
+        self._session = session
+        self._begin_s = self._shown_s = time.monotonic()
+        self._is_terminal = sys.stderr.isatty()
+
+    def show(self, *, is_end: bool = False) -> None:
+        """Report it, when it is time to."""
+        now_s = time.monotonic()
+        if not is_end and now_s < self._shown_s + (
+            _SHOWN_EVERY_S if self._is_terminal else _LINE_EVERY_S
+        ):
+            return
+        self._shown_s = now_s
+        share = 1.0 if is_end else self._session.progress()
+        _, machine_s, _ = self._session.plan()
+        left_s = (now_s - self._begin_s) * (1 / share - 1) if share else 0.0
+        begin = "\r" if self._is_terminal else ""
+        end = "   " if self._is_terminal and not is_end else "\n"
+        done = f"{100 * share:5.1f} %, {share * machine_s:.1f} s of machine time"
+        sys.stderr.write(f"{begin}camsim: {done}, about {left_s:.0f} s left{end}")
+        sys.stderr.flush()
+
+
+class CutPlan(NamedTuple):
+    """What a cut will take.
+
+    >>> CutPlan(650.0, 17.5, 20_000.0).text()
+    '650 turns, 18 s of machine time'
+    >>> CutPlan(6_200_030.0, 148_802.0, 20_000.0, 2_976.0).text()
+    '6200030 turns, 1 d 17 h of machine time, about 49 min 36 s of computing'
+    """
+
+    turns: float  # of all passes
+    machine_s: float
+    tick_hz: float
+    computing_s: float | None = None  # of a cut that is long
+
+    @property
+    def is_long(self) -> bool:
+        """Return whether people want to know how far it is."""
+        return self.machine_s * self.tick_hz > _LONG_TICKS
+
+    def text(self) -> str:
+        """Return it in a few words."""
+        computing = self.computing_s
+        about = "" if computing is None else f", about {duration_text(computing)} of computing"
+        return f"{self.turns:.0f} turns, {duration_text(self.machine_s)} of machine time{about}"
+
+
+def plan_of(simulator: Simulator, words: Sequence[str]) -> CutPlan:
+    """Return what a cut will take.
+
+    Raises
+    ------
+    CamtoolsError
+        The simulator refuses it.
+    """
+    with simulator.begun(words) as session:
+        plan = CutPlan(*session.plan())
+        if not plan.is_long:
+            return plan
+        begin_s = time.monotonic()
+        session.run(_TRIAL_TICKS)
+        tick_s = (time.monotonic() - begin_s) / _TRIAL_TICKS
+    return plan._replace(computing_s=plan.machine_s * plan.tick_hz * tick_s)
 
 
 def overview_every(turns: float, speed_rpm: float) -> int:
@@ -218,8 +302,8 @@ def cut(
     sections_mm: Sequence[float] = (),
     keeps_text: bool = False,
     shows_progress: bool = False,
-) -> int:
-    """Cut a part; write surface, summary and trace; return camsim's exit status.
+) -> Json:
+    """Cut a part; write surface, sections, summary and trace; return the summary.
 
     Parameters
     ----------
@@ -230,21 +314,21 @@ def cut(
     sections_mm : list of float
         Heights of sections, rising; none: those that camsim chooses.
     keeps_text : bool
-        The traces are kept as CSV, too.
+        Also write the traces as CSV.
     shows_progress : bool
-        Camsim tells on standard error how far it is.
+        Report on standard error how much is done.
     """
     results = ["--surface", SURFACE, "--summary", SUMMARY, "--sections", SECTIONS]
     results += ["--sections-mm", ",".join(map(repr, sections_mm))] if len(sections_mm) else []
-    results += ["--progress"] if shows_progress else []
     if window_turns is None:
-        return simulator.run_traced([*words, *results], TRACE, keeps_text=keeps_text)
-    overview = [*words, *results, "--trace-every", str(every)]
-    status = simulator.run_traced(overview, OVERVIEW, keeps_text=keeps_text)
-    if status != 2:
-        window = [*words, "--turns-limit", repr(window_turns)]
-        simulator.run_traced(window, TRACE, is_quiet=True, keeps_text=keeps_text)
-    return status
+        results += ["--trace", TRACE]
+    else:
+        results += ["--trace-every", str(every), "--trace", OVERVIEW]
+    ending = simulator.run([*words, *results], keeps_text=keeps_text, shows_progress=shows_progress)
+    if window_turns is not None:
+        window = [*words, "--turns-limit", repr(window_turns), "--trace", TRACE]
+        simulator.run(window, is_quiet=True, keeps_text=keeps_text)
+    return ending.summary
 
 
 def variant_of(name: str, summary: Json) -> CutVariant | None:
@@ -267,13 +351,11 @@ def compare(
         words = [*words, "--turns-limit", repr(window_turns)]
 
     def measured(name: str, switches: Sequence[str]) -> CutVariant | None:
-        path = simulator.folder / "variant.json"
-        status = simulator.run([*words, *switches, "--summary", path.name], is_quiet=True)
-        if status == 2 or not path.exists():
+        try:
+            ending = simulator.run([*words, *switches], is_quiet=True)
+        except CamtoolsError:
             return None
-        summary = read_summary(path)
-        path.unlink()
-        return variant_of(name, summary)
+        return variant_of(name, ending.summary)
 
     found = [measured(*one) for one in _VARIANTS.items()]
     return tuple(variant for variant in found if variant is not None)

@@ -5,13 +5,18 @@ r"""What the simulator wrote, as arrays: trace, surface, summary.
 ...     path = Path(name) / "surface.csv"
 ...     _ = path.write_text("turn,z_mm,radius_mm,error_nm\n0.25,10,46,-30\n")
 ...     read_surface(path).error_um.tolist()
+...     _ = path.write_text(
+...         "section,turn,z_mm,radius_mm,deviation_nm\n1,0,5,46,-30\n0,0.25,7,45.9,20\n"
+...     )
+...     found = read_sections(path)
 [-0.03]
+>>> found.sections[0].deviation_mm.tolist(), found.lines[0].angle_deg
+([-3e-05], 90.0)
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, NamedTuple, TypeVar
@@ -22,7 +27,7 @@ import numpy.typing as npt
 from camtools.base.errors import InputError
 from camtools.base.json_text import Json
 from camtools.base.provenance import Origin
-from camtools.base.quantities import Floats
+from camtools.base.quantities import NM_PER_MM, Floats
 from camtools.roundness.waves import DEFAULT_UPR
 from camtools.table.header import MadeTable
 
@@ -32,6 +37,7 @@ STATES = (
 )
 CUTTING, FAULT = STATES.index("cutting"), STATES.index("fault")
 _TURNS_PER_Q32 = 2.0**-32
+_DEG_PER_TURN = 360
 
 
 class GaugedSurface(NamedTuple):
@@ -128,23 +134,16 @@ class Removal(NamedTuple):
 
 
 MadeT = TypeVar("MadeT", bound=MadeTable, covariant=True)
+_SECTION_COLUMNS = ("section", "turn", "z_mm", "radius_mm", "deviation_nm")
 _SURFACE_COLUMNS = ("turn", "z_mm", "radius_mm", "error_nm")
 _TRACE_COLUMNS = (
-    "t_s",
-    "turn",
-    "z_mm",
-    "u_set_nm",
-    "u_act_nm",
-    "state",
-    "u_due_nm",
-    "error_nm",
-    "in_x_nm",
-    "speed_q32",
+    *("t_s", "turn", "z_mm", "u_set_nm", "u_act_nm", "state", "u_due_nm", "error_nm"),
+    *("in_x_nm", "speed_q32"),
 )
 
 
 def read_named(path: Path, names: tuple[str, ...]) -> Floats:
-    """Return the named columns of a CSV file, shape (len(names), n); states as numbers."""
+    """Return the named columns of a CSV file, shape (len(names), n)."""
     with path.open(encoding="ascii") as stream:
         header = stream.readline().strip().split(",")
         is_empty = not stream.read(1)
@@ -154,24 +153,8 @@ def read_named(path: Path, names: tuple[str, ...]) -> Floats:
         raise InputError(path.name, "", None, problem, "build camsim again, as tools/run does")
     if is_empty:
         return np.empty((len(names), 0))
-    return _rows(path, [header.index(name) for name in names], header)
-
-
-def _rows(path: Path, places: list[int], header: list[str]) -> Floats:
-    states: dict[int | str, Callable[[str], float]] = {
-        place: lambda name: float(STATES.index(name))
-        for place in places
-        if header[place] == "state"
-    }
-    rows = np.loadtxt(
-        path,
-        delimiter=",",
-        skiprows=1,
-        usecols=places,
-        converters=states,
-        encoding="ascii",
-        ndmin=2,
-    )
+    places = [header.index(name) for name in names]
+    rows = np.loadtxt(path, delimiter=",", skiprows=1, usecols=places, encoding="ascii", ndmin=2)
     return np.ascontiguousarray(rows.T)
 
 
@@ -191,39 +174,41 @@ def read_control(path: Path) -> GaugedSurface | None:
     return GaugedSurface(turn, z_mm, radius_mm, error_nm * 1e-3)
 
 
-def _trace_columns(path: Path, names: tuple[str, ...]) -> Floats:
-    """Return named columns of a trace, shape (len(names), n); states as numbers."""
-    if path.suffix == ".csv":
-        return read_named(path, names)
+def read_trace(path: Path) -> CutTrace:
+    """Return a trace from a Parquet file."""
     from camtools.sim.trace_file import read_columns  # pyarrow, which making a table never needs
 
-    found = read_columns(path, names)
-    if "state" in found:
-        names_there, which = np.unique(found["state"].astype(str), return_inverse=True)
-        found["state"] = np.array([STATES.index(name) for name in names_there], dtype=int)[which]
-    return np.array([found[name].astype(np.float64) for name in names])
-
-
-def _trace_names(path: Path) -> list[str]:
-    if path.suffix == ".csv":
-        with path.open(encoding="ascii") as stream:
-            return stream.readline().strip().split(",")
-    from camtools.sim.trace_file import column_names
-
-    return column_names(path)
-
-
-def read_trace(path: Path) -> CutTrace:
-    """Return a trace, a Parquet file of ours or a CSV file of camsim."""
-    columns = _trace_columns(path, _TRACE_COLUMNS)
+    found = read_columns(path, _TRACE_COLUMNS)
+    columns = [found[name].astype(np.float64) for name in _TRACE_COLUMNS]
     columns[-1] *= _TURNS_PER_Q32
     return CutTrace(*columns)
 
 
 def read_swing(path: Path) -> Floats | None:
     """Return the true swing of the tool [degrees] from a trace, nothing when there is none."""
-    has_swing = "swing_act_deg" in _trace_names(path)
-    return _trace_columns(path, ("swing_act_deg",))[0] if has_swing else None
+    from camtools.sim.trace_file import column_names, read_columns
+
+    if "swing_act_deg" not in column_names(path):
+        return None
+    swing: Floats = read_columns(path, ("swing_act_deg",))["swing_act_deg"]
+    return swing
+
+
+def read_sections(path: Path) -> GaugedSections:
+    """Return the sections of a CSV file of camsim; without one when nothing was cut."""
+    number, turn, z_mm, radius_mm, deviation_nm = read_named(path, _SECTION_COLUMNS)
+    deviation_mm = deviation_nm / NM_PER_MM
+    sections = []
+    for one in np.unique(number[number > 0]):
+        at = number == one
+        place = float(z_mm[at][0])
+        sections.append(GaugedSection(int(one), place, turn[at], radius_mm[at], deviation_mm[at]))
+    lines = []
+    for one in np.unique(turn[number == 0]):
+        at = (number == 0) & (turn == one)
+        angle_deg = float(one) * _DEG_PER_TURN
+        lines.append(GaugedLine(angle_deg, z_mm[at], radius_mm[at], deviation_mm[at]))
+    return GaugedSections(tuple(sections), tuple(lines))
 
 
 def read_removal(path: Path) -> Removal:

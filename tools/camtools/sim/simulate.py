@@ -5,7 +5,7 @@
     result.surface["error_nm"].max(), result.summary["form_error_um"]["max"]
 
 The numbers are those that `camsim run` writes into its files, bit for bit. One cut runs at a time
-in a process; many at once take processes.
+in a process; many at once take processes. `Simulator` in `camsim.py` writes files.
 
 >>> _words(2500.0, None, 20)
 ['--rpm', '2500.0', '--turns-limit', '20']
@@ -29,7 +29,7 @@ from camtools.base.json_text import Json
 from camtools.sim.binding import Rows, SimSession
 from camtools.sim.machine_file import Machine, emit_machine, find_machine
 
-_TICKS_AT_A_TIME = 100_000  # then Python looks for signals: 0.05 s
+TICKS_AT_A_TIME = 100_000  # then Python looks for signals: 0.05 s
 _OPTIONS = {  # of camsim, and what they are called here
     "--rpm": "rpm",
     "--feed": "feed",
@@ -38,6 +38,7 @@ _OPTIONS = {  # of camsim, and what they are called here
     "--set": "set",
     "--machine": "machine",
 }
+TABLES = ("trace", "surface", "removal", "scallop", "sections")
 _ONE_AT_A_TIME = threading.Lock()  # other threads wait
 
 
@@ -56,7 +57,7 @@ class Result:
         Worst sample of each gauged cell: fields turn (drawing's angle, 0 .. 1), z_mm, radius_mm,
         error_nm (above 0: metal left standing), and control_nm where the table plays a refit.
     trace : ndarray, shape (n,)
-        Tick by tick, fields as in `host_sim/results/sim_trace.h`; `state` is the number of the
+        Tick by tick, fields as in `host_sim/results/sim_tables.c`; `state` is the number of the
         controller's state in `firmware/base/cam_state.h`, masks are numbers. Empty if none was
         asked for.
     summary_text : str
@@ -160,17 +161,23 @@ def simulate(
         What `camsim run` would refuse with exit status 2: a table, machine, option or speed that is
         no good. A cut that ends in a fault is a result.
     """
+    outputs = {f"--{name}" for name in (*TABLES, "summary")}
+    for word in options:
+        if word.split("=")[0] in outputs:
+            raise CamtoolsError([f"{word}: results come back in memory; leave the option out"])
     settings = [
         word for name, value in (set or {}).items() for word in ("--set", f"{name}={value}")
     ]
     words = [str(table), *_words(rpm, feed, turns), "--seed", str(seed), *settings, *options]
+    words += ["--surface", "surface", *(["--trace", "trace"] if trace else [])]
     begin_s = time.monotonic()
     with _in_own_words(options), _ONE_AT_A_TIME, SimSession() as session:
         chosen = _machine(machine)
         name, text = (chosen.name, chosen.text) if chosen else ("", None)
-        session.begin(words, text, name, traced=trace)
-        while session.run(_TICKS_AT_A_TIME):
+        session.begin(words, text, name)
+        while session.run(TICKS_AT_A_TIME):
             if progress is not None:
                 progress(session.progress())
-        raw = session.finish(time.monotonic() - begin_s)
-    return Result(*raw)
+        ending = session.finish(time.monotonic() - begin_s)
+        surface, rows = (session.take(name).rows() for name in ("surface", "trace"))
+    return Result(ending.status, ending.message, surface, rows, ending.summary_text)

@@ -16,10 +16,8 @@ from pyarrow import csv as csv_file
 
 from camtools.base.csv_text import csv_text
 from camtools.base.errors import CamtoolsError
-from camtools.base.json_text import Json
 from camtools.base.quantities import Floats
 from camtools.sim.camsim import Simulator, machine_text
-from camtools.sim.results import read_summary
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.report.summary import make_summary
 from camtools.skirt.table.generate import GeneratedSkirt, generate
@@ -95,19 +93,19 @@ def _cut(simulator: Simulator, study: PathStudy, row: PathRow) -> PathCut:
     Raises
     ------
     CamtoolsError
-        The cut did not come to its end; camsim has said why.
+        The simulator refuses it, or it did not come to its end.
     """
     low, high = float(study.z_mm[0]), float(study.z_mm[-1])
     words = [
         *("--machine", _MACHINE, "--rpm", repr(row.rpm), "--feed", repr(row.path.feed_mm)),
         *("--nose-mm", repr(study.nose_mm), "--scallop-mm", f"{low:.9g}:{high:.9g}"),
-        *("--scallop", "scallop.csv", "--summary", "summary.json"),
+        *("--scallop", "scallop.csv"),
     ]
-    status = simulator.run(words)
-    if status != 0:
-        problem = f"{row.name}: camsim ended with status {status}; the line above says why"
+    ending = simulator.run(words, is_quiet=True)
+    if ending.status != 0:
+        problem = f"{row.name}: {ending.message}"
         raise CamtoolsError([f"{problem}; change the part or give another --rpm"])
-    summary: Json = read_summary(simulator.folder / "summary.json")
+    summary = ending.summary
     done = summary["cut"]
     proud_um = read_scallop(simulator.folder / "scallop.csv")
     form_um = summary["form_error_um"]["max"]
@@ -115,7 +113,7 @@ def _cut(simulator: Simulator, study: PathStudy, row: PathRow) -> PathCut:
 
 
 def cut_paths(
-    part: SkirtPart, nose_mm: float, program: Path, folder: Path
+    part: SkirtPart, nose_mm: float, folder: Path
 ) -> tuple[PathStudy, tuple[PathCut, ...]]:
     """Cut a part along a ring-helix and along helices of as many turns and of the same lead.
 
@@ -137,10 +135,7 @@ def cut_paths(
     )
     tables = _write_tables(generated, folder)
     (folder / _MACHINE).write_text(machine_text(part.machine.limits), encoding="ascii")
-    cuts = [
-        _cut(Simulator(program, folder, str(tables[row.path.kind])), study, row)
-        for row in study.rows
-    ]
+    cuts = [_cut(Simulator(folder, str(tables[row.path.kind])), study, row) for row in study.rows]
     return study, tuple(cuts)
 
 

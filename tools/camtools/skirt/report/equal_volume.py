@@ -6,20 +6,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
-from camtools.base.json_text import Json
 from camtools.pipeline.kind import Rig
-from camtools.sim.camsim import Simulator
-from camtools.sim.results import read_removal, read_summary
+from camtools.sim.results import read_removal
 from camtools.skirt.report.outcome import Even
 from camtools.skirt.report.summary import make_summary
 from camtools.skirt.table.generate import GeneratedSkirt, generate
 from camtools.table.summary import table_files
 
 REMOVAL, REMOVAL_UNIFORM = "removal.csv", "removal_uniform.csv"
-_TWIN, _TWIN_SUMMARY = "uniform", "uniform.json"
+_TWIN = "uniform"
 _MAX_TURNS = 2000  # 120 rows each
 
 
@@ -33,11 +30,6 @@ def uniform_twin(generated: GeneratedSkirt) -> GeneratedSkirt:
     part = generated.part
     process = part.process.model_copy(update={"mode": "uniform"})
     return generate(part.model_copy(update={"process": process}))
-
-
-def _measure(simulator: Simulator, words: Sequence[str], removal: str, summary: str) -> Json:
-    simulator.run([*words, "--removal", removal, "--summary", summary], is_quiet=True)
-    return read_summary(simulator.folder / summary)
 
 
 def compare_removal(rig: Rig, generated: GeneratedSkirt) -> Even | None:
@@ -54,12 +46,12 @@ def compare_removal(rig: Rig, generated: GeneratedSkirt) -> Even | None:
     for name, data in table_files(twin_table.table, make_summary(twin_table)).items():
         (folder / name).write_bytes(data)
     words = [*rig.words, *limited_turns(rig.turns)]
-    even = _measure(simulator, words, REMOVAL, f"{_TWIN}/even.json")
+    even = simulator.run([*words, "--removal", REMOVAL], is_quiet=True)
     twin = replace(simulator, table=f"{_TWIN}/{simulator.table}")
-    uniform = _measure(twin, words, REMOVAL_UNIFORM, f"{_TWIN}/{_TWIN_SUMMARY}")
+    uniform = twin.run([*words, "--removal", REMOVAL_UNIFORM], is_quiet=True)
     return Even(
-        even,
-        uniform,
+        even.summary,
+        uniform.summary,
         read_removal(simulator.folder / REMOVAL),
         read_removal(simulator.folder / REMOVAL_UNIFORM),
     )
