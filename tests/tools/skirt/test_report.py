@@ -25,6 +25,7 @@ from camtools.report.text import (
     plain,
     verdict_of,
 )
+from camtools.sim.binding import Column
 from camtools.sim.results import (
     CUTTING,
     FAULT,
@@ -37,6 +38,7 @@ from camtools.sim.results import (
     read_surface,
     read_trace,
 )
+from camtools.sim.trace_file import ParquetFile
 from camtools.skirt.geometry.composite import fold
 from camtools.skirt.report import surface_plots
 from camtools.skirt.report.corner_plot import around_joint, draw_corner, lines_at
@@ -105,18 +107,24 @@ def test_files_are_read_by_the_names_of_their_columns(tmp_path: Path) -> None:
 
     A header alone, as after a fault before the cut, is no error; a missing column is named.
     """
-    path = tmp_path / "surface.csv"
-    path.write_text(
-        "tick,t_s,turn,z_mm,u_set_nm,u_act_nm,state,faults,u_due_nm,error_nm,speed_q32,in_x_nm\n"
-        "0,0.5,1.25,10,100,90,cutting,0x0000,110,-7,2147483648,46000000\n"
-        "1,0.6,1.75,10,100,90,fault,0x0001,110,-7,2147483648,46000000\n"
+    named = (
+        "tick:0,t_s:1,turn:2,z_mm:0,u_set_nm:0,u_act_nm:0,state:s,faults:x4,u_due_nm:0,"
+        "error_nm:0,speed_q32:0,in_x_nm:0"
     )
-    trace = read_trace(path)
+    columns = [Column(*one.split(":")) for one in named.split(",")]
+    rows = [
+        [0, 5, 125, 10, 100, 90, CUTTING, 0, 110, -7, 2147483648, 46000000],
+        [1, 6, 175, 10, 100, 90, FAULT, 1, 110, -7, 2147483648, 46000000],
+    ]
+    with ParquetFile(tmp_path / "trace.parquet", columns) as file:
+        file.write(np.array(rows))
+    trace = read_trace(tmp_path / "trace.parquet")
     assert trace.state.tolist() == [CUTTING, FAULT]
     assert trace.following_um.tolist() == [-0.02, -0.02]
     assert trace.turns_per_tick.tolist() == [0.5, 0.5]
     assert trace.speed_rpm == pytest.approx([300, 300])
     assert trace.x_nm.tolist() == [46e6, 46e6]
+    path = tmp_path / "surface.csv"
     path.write_text(
         "turn,t_s,z_mm,volume_mm3,rate_mm3_s,power_w,rate_force_n,chip_force_n\n1,2,3,4,5,6,7,8\n"
     )
