@@ -60,14 +60,8 @@ def check_steps(positions_nm: Rows) -> None:
 
 def check_u_limits(trace: Rows) -> None:
     """Check the set-points of U from homing on, and from before a fault on its commands."""
-    start = (
-        int(np.argmax(trace["state"] == FAULT))
-        if np.any(trace["state"] == FAULT)
-        else None
-    )
-    check_steps(
-        trace["u_set_nm"][:start][trace["state"][:start] != STATES.index("off")]
-    )
+    start = int(np.argmax(trace["state"] == FAULT)) if np.any(trace["state"] == FAULT) else None
+    check_steps(trace["u_set_nm"][:start][trace["state"][:start] != STATES.index("off")])
     if start is not None:
         check_steps(trace["out_u_nm"][start - 2 :])
 
@@ -90,9 +84,7 @@ def check_fault_reaction(trace: Rows, expect: Expect) -> None:
     retract_nm = expect.get("u_retract_nm", RETRACT_NM)
     clearance_nm = expect.get("x_clearance_nm", CLEARANCE_NM)
     assert after["u_set_nm"][-1] == retract_nm
-    assert after["out_x_nm"][-1] - after["out_x_nm"][0] == pytest.approx(
-        clearance_nm, abs=2
-    )
+    assert after["out_x_nm"][-1] - after["out_x_nm"][0] == pytest.approx(clearance_nm, abs=2)
     assert after["out_z_nm"][-1] == after["out_z_nm"][-2]
     enabled = (outputs & ENABLE) != 0
     assert not enabled[-1], "enable drops in the end"
@@ -103,20 +95,14 @@ def check_fault_reaction(trace: Rows, expect: Expect) -> None:
     assert enabled[:n_enabled].all() and not enabled[n_enabled:].any()
     at_rest = after["u_set_nm"][~enabled]
     assert np.all(at_rest == retract_nm), "enable holds until the tool is out"
-    if (
-        "cutting" in expect["states"] and expect["first_fault"] != "u_force"
-    ):  # still pushed
+    if "cutting" in expect["states"] and expect["first_fault"] != "u_force":  # still pushed
         assert after["error_nm"][-1] >= OUT_NM, "the tip leaves the work"
 
 
 def check_fault_time(trace: Rows, words: list[str], within_s: float) -> None:
     """Check that the fault is latched within its promised time after its cause."""
-    cause_s = float(
-        words[words.index("--inject") + 1].partition("@")[2].partition(":")[0]
-    )
-    cut_s, fault_s = (
-        trace["t_s"][np.argmax(trace["state"] == one)] for one in (CUTTING, FAULT)
-    )
+    cause_s = float(words[words.index("--inject") + 1].partition("@")[2].partition(":")[0])
+    cut_s, fault_s = (trace["t_s"][np.argmax(trace["state"] == one)] for one in (CUTTING, FAULT))
     assert 0 <= round(fault_s - cut_s - cause_s, 9) <= within_s
 
 

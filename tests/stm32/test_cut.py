@@ -26,7 +26,6 @@ def test_cut_is_whole(cut: Session) -> None:
     states = [line[6:] for line in cut.remote.lines() if line.startswith("state ")]
     assert states == ["homing", "ready", "engaging", "cutting", "disengaging", "ready", "off"]
     assert cut.remote.newest().faults == ()
-    assert cut.trace.dropped() == 0
     assert sum(seen.in_cut for _, seen in ticks_of(cut)) > 2000
     assert [record["tick"] for record in cut.records] == list(range(len(cut.records)))
     in_cut = [record for record, seen in ticks_of(cut) if seen.in_cut]
