@@ -13,7 +13,7 @@
 #ifndef LIN_BUS_H
 #define LIN_BUS_H
 
-#include "canopen.h" // canopen_id_heartbeat, cia402_state_t
+#include "canopen.h"   // canopen_id_heartbeat, cia402_state_t
 #include "hal/hal.h"   // hal_can_frame_t, hal_encoder_t, hal_setpoint_t
 #include "lin_setup.h" // lin_encoder_config_t, lin_config_t
 #include <stdbool.h>   // bool

@@ -2,9 +2,9 @@
 // The Linux port's nodes together, on a bus without wires, whose frames come and go by calls: which
 // node is lost, what is ready, who may use the bus, which frames a tick sends.
 #include "canopen.h" // common_put_i32
-#include "lin_bus.h"      // lin_bus_t
-#include "unity.h"        // TEST_ASSERT_TRUE
-#include <stddef.h>       // NULL
+#include "lin_bus.h" // lin_bus_t
+#include "unity.h"   // TEST_ASSERT_TRUE
+#include <stddef.h>  // NULL
 
 static const int64_t ms = 1000000;
 
