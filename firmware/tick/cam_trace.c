@@ -16,8 +16,8 @@ cam_tick_record_t *cam_trace_begin_isr(cam_trace_t *trace)
 void cam_trace_commit_isr(cam_trace_t *trace, cam_tick_record_t *record)
 {
     atomic_store_explicit(&trace->newest, record, CAM_ORDER_RELEASE);
-    const uint32_t n = atomic_load_explicit(&trace->n_written, memory_order_relaxed);
-    atomic_store_explicit(&trace->n_written, n + 1u, CAM_ORDER_RELEASE);
+    const uint32_t n_begun = atomic_load_explicit(&trace->n_begun, memory_order_relaxed);
+    atomic_store_explicit(&trace->n_written, n_begun, CAM_ORDER_RELEASE);
 }
 
 /// A word of any structure.
