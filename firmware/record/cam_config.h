@@ -225,12 +225,11 @@ typedef struct {
 
 /// Feed-forward of U.
 typedef struct {
-    int32_t k1_q16; ///< [ticks] of the velocity
-    int32_t k2_q16; ///< [ticks^2] of the acceleration
-    int32_t
-        friction_q14; ///< [nm / 2^14] of the friction: the command leads by it in the sense of U
-    int32_t chip_q32; ///< [1] of the set-point, against the force of the chip, within +-2^29
-    int32_t chip_q6;  ///< [nm / 64] against the mean of that force
+    int32_t k1_q16;       ///< [ticks] of the velocity
+    int32_t k2_q16;       ///< [ticks^2] of the acceleration
+    int32_t friction_q14; ///< [nm / 2^14] lead against friction, in the sense of U's motion
+    int32_t chip_q32;     ///< [1] of the set-point, against the force of the chip, within +-2^29
+    int32_t chip_q6;      ///< [nm / 64] against the mean of that force
 } cam_u_gains_t;
 
 /// Feed-forward of U in the cut, and limits of X and Z per plan (cam_axis_command.h).

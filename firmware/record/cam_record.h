@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_record: data passed between the stages of a tick.
 ///
-///     sense -> cam_sense_t -> angle -> cam_angle_t -> play -> cam_want_t -> command -> out ->
-///     guard
+///     sense -> cam_sense_t -> angle -> cam_angle_t -> play -> cam_want_t -> command -> out
+///
+/// The guard accepts the last two, or replaces U in them.
 ///
 /// Inputs, results and axis commands form the record of a tick, from which it can be replayed.
 /// cam_motion_t holds set-points and increments: the plan writes them, play advances them in every

@@ -156,8 +156,9 @@ static cam_u_t moved_to(const cam_u_t *u, int32_t set_q6, int32_t nm)
                      .change_nm = cam_sat_sub(step_nm, u->step_nm)};
 }
 
-/// @return fault of the command: setpoint_range where the set-point leaves the stroke, too, or
-/// command
+/// @return fault of the command, or none: setpoint_range where the set-point, too, leaves the
+/// stroke,
+///         else command
 static uint32_t faults_of_command(const cam_guard_config_t *cfg, const cam_u_t *next,
                                   bool is_off_time)
 {
@@ -168,7 +169,7 @@ static uint32_t faults_of_command(const cam_guard_config_t *cfg, const cam_u_t *
     return is_in_stroke ? CAM_FAULT_BIT(command) : CAM_FAULT_BIT(setpoint_range);
 }
 
-/// @return faults that anybody but the guard has found
+/// @return faults found by the earlier stages
 static uint32_t faults_before(const cam_tick_record_t *r, const cam_motion_t *m)
 {
     return m->faults | r->angle.faults | cam_sense_faults(&r->in);
@@ -214,15 +215,22 @@ static void write_u(cam_tick_record_t *r, const cam_motion_t *m)
                                           .acc_q10 = u->acc_q10};
 }
 
-/// Latch faults and enter the state fault. U's motion continues from its last command.
+/// @return [nm per tick] the last step of U's command; where it changed faster than U accelerates,
+///         by the reversal of friction or a tick off its time, the smaller one of the last two
+static int32_t steady_step_nm(const cam_guard_config_t *cfg, const cam_u_t *u)
+{
+    const int32_t before_nm = cam_sat_sub(u->step_nm, u->change_nm);
+    const int32_t amount_nm = before_nm < 0 ? cam_sat_sub(0, before_nm) : before_nm;
+    const bool is_steady = cam_is_within(u->change_nm, cfg->u.acceleration_q10 >> 10);
+    return is_steady || cam_is_within(u->step_nm, amount_nm) ? u->step_nm : before_nm;
+}
+
+/// Latch faults and enter the state fault. U continues from its last command at constant speed.
 static void latch(cam_guard_t *g, const cam_guard_config_t *cfg, cam_motion_t *m, uint32_t faults)
 {
-    const int64_t most_q10 = cfg->u.acceleration_q10;
     cam_axis_motion_t *u = &m->axis[hal_axis_u];
-    *u = (cam_axis_motion_t){
-        .pos_q10 = m->u.nm * INT64_C(1024),
-        .vel_q10 = cam_sat_i32(m->u.step_nm * INT64_C(1024)),
-        .acc_q10 = (int32_t)cam_clamp_i64(m->u.change_nm * INT64_C(1024), -most_q10, most_q10)};
+    *u = (cam_axis_motion_t){.pos_q10 = m->u.nm * INT64_C(1024),
+                             .vel_q10 = cam_sat_i32(steady_step_nm(cfg, &m->u) * INT64_C(1024))};
     cam_jerk_filter_begin_isr(&m->filter[hal_axis_u], u, cfg->u.log2_window);
     g->faults |= faults;
     g->first_faults = g->faults;
@@ -245,7 +253,7 @@ static int32_t within_stroke_nm(int32_t last_nm, int32_t range_nm, int64_t nm)
     return (int32_t)cam_clamp_i64(nm, least_nm, most_nm);
 }
 
-/// Move U on in state fault: it retracts, in manual it brakes. At the end of its stroke it stops.
+/// In state fault retract U; after manual brake it. At the end of its stroke it stops.
 /// @return whether it rests there
 static bool move_off(const cam_guard_config_t *cfg, cam_motion_t *m)
 {
@@ -264,8 +272,8 @@ static bool move_off(const cam_guard_config_t *cfg, cam_motion_t *m)
     return is_out;
 }
 
-/// Replace what play and command want by the retract. The drives stay enabled until it has ended,
-/// or a fault of LOST.
+/// Overwrite set-point and command with the retract. The drives stay enabled until it has ended, or
+/// until a fault of LOST.
 static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
                     cam_motion_t *m)
 {

@@ -4,8 +4,8 @@
 /// The last stage before the outputs. Every tick the guard compares readings, set-point and command
 /// of U with the limits. It accepts the command, or latches a fault that is armed in the present
 /// state. From the tick of the fault on it moves U itself: it continues from the last command, with
-/// its speed and its acceleration, and retracts U within its limits (in manual it brakes it); the
-/// spindle's set-point becomes 0. From the next plan on X moves off by the clearance, and Z brakes;
+/// its speed, and retracts U within its limits (after manual it brakes it); the spindle's set-point
+/// becomes 0. From the next plan on X moves off by the clearance, and Z brakes;
 /// then the enable drops. If a drive is not ready, or U's position loop does not work, the enable
 /// drops at once. At the end of its stroke a command stops at once: it never leaves it, and where U
 /// is beyond it, never moves farther out.
@@ -44,9 +44,9 @@ typedef struct {
 } cam_guard_t;
 
 /// Check one tick, in constant time.
-/// @param r     inputs, spindle and r->want; the guard completes r->want, and in state fault
+/// @param r     inputs, spindle and r->want. The guard completes r->want, in state fault it
 /// replaces
-///              it; U of r->out is a result
+///              it, and writes U of r->out
 /// @param u_nm  [nm] command of U that it may accept, within +-2^25
 /// @param m     U as accepted, faults of play and plan; in state fault the motion of U
 void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,

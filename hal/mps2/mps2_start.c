@@ -18,7 +18,7 @@ enum { n_core_vectors = 16, n_board_vectors = 32, timer0_vector = n_core_vectors
 #define CPACR (*(volatile uint32_t *)0xE000ED88u)
 #define CPACR_FPU (0xFu << 20)
 #define FPCCR (*(volatile uint32_t *)0xE000EF34u)
-#define FPCCR_LAZY (3u << 30) // ASPEN, LSPEN
+#define FPCCR_SAVES (3u << 30) // ASPEN, LSPEN: exceptions save its registers
 
 /// Handler of all exceptions except the timer interrupt: end the image.
 static void on_exception(void)
@@ -48,7 +48,7 @@ __attribute__((section(".vectors"), used)) static const struct {
 void mps2_reset(void)
 {
     CPACR |= CPACR_FPU;
-    FPCCR |= FPCCR_LAZY;
+    FPCCR &= ~FPCCR_SAVES; // no interrupt uses them
     __asm volatile("dsb\n isb");
     const uint32_t *from = &mps2_data_image;
     for (uint32_t *to = &mps2_data_start; to < &mps2_data_end; to++) {

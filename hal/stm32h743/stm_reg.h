@@ -352,7 +352,7 @@ enum { stm_irq_tim4 = 30, stm_irq_ecc = 145, stm_n_irqs = 150 }; // chapter 19, 
 #define SCB_CPACR STM_REG(0xE000ED88u)
 #define SCB_CPACR_FPU (0xFu << 20)
 #define FPU_FPCCR STM_REG(0xE000EF34u)
-#define FPU_FPCCR_LAZY (3u << 30) // save registers only for an exception that uses the unit
+#define FPU_FPCCR_SAVES (3u << 30) // exceptions save the registers of the unit
 
 // B3.4, nested vectored interrupt controller: priorities are 0 after reset, the highest
 

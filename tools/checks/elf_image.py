@@ -161,11 +161,6 @@ class Image:
         """Every function, by address."""
         return parse_code(self.ask("objdump", "-d", "-z", "--no-show-raw-insn", str(self.path)))
 
-    @cached_property
-    def has_float(self) -> bool:
-        """Whether any instruction of the image uses the floating-point unit."""
-        return any(one.base[:1] == "v" for f in self.code.values() for one in f.instructions)
-
     def function(self, name: str) -> Function:
         """Return the one function of a name.
 

@@ -14,11 +14,9 @@ from checks.elf_flow import Flow, loops, make_flow
 from checks.elf_image import Function, Image
 from checks.elf_rules import forbidden_instruction, forbidden_name
 
-# What the core stacks on entry (ARMv7-M manual, B1.5.6 and B1.5.7).
+# What the core stacks on entry where it saves no floating-point registers, FPCCR.ASPEN = 0
+# (ARMv7-M manual, B1.5.6, B1.5.7 and B3.2.21).
 FRAME_BYTES = 8 * 4  # r0-r3, r12, lr, pc, xPSR
-# With room for s0-s15, FPSCR and a reserved word, if the interrupted code uses them. Lazy stacking
-# stores them only when the interrupt uses the unit, which it may not: entry takes no longer.
-FLOAT_FRAME_BYTES = 26 * 4
 ALIGNMENT_BYTES = 4  # the frame begins on eight bytes
 _PUSH = re.compile(r"v?push .*|v?stmdb sp!.*|subw? sp, .*|.*\[sp, #-\d+\]!")
 
@@ -162,7 +160,7 @@ def examine(image: Image, root: str, bounds: Bounds, sources: Iterable[str] = ()
     CamtoolsError
         There is no such root, or the binary utilities fail.
     """
-    report = IsrReport(ALIGNMENT_BYTES + (FLOAT_FRAME_BYTES if image.has_float else FRAME_BYTES))
+    report = IsrReport(ALIGNMENT_BYTES + FRAME_BYTES)
     walk = _Walk(image, bounds, report, image.frames())
     walk.visit(image.function(root))
     if sources := tuple(sources):

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The core apart from its instructions (Armv7-M Architecture Reference Manual, B1, B3).
 
-Exceptions: priorities after reset, pending, entry with a frame of 8 words or, with lazy stacking,
-of 26, return by EXC_RETURN. Registers: NVIC, SCB, DWT's cycle counter; the MPU's in mpu.py. Caches
-are always coherent here; the process stack, floating point in an exception and faults raised by the
-core are not modelled, except the bus fault of a flash word that cannot be read.
+Exceptions: priorities after reset, pending, entry with a frame of 8 words, return by EXC_RETURN.
+Registers: NVIC, SCB, DWT's cycle counter; the MPU's in mpu.py. Caches are always coherent here; the
+process stack, frames with floating-point registers, floating point in an exception and faults
+raised by the core are not modelled, except the bus fault of a flash word that cannot be read.
 """
 
 from collections.abc import Callable
@@ -33,9 +33,8 @@ FRAME_REGS = (
 FPCA, SPSEL = 1 << 2, 1 << 1
 THUMB, PADDED = 1 << 24, 1 << 9
 RETURN_HANDLER, RETURN_THREAD = 0xFFFFFFF1, 0xFFFFFFF9
-BASIC = 1 << 4  # of EXC_RETURN: a frame without room for floating-point registers
-BASIC_BYTES, FLOAT_BYTES = 32, 104
-FPU_ON, LAZY = 0xF << 20, 3 << 30  # of CPACR, of FPCCR
+FRAME_BYTES = 32
+FPU_ON, FPU_SAVED = 0xF << 20, 3 << 30  # of CPACR, of FPCCR
 
 
 def is_double_store(instruction: bytes) -> bool:
@@ -68,7 +67,7 @@ class Nvic(Device):
                 0xD84: Reg("csselr", 0, 1),
                 0xD88: Reg("cpacr", 0, FPU_ON),
                 0xDFC: Reg("demcr", 0, 1 << 24),
-                0xF34: Reg("fpccr", LAZY, LAZY),
+                0xF34: Reg("fpccr", FPU_SAVED, FPU_SAVED),
                 0xF50: Reg("iciallu"),
                 0xF60: Reg("dcisw"),
             }
@@ -85,9 +84,9 @@ class Nvic(Device):
         self.enabled.clear()
 
     @property
-    def has_lazy_fpu(self) -> bool:
-        """Whether the floating-point unit is on and an exception only reserves room for it."""
-        return self.v["cpacr"] == FPU_ON and self.v["fpccr"] == LAZY
+    def has_fpu_of_thread(self) -> bool:
+        """Whether the floating-point unit is on, and exceptions save no registers of it."""
+        return self.v["cpacr"] == FPU_ON and not self.v["fpccr"]
 
     def best(self) -> int | None:
         """Return the exception that is due if nothing is masked, None for none."""
@@ -175,17 +174,16 @@ class Exceptions:
         uc = self.uc
         control = uc.reg_read(arm.UC_ARM_REG_CONTROL)
         has_float = bool(control & FPCA)
-        if control & SPSEL or (has_float and not self.nvic.has_lazy_fpu):
+        if control & SPSEL or (has_float and not self.nvic.has_fpu_of_thread):
             raise UnmodelledError("the process stack or a unit that is off is in use")
         sp = uc.reg_read(arm.UC_ARM_REG_SP) & ~3
-        base = (sp - (FLOAT_BYTES if has_float else BASIC_BYTES)) & ~7
+        base = (sp - FRAME_BYTES) & ~7
         xpsr = (uc.reg_read(arm.UC_ARM_REG_XPSR) | THUMB) & ~PADDED
         words = [uc.reg_read(reg) for reg in FRAME_REGS]
         words += [pc & ~1, xpsr | (PADDED if sp & 4 else 0)]
         uc.mem_write(base, b"".join(word.to_bytes(4, "little") for word in words))
         uc.reg_write(arm.UC_ARM_REG_SP, base)
-        back = RETURN_HANDLER if self.nvic.active else RETURN_THREAD
-        uc.reg_write(arm.UC_ARM_REG_LR, back & ~BASIC if has_float else back)
+        uc.reg_write(arm.UC_ARM_REG_LR, RETURN_HANDLER if self.nvic.active else RETURN_THREAD)
         uc.reg_write(arm.UC_ARM_REG_CONTROL, control & ~FPCA)
         uc.reg_write(arm.UC_ARM_REG_XPSR, THUMB | number)
         self.nvic.pending.discard(number)
@@ -197,13 +195,11 @@ class Exceptions:
         uc = self.uc
         nested = len(self.nvic.active) > 1
         wanted = (RETURN_HANDLER if nested else RETURN_THREAD) & ~1
-        if not self.nvic.active or (exc_return | BASIC) & ~1 != wanted:
+        if not self.nvic.active or exc_return & ~1 != wanted:
             raise UnmodelledError(f"exception return with 0x{exc_return:08x}")
         control = uc.reg_read(arm.UC_ARM_REG_CONTROL)
         if control & FPCA:
             raise UnmodelledError("an exception used floating-point registers")
-        has_float = not exc_return & BASIC
-        size = FLOAT_BYTES if has_float else BASIC_BYTES
         self.nvic.active.pop()
         base = uc.reg_read(arm.UC_ARM_REG_SP)
         raw = uc.mem_read(base, 32)
@@ -211,6 +207,5 @@ class Exceptions:
         for reg, word in zip(FRAME_REGS, words, strict=False):
             uc.reg_write(reg, word)
         uc.reg_write(arm.UC_ARM_REG_XPSR, words[7] & ~PADDED)
-        uc.reg_write(arm.UC_ARM_REG_SP, base + size + (4 if words[7] & PADDED else 0))
-        uc.reg_write(arm.UC_ARM_REG_CONTROL, control | (FPCA if has_float else 0))
+        uc.reg_write(arm.UC_ARM_REG_SP, base + FRAME_BYTES + (4 if words[7] & PADDED else 0))
         return words[6] | 1

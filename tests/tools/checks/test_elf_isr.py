@@ -104,15 +104,6 @@ def test_stack_is_added_along_the_calls(tmp_path: Path, option: str) -> None:
     assert report.stack_bytes == own["root"] + own["middle"] + own["take"] + 32 + 4
 
 
-@needs_gcc
-def test_frame_of_the_floating_point_unit(tmp_path: Path) -> None:
-    """26 words and the alignment, when the interrupted code may use it."""
-    source = "void root(void) {} float slow(float a) { return a + a; }"
-    report = examined(link(tmp_path, source, *HARD_FLOAT))
-    assert report.problems == []
-    assert report.stack_bytes == 104 + 4
-
-
 VARIABLE = """
     __attribute__((noinline)) void take(volatile char *bytes) { bytes[0] = 1; }
     void root(int n) { volatile char bytes[n]; take(bytes); }"""

@@ -38,7 +38,7 @@ def test_limit_of_the_stack(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     assert isr(tmp_path, *words, "36") == 0
     assert isr(tmp_path, *words, "35") == 1
     out, err = capsys.readouterr()
-    assert "isr-stack 36 bytes, 36 of them for the interrupt's entry without floating point" in out
+    assert "isr-stack 36 bytes, 36 of them for the interrupt's entry" in out
     assert err.splitlines()[0] == "FAILED: 36 bytes of stack, limit 35"
 
 

@@ -382,25 +382,30 @@ static void test_fault_with_a_set_point_far_off_retracts_from_the_last_good_plac
     }
 }
 
-/// From the tick of the fault on the command continues with the speed and the acceleration of its
-/// last step, whatever the set-point was, and the acceleration changes within the jerk of the
-/// window. A home is no motion.
+/// From the tick of the fault on the command continues with the speed of its last step, whatever
+/// the set-point was, without acceleration, which then changes within the jerk of the window. A
+/// step that is beyond U's acceleration, by friction's reversal or a late tick, is not continued:
+/// of the last two steps, before and after it, the smaller one is. A home is no motion.
 static void test_retract_continues_from_the_last_command(void)
 {
-    const int32_t accelerations_nm[] = {0, 300, -300, 5000};
-    for (size_t i = 0; i < 4u; i++) {
+    static const int32_t steps_nm[][3] = {
+        {2000, 0, 2000},    {2000, 300, 2000}, {2000, -300, 2000},   {-2000, -300, -2000},
+        {2000, 5000, 2000}, {2000, 1500, 500}, {-2000, -1900, -100}, {-2000, -2300, 300},
+        {300, 2000, 300},   {300, -1700, 300},
+    };
+    for (size_t i = 0; i < sizeof steps_nm / sizeof steps_nm[0]; i++) {
         begin(cam_state_cutting);
         const int32_t a_nm = cfg->u.acceleration_q10 / 1024;
         const int32_t jerk_nm = (2 * a_nm >> cfg->u.log2_window) + 2;
-        int32_t change_nm = cam_clamp_i32(accelerations_nm[i], -a_nm, a_nm);
+        int32_t change_nm = 0;
         motion.u = (cam_u_t){.home_nm = 1000000,
                              .set_q6 = 100000 * 64,
                              .nm = 120000,
-                             .step_nm = 2000,
-                             .change_nm = accelerations_nm[i]};
+                             .step_nm = steps_nm[i][0],
+                             .change_nm = steps_nm[i][1]};
         in.inputs |= hal_in_estop;
         int32_t last_nm = 120000;
-        int32_t step_nm = 2000;
+        int32_t step_nm = steps_nm[i][2];
         for (int n = 0; n < 40; n++) {
             const cam_want_t safe = tick();
             want.state = cam_state_fault;
