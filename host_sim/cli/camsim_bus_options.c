@@ -73,7 +73,7 @@ static bool check_foreign(const camsim_bus_options_t *o, common_error_t *e)
     }
     return is_clean ||
            common_error(e, "bus: an option of camsim run only (speed, feed, parameters, "
-                           "removal, sections); set it in the controller");
+                           "removal, scallop, sections); set it in the controller");
 }
 
 bool camsim_bus_options_read(camsim_bus_options_t *o, int argc, char **argv, common_error_t *e)
