@@ -44,7 +44,8 @@ const cam_param_info_t *cam_param_info(cam_param_id_t id)
 
 bool cam_param_has(cam_param_id_t id, cam_flag_t flag)
 {
-    return ((uint32_t)infos[id].flags & (uint32_t)flag) != 0u;
+    const cam_param_info_t *info = cam_param_info(id);
+    return info != NULL && ((uint32_t)info->flags & (uint32_t)flag) != 0u;
 }
 
 cam_param_id_t cam_param_find(const char *name)

@@ -143,8 +143,8 @@
 typedef enum {
     cam_flag_operator = 1,   ///< an operator sets it for a part, without the unlocked level
     cam_flag_cut = 2,        ///< it may change in the work, too
-    cam_flag_off = 4,        ///< it changes in off only: the angle would be another one at once
-    cam_flag_rest = 8,       ///< only while U rests: without feed-forward and within any limits
+    cam_flag_off = 4,        ///< only in off, because it shifts the angle
+    cam_flag_rest = 8,       ///< only while U rests, so that a new gain or limit causes no step
     cam_flag_unlearn = 16,   ///< its change ends what was learned of U's drive
     cam_flag_ripple = 32,    ///< its change blends the learned ripple anew
     cam_flag_sign = 64,      ///< -1 or 1; 0 is refused
@@ -177,7 +177,7 @@ typedef struct {
 /// @return description of a parameter, NULL when id is not one
 const cam_param_info_t *cam_param_info(cam_param_id_t id);
 
-/// @return whether a parameter has a flag; id < cam_n_params
+/// @return whether a parameter has a flag, false when id is not one
 bool cam_param_has(cam_param_id_t id, cam_flag_t flag);
 
 /// @return id of the parameter with that name, cam_n_params when there is none

@@ -44,6 +44,7 @@ static void test_numbers_beyond_a_list_stand_for_nothing(void)
         TEST_ASSERT_EQUAL_STRING("?", cam_fault_text((cam_fault_t)(cam_n_faults + by)));
         TEST_ASSERT_EQUAL_STRING("?", cam_scope_signal_name(cam_scope_n_signals + (uint32_t)by));
         TEST_ASSERT_NULL(cam_param_info((cam_param_id_t)(cam_n_params + by)));
+        TEST_ASSERT_FALSE(cam_param_has((cam_param_id_t)(cam_n_params + by), (cam_flag_t)255));
     }
     TEST_ASSERT_EQUAL_STRING("?", cam_fault_text((cam_fault_t)-1));
     TEST_ASSERT_EQUAL_STRING("?", cam_scope_signal_name(UINT32_MAX));
