@@ -7,7 +7,7 @@ int32_t cam_nearest(double v)
     if (beyond >= 0x1p31) {
         return INT32_MAX;
     }
-    return beyond <= -0x1p31 ? INT32_MIN : (int32_t)beyond;
+    return beyond > -0x1p31 ? (int32_t)beyond : INT32_MIN; // NaN is not above it
 }
 
 double cam_root(double v)

@@ -53,12 +53,15 @@ static inline uint64_t cam_cut_scaled_up(uint64_t a, uint64_t b, uint64_t c)
                                                   : (uint64_t)INT64_MAX;
 }
 
-/// @return v rounded up, saturated; what exceeds an integer by less than 2^-40 of itself is
-///         rounding
+/// @return v rounded up, saturated to 0 .. INT64_MAX, INT64_MAX for NaN; what exceeds an integer by
+///         less than 2^-40 of itself is rounding
 static inline uint64_t cam_cut_up(double v)
 {
-    if (v >= 0x1p62) {
+    if (!(v < 0x1p62)) {
         return (uint64_t)INT64_MAX;
+    }
+    if (v <= 0.0) {
+        return 0;
     }
     const uint64_t whole = (uint64_t)v;
     return v - (double)whole > v * 0x1p-40 ? whole + 1u : whole;

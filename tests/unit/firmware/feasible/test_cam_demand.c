@@ -239,3 +239,21 @@ static void test_modulation_demands_a_fast_spindle(void)
     f.params.spindle_lag_us = 1000000;
     TEST_ASSERT_EQUAL_INT(cam_ok, judge_at(200000).err);
 }
+
+/// What exceeds an integer by rounding only is that integer.
+static void test_numbers_are_rounded_up_and_saturate(void)
+{
+    const struct {
+        double v;
+        uint64_t up;
+    } cases[] = {
+        {-1e300, 0},        {-0.5, 0},
+        {0.0, 0},           {0.5, 1},
+        {1.0, 1},           {1.0 + 0x1p-50, 1},
+        {1.0 + 0x1p-30, 2}, {0x1p62, INT64_MAX},
+        {1e300, INT64_MAX}, {__builtin_nan(""), INT64_MAX},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        TEST_ASSERT_EQUAL_UINT64(cases[i].up, cam_cut_up(cases[i].v));
+    }
+}
