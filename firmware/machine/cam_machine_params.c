@@ -7,6 +7,7 @@
 #include "cam_pass.h"           // cam_pass_first
 #include "hal/hal.h"            // hal_params_kept
 #include <stddef.h>             // NULL
+#include <string.h>             // memcmp
 
 /// No version of the parameters has this number.
 #define NO_VERSION UINT32_MAX
@@ -213,6 +214,16 @@ bool cam_machine_load_params(cam_machine_t *m)
     return true;
 }
 
+/// Keep a text. @return whether the port returns it, too: it will be there at the next power-on
+static bool keep(const char *text, uint32_t n)
+{
+    if (!hal_params_keep(text, n)) {
+        return false;
+    }
+    const hal_params_t kept = hal_params_kept();
+    return !kept.is_damaged && kept.size == n && memcmp(kept.bytes, text, n) == 0;
+}
+
 cam_err_t cam_machine_save_params(cam_machine_t *m)
 {
     static char text[cam_param_store_most_bytes];
@@ -232,7 +243,7 @@ cam_err_t cam_machine_save_params(cam_machine_t *m)
         return err;
     }
     const uint32_t n = cam_param_store_write(text, &params, m->version);
-    if (!hal_params_keep(text, n)) {
+    if (!keep(text, n)) {
         return cam_err_params_keep;
     }
     m->kept = (cam_param_store_found_t){.err = cam_ok, .version = m->version};

@@ -158,7 +158,7 @@ hal_params_t hal_params_kept(void)
 bool hal_params_keep(const void *bytes, uint32_t size)
 {
     const bool is_good = size > 0u && size <= sizeof params && stores();
-    if (is_good) {
+    if (is_good && !hal_host.slow.forgets_params) {
         (void)memcpy(params, bytes, size);
         hal_host.slow.params = (hal_params_t){.bytes = params, .size = size};
     }

@@ -59,6 +59,7 @@ typedef struct {
         uint32_t n_store;    ///< number of calls of hal_table_begin, _write, _commit and
                              ///< hal_params_keep that will still succeed
         hal_params_t params; ///< stored parameters
+        bool forgets_params; ///< hal_params_keep() succeeds, but stores nothing
         uint32_t n_room;     ///< free frames in the transmit queue
         bool is_bus_off;     ///< nothing can be sent
         bool has_no_swing;   ///< the machine has no axis for the swing

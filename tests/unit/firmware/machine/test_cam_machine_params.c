@@ -131,6 +131,20 @@ static void test_save_is_refused_when_the_port_fails(void)
     expect_kept(cam_kept_none);
 }
 
+/// As of a port with hal_params_keep() but without hal_params_kept(), or with a bad flash.
+static void test_save_is_refused_when_the_port_does_not_return_the_text(void)
+{
+    hal_host.slow.forgets_params = true;
+    TEST_ASSERT_EQUAL_INT(cam_err_params_keep, cam_machine_save_params(m));
+    expect_kept(cam_kept_none);
+    hal_host.slow.forgets_params = false;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_save_params(m));
+    hal_host.slow.forgets_params = true;
+    set(cam_param_lead_ns, 62000); // a text as long as the kept one
+    TEST_ASSERT_EQUAL_INT(cam_err_params_keep, cam_machine_save_params(m));
+    expect_kept(cam_kept_changed);
+}
+
 /// A text that this image or another has kept.
 static void keep(const cam_params_t *params, bool is_damaged)
 {
