@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// hal_defaults: the functions of hal.h that a port may leave out. A port's own function has
-/// priority. Half of a pair that would move nothing (a force or a swing that the port states but
-/// does not write) halts in the first tick that calls it.
+/// priority. A force or a swing that the port states but does not read or write halts in the first
+/// tick that calls the default.
 #include "hal/hal.h"
 
 #define HAL_DEFAULT __attribute__((weak))
@@ -13,6 +13,9 @@ HAL_DEFAULT bool hal_has_swing(void)
 
 HAL_DEFAULT int32_t hal_swing_read_q32_isr(void)
 {
+    if (hal_has_swing()) {
+        hal_halt("port: hal_has_swing() without hal_swing_read_q32_isr()");
+    }
     return 0;
 }
 

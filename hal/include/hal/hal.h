@@ -236,8 +236,9 @@ void hal_idle(void);
 /// Context: any. Does not return. Simulator: prints and aborts.
 _Noreturn void hal_halt(const char *why);
 
-/// @return the cause of the last start, constant after hal_init(). Default: power-on, no text.
-/// Simulator: set by the test.
+/// @return the cause of the last start, constant after hal_init(). Default: power-on, no text,
+/// whatever the cause: a port with a watchdog must define it, otherwise a reset by the watchdog is
+/// reported as power-on. Simulator: set by the test.
 hal_start_t hal_start(void);
 
 /// @return the slot in use, unchecked: the caller validates the content. Default: none; enable is
@@ -318,7 +319,8 @@ void hal_encoder_read_isr(hal_encoder_t *reading);
 /// command, feed-forward included, and contains no information about the drive.
 int32_t hal_axis_read_nm_isr(hal_axis_t axis);
 
-/// @return [turn / 2^32] newest measured swing of the tool; <= 10 cycles. Default: 0
+/// @return [turn / 2^32] newest measured swing of the tool; <= 10 cycles. Default: 0; halts
+/// where hal_has_swing()
 int32_t hal_swing_read_q32_isr(void);
 
 /// @return bits hal_in_*, debounced if the wiring needs it; <= 20 cycles
