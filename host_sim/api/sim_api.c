@@ -112,7 +112,7 @@ bool sim_api_begin(sim_api_t *s, const char *const *words, int n_words, const ch
     if (!copy_words(s, words, n_words) ||
         !camsim_options_read(&s->options, s->n_words, s->word, &s->error) ||
         (s->options.is_help &&
-         !common_error(&s->error, "--help: camsim run --help tells the options; leave it out")) ||
+         !common_error(&s->error, "--help: camsim run --help lists the options; leave it out")) ||
         !read_machine(s, machine, machine_size, name) || !open_cut(s)) {
         sim_api_end(s);
         return false;
@@ -160,6 +160,8 @@ int sim_api_finish(sim_api_t *s, double wall_s)
     if (is_lost) {
         (void)common_error(&s->error,
                            "not enough memory for the results; free some, or trace less");
+        free(s->summary);
+        s->summary = NULL;
         return camsim_wrong;
     }
     s->error.text[0] = '\0';

@@ -43,7 +43,7 @@ void sim_api_close(sim_api_t *s);
 const char *sim_api_version(void);
 
 /// @return the line that says what was wrong with the last call that failed, as `camsim` prints it
-///         behind its name; valid until the next call
+///         after its name; valid until the next call
 const char *sim_api_error(const sim_api_t *s);
 
 /// Begin a cut; one that has not ended is ended, and results are freed.
@@ -89,7 +89,7 @@ const int64_t *sim_api_rows(const sim_api_t *s, const char *table, size_t *n);
 /// Forget the rows, so that a long cut needs little memory.
 void sim_api_drop(sim_api_t *s, const char *table);
 
-/// @return the summary, JSON
+/// @return the summary, JSON; empty before sim_api_finish(), and where that had no memory
 const char *sim_api_summary(const sim_api_t *s);
 
 /// End the cut and free its results, so that another session may begin one.

@@ -8,6 +8,7 @@ enum { first_room = 1 << 12 };
 void sim_rows_open(sim_rows_t *t, const char *columns)
 {
     t->columns = columns;
+    t->is_lost = false;
     t->n_columns = 0;
     for (const char *c = columns; *c != '\0'; c++) {
         if (*c == ':' && t->n_columns < sim_rows_max_columns) {
@@ -52,7 +53,6 @@ void sim_rows_real(sim_rows_t *t, double value)
 void sim_rows_drop(sim_rows_t *t)
 {
     t->n = 0;
-    t->is_lost = false;
 }
 
 void sim_rows_free(sim_rows_t *t)

@@ -20,7 +20,7 @@ typedef struct {
     char format[sim_rows_max_columns][2]; ///< first characters of each FORMAT
     int64_t *number;                      ///< of all rows
     size_t n, room;                       ///< numbers
-    bool is_lost;                         ///< out of memory: numbers are missing
+    bool is_lost; ///< since the table was opened numbers went missing: out of memory
 } sim_rows_t;
 
 /// Begin a table. @param columns  kept, not copied

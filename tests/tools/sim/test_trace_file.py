@@ -14,7 +14,7 @@ from camtools.sim import camsim as module
 from camtools.sim.binding import Column
 from camtools.sim.camsim import Simulator
 from camtools.sim.results import STATES, read_swing
-from camtools.sim.trace_file import TOLD_TWICE, ParquetFile, column_names, read_columns
+from camtools.sim.trace_file import DUPLICATES, ParquetFile, column_names, read_columns
 from tests.tools.cases.camsim_cases import cut, first_difference
 
 CUT = ("--turns-limit", "15", "--nose-mm", "0.8", "--sections-mm", "0.05,0.1")
@@ -62,7 +62,7 @@ def test_every_number_is_that_of_the_text(text: Path, packed: Path) -> None:
     names, rows = header.split(","), [line.split(",") for line in lines[::7]]
     cells = dict(zip(names, zip(*rows, strict=True), strict=True))
     kept = column_names(packed)
-    assert {*kept, *TOLD_TWICE} == {*names}
+    assert {*kept, *DUPLICATES} == {*names}
     assert pq.ParquetFile(packed).num_row_groups > 5
     found = read_columns(packed, kept)
     for name in kept:
@@ -80,7 +80,7 @@ def test_what_is_told_once_gives_the_other_column_back(text: Path, packed: Path)
     """In whole numbers."""
     header, *lines = text.read_text("ascii").splitlines()
     names, rows = header.split(","), [line.split(",") for line in lines[::7]]
-    for name, (other, n) in TOLD_TWICE.items():
+    for name, (other, n) in DUPLICATES.items():
         (kept,) = read_columns(packed, [other]).values()
         told = [int(row[names.index(name)]) for row in rows]
         assert np.rint(kept[::7] * n).astype(int).tolist() == told, name

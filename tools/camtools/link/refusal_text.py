@@ -84,7 +84,7 @@ _NO_CUT = {  # after "nothing is being cut"
 
 
 def _last_refusal(link: Link) -> dict[str, int]:
-    """Return what the controller tells of its last refusal by numbers; empty: nothing."""
+    """Return the numbers of the controller's last refusal; empty: it has none."""
     found = {}
     for index, name in enumerate(REFUSALS):
         answer = link.ask("get_refusal", parameter=index)

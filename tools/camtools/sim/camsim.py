@@ -22,7 +22,7 @@ from camtools.base.readable import duration_text
 from camtools.part.common import MachineLimits
 from camtools.sim.binding import Ending, SimSession, build_folder
 from camtools.sim.results import CutVariant
-from camtools.sim.simulate import TABLES, TICKS_AT_A_TIME
+from camtools.sim.simulate import ONE_AT_A_TIME, TABLES, TICKS_AT_A_TIME
 
 if TYPE_CHECKING:
     from camtools.sim.trace_file import CsvFile, ParquetFile
@@ -126,14 +126,14 @@ class Simulator:
 
     @contextmanager
     def begun(self, words: Sequence[str]) -> Iterator[SimSession]:
-        """Begin a cut; the folder is the working folder until its end.
+        """Begin a cut; the folder is the working folder until its end, and other threads wait.
 
         Raises
         ------
         CamtoolsError
             The simulator refuses it.
         """
-        with chdir(self.folder), SimSession() as session:
+        with ONE_AT_A_TIME, chdir(self.folder), SimSession() as session:
             session.begin([self.table, *words])
             yield session
 
@@ -173,14 +173,14 @@ class Simulator:
                 if progress is not None:
                     progress.show(is_end=True)
                 ending = session.finish(time.monotonic() - begin_s)
+                if ending.status == BAD_INPUT:
+                    raise CamtoolsError([ending.message])
                 files.write()
                 summary = session.path("summary")
                 if summary is not None:
                     Path(summary).write_text(ending.summary_text, encoding="ascii")
         except OSError as error:
             raise cannot_write(self.folder.parent, error) from error
-        if ending.status == BAD_INPUT:
-            raise CamtoolsError([ending.message])
         if ending.message and not is_quiet:
             sys.stderr.write(f"camsim: {ending.message}\n")
         return ending
@@ -332,7 +332,7 @@ def cut(
 
 
 def variant_of(name: str, summary: Json) -> CutVariant | None:
-    """Return what a comparison cut came to, nothing when it cut nothing.
+    """Return the result of a comparison cut, None when nothing was cut.
 
     The controller is compared, so its own error counts, not that of a refit.
     """

@@ -39,7 +39,7 @@ _OPTIONS = {  # of camsim, and what they are called here
     "--machine": "machine",
 }
 TABLES = ("trace", "surface", "removal", "scallop", "sections")
-_ONE_AT_A_TIME = threading.Lock()  # other threads wait
+ONE_AT_A_TIME = threading.Lock()  # other threads wait
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -171,7 +171,7 @@ def simulate(
     words = [str(table), *_words(rpm, feed, turns), "--seed", str(seed), *settings, *options]
     words += ["--surface", "surface", *(["--trace", "trace"] if trace else [])]
     begin_s = time.monotonic()
-    with _in_own_words(options), _ONE_AT_A_TIME, SimSession() as session:
+    with _in_own_words(options), ONE_AT_A_TIME, SimSession() as session:
         chosen = _machine(machine)
         name, text = (chosen.name, chosen.text) if chosen else ("", None)
         session.begin(words, text, name)

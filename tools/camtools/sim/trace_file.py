@@ -3,7 +3,7 @@ r"""Tables of the simulator as files: CSV text, or Parquet in a tenth of it.
 
 Both have the digits of `camsim run`, and the same rows give the same bytes. Rows are written group
 by group, so that a trace is never whole in memory. Parquet holds once what the CSV has twice
-(`TOLD_TWICE`).
+(`DUPLICATES`).
 
 A column of whole numbers is int64 in Parquet, in differences. A decimal fraction is a double on a
 grid of 2^-k, the coarsest one on which rounding to the column's decimals gives its digits back: a
@@ -42,7 +42,7 @@ from camtools.sim.results import STATES
 Numbers = npt.NDArray[np.int64]  # shape (rows, columns), as in `Table`
 
 # Columns that are another one in a smaller unit: (its name, how many of them in one).
-TOLD_TWICE = {
+DUPLICATES = {
     "z_nm": ("z_mm", 1_000_000),
     "u_set_q6": ("u_set_nm", 64),
     "u_due_q6": ("u_due_nm", 64),
@@ -121,7 +121,7 @@ class ParquetFile:
         self._kept = [
             (place, column)
             for place, column in enumerate(columns)
-            if TOLD_TWICE.get(column.name, ("",))[0] not in names
+            if DUPLICATES.get(column.name, ("",))[0] not in names
         ]
         self._schema = pa.schema([_field(column) for _, column in self._kept])
         words = {pa.int64(): "DELTA_BINARY_PACKED", pa.float64(): "BYTE_STREAM_SPLIT"}

@@ -101,3 +101,15 @@ static void test_values_are_rounded_to_the_decimals_of_their_column(void)
     TEST_ASSERT_EQUAL(0, rows.n);
     sim_rows_free(&rows);
 }
+
+/// Rows that were taken do not hide that others are missing.
+static void test_lost_rows_are_known_until_the_table_is_opened_again(void)
+{
+    sim_rows_open(&rows, columns);
+    rows.is_lost = true;
+    sim_rows_drop(&rows);
+    TEST_ASSERT_TRUE(rows.is_lost);
+    sim_rows_open(&rows, columns);
+    TEST_ASSERT_FALSE(rows.is_lost);
+    sim_rows_free(&rows);
+}
