@@ -50,6 +50,9 @@ static bool refuse(const cam_machine_t *m, const cam_params_t *params, const cam
 {
     const cam_param_info_t *info = cam_param_info(refusal->param);
     const char *what = cam_err_text(refusal->err);
+    if (info == NULL) {
+        return common_error(e, "parameters: refused: %s", what);
+    }
     char refused[256];
     (void)snprintf(refused, sizeof refused, "parameter %s = %lld: refused: %s", info->name,
                    (long long)refusal->needed, what);
@@ -89,6 +92,9 @@ bool sim_params_apply(cam_machine_t *machine, const cam_params_t *params, common
             return refuse(machine, params, &refusal, e);
         }
     }
-    return cam_machine_stage_commit(machine) == cam_ok ||
-           refuse(machine, params, &machine->refusal, e);
+    const cam_err_t err = cam_machine_stage_commit(machine);
+    const cam_refusal_t without_numbers = cam_refusal_of(err, cam_n_params, 0, 0);
+    const bool has_numbers = machine->refusal.err == err; // otherwise it is of an earlier change
+    return err == cam_ok ||
+           refuse(machine, params, has_numbers ? &machine->refusal : &without_numbers, e);
 }

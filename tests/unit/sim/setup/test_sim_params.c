@@ -101,3 +101,16 @@ static void test_other_values_are_told_by_the_parameter_that_is_refused(void)
     params.observer_bandwidth_mHz = 100000000;
     expect_refusal("parameter observer_bandwidth_mHz = 100000000: refused: ");
 }
+
+/// The refusal of an earlier change is not repeated.
+static void test_a_set_while_another_is_pending_is_refused_as_busy(void)
+{
+    const int32_t jerk_m_per_s3 = params.u_jerk_m_per_s3;
+    params.u_jerk_m_per_s3 = 1;
+    TEST_ASSERT_FALSE(apply());
+    params.u_jerk_m_per_s3 = jerk_m_per_s3;
+    TEST_ASSERT_TRUE(sim_params_apply(&rig.machine, &params, &error));
+    TEST_ASSERT_FALSE(sim_params_apply(&rig.machine, &params, &error));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "parameters: refused: "), error.text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, cam_err_text(cam_err_busy)), error.text);
+}
