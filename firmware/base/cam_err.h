@@ -70,7 +70,6 @@
     X(scope_range,           -61, "the value is out of the range of the recorder's field") \
     X(scope_memory,          -62, "the memory of the recorder is too small for it") \
     X(scope_on,              -63, "a recording is running") \
-    X(scope_trace,           -64, "no ticks are recorded while the parameter trace_on is 0") \
     X(wave_none,             -65, "no complete wave was downloaded") \
     X(wave_length,           -66, "the wave, its fade or the whole excitation is too short or too long") \
     X(wave_stroke,           -67, "the wave would move U out of its stroke") \

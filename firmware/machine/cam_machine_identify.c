@@ -94,10 +94,7 @@ static cam_err_t check_moment(const cam_machine_t *m, const cam_status_t *status
     if (m->identify.n == 0u) {
         return cam_err_wave_none;
     }
-    if (cam_blackbox_is_unread(&m->scope)) {
-        return cam_err_scope_unread;
-    }
-    return m->params.trace_on != 0 ? cam_ok : cam_err_scope_trace;
+    return cam_blackbox_is_unread(&m->scope) ? cam_err_scope_unread : cam_ok;
 }
 
 /// Limit fades and periods together to cam_wave_longest_s.

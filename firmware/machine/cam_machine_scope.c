@@ -13,9 +13,6 @@ cam_err_t cam_machine_scope_start(cam_machine_t *m)
     if (m->identify.phase != cam_identify_none) {
         return cam_err_state;
     }
-    if (m->params.trace_on == 0) {
-        return cam_err_scope_trace;
-    }
     if (cam_blackbox_is_unread(&m->scope)) {
         return cam_err_scope_unread;
     }
@@ -111,8 +108,7 @@ static void poll_box(cam_machine_t *m)
         !m->identify.is_open && tick - m->scope.last_tick > patience) {
         give_up(m);
     }
-    if (m->scope.phase == cam_scope_idle && m->params.trace_on != 0 &&
-        cam_blackbox_begin(&m->scope, tick) == cam_ok) {
+    if (m->scope.phase == cam_scope_idle && cam_blackbox_begin(&m->scope, tick) == cam_ok) {
         m->is_box_kept = false;
     }
 }
@@ -123,9 +119,6 @@ cam_err_t cam_machine_strobe(cam_machine_t *m, uint32_t every)
 {
     if (every != 0u && (every < cam_strobe_least(m->tick_hz) || every > m->tick_hz)) {
         return cam_err_param_range;
-    }
-    if (every != 0u && m->params.trace_on == 0) {
-        return cam_err_scope_trace;
     }
     cam_strobe_subscribe(&m->strobe, every, cam_machine_status(m).tick);
     return cam_ok;

@@ -23,7 +23,7 @@ enum { cam_scope_patience_s = 600 };
 /// reads the trace ring itself.
 void cam_machine_blackbox(cam_machine_t *m);
 
-/// Start a recording; replaces a running one. @return as cam_scope_begin(); cam_err_scope_trace;
+/// Start a recording; replaces a running one. @return as cam_scope_begin();
 /// cam_err_scope_unread; cam_err_state during an excitation
 CAM_MUST_USE cam_err_t cam_machine_scope_start(cam_machine_t *m);
 
@@ -43,8 +43,7 @@ CAM_MUST_USE cam_err_t cam_machine_scope_get(const cam_machine_t *m, uint32_t fi
 
 /// Subscribe to samples of single ticks, message Strobe, or renew (cam_strobe.h).
 /// @param every  [ticks] between samples; 0: unsubscribe
-/// @return       cam_ok; cam_err_param_range, below cam_strobe_least() or above the tick rate;
-///               cam_err_scope_trace
+/// @return       cam_ok; cam_err_param_range, below cam_strobe_least() or above the tick rate
 CAM_MUST_USE cam_err_t cam_machine_strobe(cam_machine_t *m, uint32_t every);
 
 /// Pass a record of the trace ring to recorder and strobe, in the order of the ticks. For a loop

@@ -49,7 +49,6 @@
     X(stopped_ms,                     1,        100,      10000, 0, "a stopped spindle is a fault after this time while cutting") \
     X(following_limit_nm,             0,     100000,   10000000, 0, "accepted following error of U; 0, the default where U is measured at 5 kHz or faster: a tenth of the ovality, not less than the drive may be off in its approach") \
     X(late_percent,                  10,         50,        900, 0, "a tick is late when it comes this much of a period after its time") \
-    X(trace_on,                       0,          1,          1, cam_flag_operator, "1: record every tick in the trace ring") \
     X(swing_speed_mdeg_per_s,         0,          0,  100000000, 0, "highest speed of the tool's swing; 0: there is no axis for it") \
     X(swing_acceleration_deg_per_s2,  1,     100000,  100000000, 0, "highest acceleration of the swing") \
     X(swing_range_mdeg,               1,      30000,      90000, 0, "the tool swings by at most this to either side") \
@@ -135,7 +134,7 @@
 
 /// Beginnings of the names of retired parameters: texts that have them are read, these lines are
 /// reported and ignored.
-#define CAM_RETIRED_PARAMS(X) X(switch_)
+#define CAM_RETIRED_PARAMS(X) X(switch_) X(trace_on)
 // clang-format on
 
 /// Flags of a parameter. Without any it is a limit or constant of the machine, which changes in

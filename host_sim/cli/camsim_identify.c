@@ -82,7 +82,6 @@ static bool check(identify_options_t *o, common_error_t *e)
                                 o->common.out_path[i]);
         }
     }
-    o->common.cut.is_traced = true;
     o->identify.n_periods = (uint32_t)o->n_periods;
     o->identify.fade_ticks = (uint32_t)o->fade_ticks;
     o->identify.place_nm = (int32_t)o->place_nm;

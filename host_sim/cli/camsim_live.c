@@ -91,7 +91,6 @@ static bool check(options_t *o, common_error_t *e)
         return common_error(e, "live: no --wire; let tools/live start both processes");
     }
     o->live.wire = (int)o->wire;
-    o->common.cut.is_traced = true; // the recorder needs it
     o->live.cut = o->common.cut;
     return true;
 }

@@ -235,7 +235,6 @@ void camsim_warn_of_design(const camsim_options_t *o)
 /// Check what the options say together.
 static bool check(camsim_options_t *o, common_error_t *e)
 {
-    o->cut.is_traced = o->out_path[sim_table_trace] != NULL;
     o->cut.session.has_map = o->out_path[sim_table_surface] != NULL;
     if (o->machine_path != NULL && !sim_config_load(&o->cut.session.config, o->machine_path, e)) {
         return false;

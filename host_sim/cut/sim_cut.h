@@ -27,7 +27,6 @@ typedef struct {
     double feed_mm;                ///< 0: the table's
     bool is_without_feed_forward, is_without_lead, is_without_learning;
     double trace_every; ///< [ticks] per line of the trace; below 1: every tick
-    bool is_traced;     ///< the firmware records every tick; drain its trace
     double slice_s;     ///< [s] slice of the removal; 0: a 120th of the mean turn
     double kc_n_mm2;    ///< specific cutting force
     double kc_exponent; ///< its size effect; 0: none

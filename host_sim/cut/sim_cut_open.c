@@ -35,7 +35,6 @@ sim_wishes_t sim_cut_wishes(const sim_cut_options_t *o)
     if (o->is_without_lead) {
         wish(&w, cam_param_lead_ns, 0.0);
     }
-    wish(&w, cam_param_trace_on, o->is_traced ? 1.0 : 0.0);
     return w;
 }
 

@@ -155,7 +155,6 @@ static void begin(uint32_t rate, const fuzz_start_t *start)
     fuzz_judge_begin(&fuzz_rig.judge, hz, cam_table_rise_nm(&fuzz_rig.machine.table));
     fuzz_rig.judge.has_button = start->has_button;
     fuzz_rig_tick();
-    set(cam_param_trace_on, 0);
     set(cam_param_lead_ns, (int32_t)(1000000000u / hz));
     const int32_t mrpm = rates[rate].spindle_mrpm;
     // The ratio of a modulated speed reaches 1.4 of its mean.

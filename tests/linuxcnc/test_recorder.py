@@ -41,7 +41,6 @@ def test_black_box_of_a_fault_is_what_camsim_did(
     """Through 20 ms after the fault, tick by tick, with the fault at the time 0."""
     recorded = cut(table_of("perkins240"), tmp_path, "--rpm", "1000", "--inject", "estop@0.05",
                    "--machine", _machine(tmp_path))  # fmt: skip
-    recorded.params["trace_on"] = 1  # which camsim switches off for itself
     replay(box, recorded, "recordings=./box")
     found = read(box.folder / "box-1.csv")
     assert found["t_ms"][-1] == AFTER_MS - 1

@@ -114,7 +114,6 @@ static void excite(int32_t place_nm)
     }
     cam_machine_t *m = &fuzz_rig.machine;
     hal_host.in.axis_nm[hal_axis_x] += 100000000;
-    fuzz_try(cam_machine_set_param(m, cam_param_trace_on, 1)); // the recorder needs it
     fuzz_let_pass(16);
     if (cam_machine_wave_begin(m, sizeof wave_nm) == cam_ok) {
         fuzz_try(cam_machine_wave_block(m, 0, bytes, sizeof wave_nm));

@@ -57,7 +57,7 @@ def test_a_recording_waits_for_its_state(
 
 
 def test_bad_recordings_are_refused(bench: Bench, tmp_path: Path, refusal: Refusal) -> None:
-    """Signals that are none, names without a format, triggers, nothing recorded, no trace."""
+    """Signals that are none, names without a format, triggers, nothing recorded."""
     record = tmp_path / "record.csv"
     assert "u_set: no such signal" in refusal(bench, 2, f"scope {record} --signals u_set")
     assert "ends in .csv" in refusal(bench, 2, f"scope {tmp_path / 'record'}")
@@ -74,8 +74,6 @@ def test_bad_recordings_are_refused(bench: Bench, tmp_path: Path, refusal: Refus
     ):
         assert why in refusal(bench, 2, f"scope {record} --trigger {trigger}")
     assert "no recording is complete" in refusal(bench, 1, f"scope {record} --again")
-    bench.do("set", "trace_on", "0")
-    assert "set trace_on 1" in refusal(bench, 1, f"scope {record} --signals state")
     assert not record.exists()
 
 

@@ -216,7 +216,7 @@ def _tell(link: Link, say: Say) -> None:
         texts = {
             "box": "recording; no fault since it was last read",
             "user": "paused: the memory holds a recording; camctl scope FILE --again reads it",
-            "nobody": "off: trace_on is 0, or the port has no memory for it",
+            "nobody": "off: the port has no memory for it",
         }
         say(f"black box         {texts[use]}")
         return

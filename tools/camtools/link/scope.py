@@ -54,7 +54,6 @@ _REMEDIES = {
     "scope_on": "stop the recording that runs",
     "scope_unread": "the last fault would be lost; camctl blackbox FILE reads it, --clear drops it",
     "scope_before": "the rows before the trigger leave none after it; record longer",
-    "scope_trace": "set trace_on 1",
     "state": "the state must be ready: home first",
     "wave_none": "download a wave",
     "wave_unit": "U of this machine takes positions: give a wave of nm, with the heading u_nm",

@@ -95,7 +95,7 @@ class Strobe:
         Raises
         ------
         Refused
-            The controller says no (trace_on is 0; out of range, with the range), or nothing; or it
+            The controller says no (out of range, with the range), or nothing; or it
             is older than this command.
         """
         self.every = 0  # no renewal of the last period comes between

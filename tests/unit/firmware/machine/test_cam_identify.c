@@ -300,9 +300,6 @@ static void test_it_begins_in_ready_only_and_with_a_whole_wave(void)
     TEST_ASSERT_EQUAL_INT(cam_err_wave_clear, v.err);
     TEST_ASSERT_GREATER_THAN_INT32(0, v.value);
     TEST_ASSERT_EQUAL_INT(cam_state_ready, state());
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_trace_on, 0));
-    TEST_ASSERT_EQUAL_INT(cam_err_scope_trace, cam_machine_excite(m, 1, fade).err);
-    TEST_ASSERT_EQUAL_INT(cam_err_scope_trace, cam_machine_scope_start(m));
 }
 
 /// While it plays, and between the command and the tick that obeys it.

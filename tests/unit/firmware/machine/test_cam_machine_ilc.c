@@ -191,7 +191,7 @@ static void test_walk_waits_for_the_interrupt(void)
     bring(cam_state_ready);
     (void)generations(400);
     TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_k1, 640));
-    expect_set(cam_ok, cam_param_trace_on, 1);
+    expect_set(cam_ok, cam_param_feed_ramp_turns, 2);
     const uint32_t before = m->generation;
     for (int i = 0; i < 100; i++) {
         poll(cam_state_ready);

@@ -183,14 +183,6 @@ static void test_bounds_are_those_of_the_tick_rate(void)
     TEST_ASSERT_EQUAL_UINT32(40, rig.machine.strobe.every); // a refusal changes nothing
 }
 
-static void test_without_a_trace_it_is_refused(void)
-{
-    begin();
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_trace_on, 0));
-    TEST_ASSERT_EQUAL_INT(cam_err_scope_trace, cam_machine_strobe(&rig.machine, 40));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_strobe(&rig.machine, 0));
-}
-
 static void test_the_ring_is_left_alone_when_nobody_waits(void)
 {
     begin();

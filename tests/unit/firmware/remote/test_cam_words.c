@@ -70,8 +70,8 @@ static void test_err_text_knows_every_error(void)
             crc = cam_crc32(crc, &(int8_t){(int8_t)err}, 1);
         }
     }
-    TEST_ASSERT_EQUAL_INT(100, n_known);
-    TEST_ASSERT_EQUAL_HEX32(0xF17F7F8D, crc); // tools and records know errors by their numbers
+    TEST_ASSERT_EQUAL_INT(99, n_known);
+    TEST_ASSERT_EQUAL_HEX32(0x40CE3935, crc); // tools and records know errors by their numbers
     TEST_ASSERT_EQUAL_STRING("done", cam_err_text(cam_ok));
     TEST_ASSERT_EQUAL_STRING("unknown error", cam_err_text((cam_err_t)5));
 }
@@ -109,7 +109,7 @@ static void test_params_are_those_that_are_known(void)
                                (int)info->def, (int)info->max, (int)info->flags);
         crc = cam_crc32(crc, line, (uint32_t)n);
     }
-    TEST_ASSERT_EQUAL_HEX32(0xFC759203, crc);
+    TEST_ASSERT_EQUAL_HEX32(0x0F170088, crc);
 }
 
 #define SIGNAL(name, value, what) #name " "
