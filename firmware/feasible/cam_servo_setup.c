@@ -27,7 +27,7 @@ int64_t cam_servo_needed_mn(const cam_params_t *p)
            p->servo_friction_mn;
 }
 
-static cam_refusal_t refused(const cam_params_t *params, cam_param_id_t id)
+static cam_refusal_t refusal_of(const cam_params_t *params, cam_param_id_t id)
 {
     return cam_refusal_of(cam_err_servo, id, cam_param_get(params, id), 0);
 }
@@ -46,14 +46,14 @@ cam_refusal_t cam_servo_setup(const cam_params_t *params, uint32_t tick_hz, cam_
     };
     const cam_servo_refused_t by_design = cam_servo_design(&physical, cfg);
     if (by_design != cam_servo_refused_none) {
-        return refused(params, refused_param(by_design));
+        return refusal_of(params, refused_param(by_design));
     }
     if (params->servo_force_delay_ns < (int64_t)hal_force().latency_ns) {
         // the delay includes the latency of the output
-        return refused(params, cam_param_servo_force_delay_ns);
+        return refusal_of(params, cam_param_servo_force_delay_ns);
     }
     if ((int64_t)tick_hz * tick_hz * params->servo_mass_g <= most_light_g_hz2) {
-        return refused(params, cam_param_servo_mass_g);
+        return refusal_of(params, cam_param_servo_mass_g);
     }
     const int64_t needed_mn = cam_servo_needed_mn(params);
     if (needed_mn > params->servo_force_limit_mn) {

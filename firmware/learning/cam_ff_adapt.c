@@ -39,7 +39,7 @@ void cam_friction_add(cam_drive_sums_t *sums, cam_complex_t error_q6, cam_comple
 }
 
 /// @return a / b, limited; 0 when b is 0
-static double share(double a, double b)
+static double estimate(double a, double b)
 {
     return b > 0.0 ? cam_limit(a / b, MOST_SHARE) : 0.0;
 }
@@ -47,13 +47,13 @@ static double share(double a, double b)
 cam_drive_change_t cam_drive_solve(const cam_drive_sums_t *sums, int32_t speed_q32)
 {
     const double per_rad = 0x1p32 / (2.0 * CAM_PI * speed_q32); // [ticks]
-    const double k1 = share(sums->error1, sums->weight1) * per_rad;
-    const double k2 = -share(sums->error2, sums->weight2) * per_rad * per_rad;
+    const double k1 = estimate(sums->error1, sums->weight1) * per_rad;
+    const double k2 = -estimate(sums->error2, sums->weight2) * per_rad * per_rad;
     // Smaller harmonics, below an eighth of a full reversal, do not determine the friction.
     const bool is_enough = sums->weight_f >= 0x1p34;
     return (cam_drive_change_t){
         .friction_q6 = is_enough ? cam_nearest(sums->error_f / sums->weight_f * 0x1p20) : 0,
-        .chip_q32 = cam_nearest(share(sums->error0, sums->weight0) * 0x1p32),
+        .chip_q32 = cam_nearest(estimate(sums->error0, sums->weight0) * 0x1p32),
         .k1_q16 = cam_nearest(k1 * 0x1p16),
         .k2_q16 = cam_nearest(k2 * 0x1p16),
     };

@@ -74,7 +74,7 @@ uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
 }
 
 /// Keep the set-point of this tick.
-static void keep(cam_guard_t *g, const cam_tick_record_t *r, uint32_t home_q6)
+static void keep_set(cam_guard_t *g, const cam_tick_record_t *r, uint32_t home_q6)
 {
     g->history_q6[r->tick % cam_guard_history] = (int32_t)((uint32_t)r->want.u_set_q6 - home_q6);
 }
@@ -255,7 +255,7 @@ static int32_t within_stroke_nm(int32_t last_nm, int32_t range_nm, int64_t nm)
 
 /// In state fault retract U; after manual brake it. At the end of its stroke it stops.
 /// @return whether it rests there
-static bool move_off(const cam_guard_config_t *cfg, cam_motion_t *m)
+static bool retract_u(const cam_guard_config_t *cfg, cam_motion_t *m)
 {
     cam_axis_motion_t *u = &m->axis[hal_axis_u];
     cam_jerk_filter_t *filter = &m->filter[hal_axis_u];
@@ -278,7 +278,7 @@ static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_reco
                     cam_motion_t *m)
 {
     cam_want_t *want = &r->want;
-    const bool is_u_out = move_off(cfg, m);
+    const bool is_u_out = retract_u(cfg, m);
     m->is_retracted = m->is_retracted || (is_u_out && m->is_clear);
     want->state = cam_state_fault;
     want->spindle_mrpm = 0;
@@ -333,14 +333,14 @@ void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_
 {
     cam_want_t *want = &r->want;
     const uint32_t home_q6 = 64u * (uint32_t)m->u.home_nm;
-    keep(g, r, home_q6);
+    keep_set(g, r, home_q6);
     want->u_due_q6 = due_q6(g, cfg, r->tick, home_q6);
     if (want->state == cam_state_off) {
         follow(g, cfg, r, u_nm, m);
     } else if (want->state == cam_state_fault || !accept(g, cfg, r, u_nm, m)) {
         g->faults |= faults_before(r, m) & ARMED_IN_FAULT;
         retract(g, cfg, r, m);
-        keep(g, r, home_q6);
+        keep_set(g, r, home_q6);
     } else {
         // accepted
     }
