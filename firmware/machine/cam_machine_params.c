@@ -215,7 +215,7 @@ bool cam_machine_load_params(cam_machine_t *m)
 }
 
 /// Keep a text. @return whether the port returns it, too: it will be there at the next power-on
-static bool keep(const char *text, uint32_t n)
+static bool keep_text(const char *text, uint32_t n)
 {
     if (!hal_params_keep(text, n)) {
         return false;
@@ -243,7 +243,7 @@ cam_err_t cam_machine_save_params(cam_machine_t *m)
         return err;
     }
     const uint32_t n = cam_param_store_write(text, &params, m->version);
-    if (!keep(text, n)) {
+    if (!keep_text(text, n)) {
         return cam_err_params_keep;
     }
     m->kept = (cam_param_store_found_t){.err = cam_ok, .version = m->version};
