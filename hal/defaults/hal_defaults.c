@@ -1,31 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// hal_defaults: the functions of hal.h that a port may leave out. A port's own function has
-/// priority. A force or a swing that the port states but does not read or write halts in the first
-/// tick that calls the default.
+/// hal_defaults: the functions of hal.h that a port may leave out, without those of the swing. A
+/// port's own function has priority. A force that the port states but does not write halts in the
+/// first tick that calls it.
 #include "hal/hal.h"
 
 #define HAL_DEFAULT __attribute__((weak))
-
-HAL_DEFAULT bool hal_has_swing(void)
-{
-    return false;
-}
-
-HAL_DEFAULT int32_t hal_swing_read_q32_isr(void)
-{
-    if (hal_has_swing()) {
-        hal_halt("port: hal_has_swing() without hal_swing_read_q32_isr()");
-    }
-    return 0;
-}
-
-HAL_DEFAULT void hal_swing_write_isr(const hal_swing_t *setpoint)
-{
-    (void)setpoint;
-    if (hal_has_swing()) {
-        hal_halt("port: hal_has_swing() without hal_swing_write_isr()");
-    }
-}
 
 HAL_DEFAULT hal_force_t hal_force(void)
 {

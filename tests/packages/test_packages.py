@@ -133,17 +133,22 @@ def test_port_outside_this_tree(tmp_path: Path) -> None:
     """A folder anywhere is a port: hal/template has every function without a default.
 
     A port's own function, even alone in its file, has priority over the default; the linker names
-    a missing one that has none.
+    a missing one that has none, and a swing that is stated but neither read nor written.
     """
     port = shutil.copytree(TEMPLATE, tmp_path / "my port")
     head = '#include "hal/hal.h"\n'
-    (port / "swing.c").write_text(f"{head}bool hal_has_swing(void)\n{{\n    return true;\n}}\n")
+    own = "bool {}(void)\n{{\n    return true;\n}}\n"
+    (port / "own.c").write_text(head + own.format("hal_measures_u"))
     words = ("-S", ROOT, "-B", "build", "-G", "Ninja", "-D", "CAM_HAL_DIR=my port")
     run("cmake", *words, cwd=tmp_path)
     run("cmake", "--build", "build", cwd=tmp_path)
     symbols = run("nm", tmp_path / "build" / "hal" / "own" / "firmware")
-    assert " T hal_has_swing\n" in symbols
-    assert " W hal_swing_write_isr\n" in symbols
+    assert " T hal_measures_u\n" in symbols
+    assert " W hal_has_edge_time\n" in symbols
+    (port / "own.c").write_text(head + own.format("hal_has_swing"))
+    half = run("cmake", "--build", "build", cwd=tmp_path, status=1)
+    assert "multiple definition of `hal_has_swing'" in half
+    (port / "own.c").write_text(head)
     source = port / "hal_template.c"
     source.write_text(source.read_text().replace("hal_outputs_write_isr", "hal_outputs"))
     missing = run("cmake", "--build", "build", cwd=tmp_path, status=1)

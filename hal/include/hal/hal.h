@@ -178,6 +178,7 @@ uint32_t hal_tick_hz(void);
 
 /// @return whether the machine has an axis that swings the tool, constant after hal_init(). Without
 /// one, tables with a swing are refused and the swing functions, still called, do nothing.
+/// A port defines all three functions of the swing or none; otherwise it does not link.
 /// Default: false. Simulator: true unless the machine file says otherwise.
 bool hal_has_swing(void);
 
@@ -319,8 +320,7 @@ void hal_encoder_read_isr(hal_encoder_t *reading);
 /// command, feed-forward included, and contains no information about the drive.
 int32_t hal_axis_read_nm_isr(hal_axis_t axis);
 
-/// @return [turn / 2^32] newest measured swing of the tool; <= 10 cycles. Default: 0; halts
-/// where hal_has_swing()
+/// @return [turn / 2^32] newest measured swing of the tool; <= 10 cycles. Default: 0
 int32_t hal_swing_read_q32_isr(void);
 
 /// @return bits hal_in_*, debounced if the wiring needs it; <= 20 cycles
@@ -343,8 +343,7 @@ void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint);
 /// Write the set-point of the swing, valid from this tick; <= 60 cycles. In state off it is called
 /// every 0.4 ms (every tick if the period is longer) with the measured angle. In the other states
 /// it is called at the same rate if the table swings the tool; otherwise it is not called and the
-/// drive must hold its position. The port may ignore it while enable is low. Default: nothing;
-/// halts if hal_has_swing().
+/// drive must hold its position. The port may ignore it while enable is low. Default: nothing.
 /// Simulator: counts the set-points and stores the last one for the machine models.
 void hal_swing_write_isr(const hal_swing_t *setpoint);
 
