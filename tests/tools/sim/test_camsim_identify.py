@@ -76,7 +76,7 @@ def test_the_drive_answers_as_its_machine_file_says(table: Path, tmp_path: Path)
     [
         (["--alive-s", "0.01"], "no sign of life"),
         (["--inject", "estop@t0.3"], "a fault"),
-        (["--inject", "u-block@t0.2", "--set", "following_limit_nm=1000"], "a fault"),
+        (["--inject", "u-block@t0.1"], "a fault"),  # 0.3 mm from where the wave is played
     ],
 )
 def test_what_is_cut_short_is_not_written(
