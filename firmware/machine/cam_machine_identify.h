@@ -19,9 +19,9 @@
 /// applies again.
 ///
 /// Without a sign of life for cam_identify_patience_ms U is brought to rest; stop and disable do
-/// the same, and disable then disables the drives. The wave has no feed-forward, so the guard allows
-/// a following error of its limit plus the largest sample, or that of a motion by time if that is
-/// larger. Context: slow side, one caller.
+/// the same, and disable then disables the drives. The wave has no feed-forward, so the guard
+/// allows a following error of its limit plus the largest sample, or that of a motion by time if
+/// that is larger. Context: slow side, one caller.
 #ifndef CAM_MACHINE_IDENTIFY_H
 #define CAM_MACHINE_IDENTIFY_H
 
