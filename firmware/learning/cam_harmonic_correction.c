@@ -76,11 +76,13 @@ void cam_harmonic_correction_probe(cam_harmonic_correction_t *s, uint32_t stage,
     s->gain[k] = gain;
 }
 
+/// @param is_good  small enough to learn from; such an error may double by noise
 /// @return whether an error has a new cause, such as a gap in the material: it has doubled in a
 ///         turn, which learning cannot do; if it doubles again, learning diverges
-static bool is_of_new_cause(cam_harmonic_correction_t *s, uint32_t k, uint32_t size_q6)
+static bool is_of_new_cause(cam_harmonic_correction_t *s, uint32_t k, uint32_t size_q6,
+                            bool is_good)
 {
-    const bool is_new = size_q6 / 2u > s->last_q6[k];
+    const bool is_new = !is_good && size_q6 / 2u > s->last_q6[k];
     s->last_q6[k] = is_new ? UINT32_MAX : size_q6;
     return is_new;
 }
@@ -91,7 +93,7 @@ static bool is_as_good(cam_harmonic_correction_t *s, uint32_t k, uint32_t size_q
 {
     const uint32_t best_q6 = s->best_q6[k] > floor_q6 ? s->best_q6[k] : floor_q6;
     const bool is_good = size_q6 / 3u <= best_q6 / 2u;
-    const bool is_new = is_of_new_cause(s, k, size_q6) && !is_good;
+    const bool is_new = is_of_new_cause(s, k, size_q6, is_good);
     if (is_new || size_q6 < s->best_q6[k]) {
         // The turn in which it appears may show half of it.
         s->best_q6[k] = is_new && size_q6 < UINT32_MAX / 2u ? 2u * size_q6 : size_q6;

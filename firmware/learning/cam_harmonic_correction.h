@@ -27,7 +27,7 @@ typedef struct {
     } kept[cam_harmonic_terms];           ///< correction of the smallest error; while probing: the
                                           ///< error without a probe
     uint32_t best_q6[cam_harmonic_terms]; ///< [nm / 64] the smallest error, UINT32_MAX: none
-    uint32_t last_q6[cam_harmonic_terms]; ///< [nm / 64] last error
+    uint32_t last_q6[cam_harmonic_terms]; ///< [nm / 64] last error, UINT32_MAX: of a new cause
     cam_gain_t gain[cam_harmonic_terms];  ///< response G of U
     uint8_t n_halved[cam_harmonic_terms]; ///< times that mu was halved
     uint32_t masked;                      ///< bit k

@@ -200,6 +200,7 @@ static void test_guard_goes_back_to_the_best_and_halves(void)
         {0, {640, 64000}, 32320, UINT32_MAX, 0},
         {2, {640, 64000}, 32320, 128000, 0}, // a new cause, of which half may have shown
         {2, {640, 64000, 192000}, 128320, 128000, 0},
+        {2, {6, 20, 6400}, 3213, 12800, 0},     // likewise after noise that has doubled
         {2, {640, 6400, 64000}, 320, 12800, 1}, // doubles again
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
