@@ -172,7 +172,7 @@ def test_part_that_the_machine_cannot_cut_is_refused(
     """Before anything moves; a drive that is too slow for its own feed-forward is one, too."""
     machine = tmp_path / "slow.toml"
     refusals = {
-        "bandwidth_hz = 1000": "U would have to move faster than it can: needs 39.287 mm/s",
+        "bandwidth_hz = 1000": "U would have to move faster than it can: needs 39.286 mm/s",
         "bandwidth_hz = 300": "parameter k2_us2 = 281448: refused: the command to U,"
         " feed-forward included, would exceed its limits;"
         " with the other parameters it is at most 32000",

@@ -147,7 +147,7 @@ def test_missing_stroke_is_named_in_advance(table_of: TableOf, tmp_path: Path) -
     assert done.returncode == 2
     assert done.stderr == (
         "camsim: --rpm 3000: infeasible: the feed-forward would command U beyond its stroke: "
-        "needs 1.05243 mm, limit 1.05 mm; give at most --rpm 2945.823\n"
+        "needs 1.052429 mm, limit 1.05 mm; give at most --rpm 2945.818\n"
     )
 
 
