@@ -43,19 +43,6 @@ uint32_t cam_guard_armed(cam_state_t state)
     return (uint32_t)state < cam_n_states ? armed[state] & ~IN_CUT : 0u;
 }
 
-/// Count all new faults at once: bit i of word k of `count` is bit k of the counter of fault i, so
-/// the carry ripples from word to word.
-static void count_new(cam_guard_t *g)
-{
-    uint32_t carry = g->faults & ~g->counted;
-    for (uint32_t k = 0; k < cam_guard_count_bits && carry != 0u; k++) {
-        const uint32_t sum = g->count[k] ^ carry;
-        carry &= g->count[k];
-        g->count[k] = sum;
-    }
-    g->counted = g->faults;
-}
-
 uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
                             const cam_tick_record_t *r)
 {
@@ -63,7 +50,6 @@ uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
     const bool is_homing =
         r->want.state == cam_state_homing; // then reverse rotation counts as standstill
     const uint32_t most_ticks = is_homing ? cfg->homing_ticks : cfg->stopped_ticks;
-    count_new(g);
     const bool is_watched = (cam_guard_armed(r->want.state) & CAM_FAULT_BIT(spindle_stopped)) != 0u;
     const bool is_standing =
         is_watched && speed_q32 < cfg->stopped_q32 && (is_homing || speed_q32 > -cfg->stopped_q32);
@@ -190,16 +176,6 @@ static uint32_t faults_of(const cam_guard_config_t *cfg, const cam_tick_record_t
     return faults;
 }
 
-uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
-{
-    const uint32_t n = ((g->faults & ~g->counted) >> fault) & 1u; // still to be counted
-    uint32_t counted = 0;
-    for (uint32_t k = 0; k < cam_guard_count_bits; k++) {
-        counted |= ((g->count[k] >> fault) & 1u) << k;
-    }
-    return (counted + n) % (1u << cam_guard_count_bits);
-}
-
 bool cam_guard_holds_isr(const cam_guard_t *g, const cam_motion_t *m)
 {
     const bool is_let_go = m->is_retracted || (g->faults & LOST) != 0u;
@@ -300,7 +276,6 @@ static void follow(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_recor
         .nm = cam_clamp_i32(u_nm, -cfg->range_nm, cfg->range_nm),
     };
     g->faults = 0;
-    g->counted = 0;
     g->n_stopped = 0;
     want->faults = 0;
     want->outputs = 0;

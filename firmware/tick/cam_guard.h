@@ -25,17 +25,13 @@
 #include <stdbool.h>    // bool
 #include <stdint.h>     // int32_t, int64_t
 
-enum {
-    cam_guard_count_bits = 8, ///< faults are counted modulo 256
-    cam_guard_history = 64,   ///< ticks of U kept for the following error; a power of two
-};
+/// [ticks] of U kept for the following error; a power of two.
+enum { cam_guard_history = 64 };
 
 /// State; zero-initialised: no faults.
 typedef struct {
     uint32_t faults;                       ///< latched
-    uint32_t counted;                      ///< faults already in `count`
     uint32_t first_faults;                 ///< faults that caused the last entry into state fault
-    uint32_t count[cam_guard_count_bits];  ///< times latched, cam_guard_count()
     uint32_t n_stopped;                    ///< [ticks] without rotation
     int32_t due_q6;                        ///< [nm / 64] set-point looked up last
     int32_t history_q6[cam_guard_history]; ///< [nm / 64] set-points of U by tick, in port
@@ -44,7 +40,7 @@ typedef struct {
 } cam_guard_t;
 
 /// Check one tick, in constant time.
-/// @param r     inputs, spindle and r->want. The guard completes r->want, in state fault it
+/// @param r     inputs, spindle and r->want. The guard completes r->want or, in state fault,
 /// replaces
 ///              it, and writes U of r->out
 /// @param u_nm  [nm] command of U that it may accept, within +-2^25
@@ -55,14 +51,10 @@ void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_
 /// @return whether the drives are enabled, as the last tick left the state
 bool cam_guard_holds_isr(const cam_guard_t *g, const cam_motion_t *m);
 
-/// The part that runs once per plan: checks the speed of the spindle and counts new faults, which
-/// keeps the tick of a fault short.
+/// The part that runs once per plan: checks the speed of the spindle.
 /// @return faults for the next tick: reverse, spindle_stopped, overspeed
 uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
                             const cam_tick_record_t *r);
-
-/// @return how often a fault was latched, modulo 2^cam_guard_count_bits. Context: slow side.
-uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault);
 
 /// @return mask of the faults armed in a state. Context: both sides.
 uint32_t cam_guard_armed(cam_state_t state);

@@ -33,7 +33,7 @@ cam_status_t cam_status_read(const cam_t *c)
     cam_moment_t now;
     cam_status_moment(c, &now);
     const cam_tick_record_t *r = &now.record;
-    cam_status_t status = {
+    return (cam_status_t){
         .tick = r->tick,
         .config = r->config,
         .request = r->in.request >> 8,
@@ -59,8 +59,4 @@ cam_status_t cam_status_read(const cam_t *c)
         .n_late = now.spindle.n_late,
         .max_period = now.spindle.max_period,
     };
-    for (uint32_t i = 0; i < cam_n_faults; i++) {
-        status.fault_count[i] = cam_guard_count(&now.guard, (cam_fault_t)i);
-    }
-    return status;
 }

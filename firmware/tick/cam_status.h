@@ -16,27 +16,26 @@ typedef struct {
     uint32_t config;  ///< generation of the configuration in force
     uint32_t request; ///< serial number of the last request carried out
     cam_state_t state;
-    uint32_t faults;                    ///< latched, CAM_FAULT_BIT()
-    uint32_t first_fault;               ///< faults that caused the entry into state fault
-    bool is_synced;                     ///< angle known
-    bool is_retracted;                  ///< tool at rest out of the work
-    bool is_u_at_rest;                  ///< the set-point of U rests
-    uint32_t inputs;                    ///< hal_in_*
-    uint32_t outputs;                   ///< hal_out_*
-    cam_jog_t jog;                      ///< jogging and homing
-    cam_acknowledge_t acknowledge;      ///< the button at the machine
-    cam_steady_t steady;                ///< wait for a steady spindle before a cut
-    int64_t pos_q32;                    ///< [turn, Q32.32] master position
-    int32_t speed_q32;                  ///< [turn / 2^32 per tick]
-    int32_t z_nm;                       ///< [nm] height played
-    int32_t u_set_q6;                   ///< [nm / 64] set-point of U at the tool
-    int32_t u_actual_nm;                ///< [nm] measured
-    int32_t x_actual_nm;                ///< [nm] measured, by the port
-    int32_t z_actual_nm;                ///< [nm] measured, by the port
-    int32_t following_nm;               ///< [nm] following error: measured minus due
-    uint32_t n_late;                    ///< late ticks since start
-    uint32_t max_period;                ///< [1 / clock_hz] longest period since start
-    uint32_t fault_count[cam_n_faults]; ///< how often each fault was latched
+    uint32_t faults;               ///< latched, CAM_FAULT_BIT()
+    uint32_t first_fault;          ///< faults that caused the entry into state fault
+    bool is_synced;                ///< angle known
+    bool is_retracted;             ///< tool at rest out of the work
+    bool is_u_at_rest;             ///< the set-point of U rests
+    uint32_t inputs;               ///< hal_in_*
+    uint32_t outputs;              ///< hal_out_*
+    cam_jog_t jog;                 ///< jogging and homing
+    cam_acknowledge_t acknowledge; ///< the button at the machine
+    cam_steady_t steady;           ///< wait for a steady spindle before a cut
+    int64_t pos_q32;               ///< [turn, Q32.32] master position
+    int32_t speed_q32;             ///< [turn / 2^32 per tick]
+    int32_t z_nm;                  ///< [nm] height played
+    int32_t u_set_q6;              ///< [nm / 64] set-point of U at the tool
+    int32_t u_actual_nm;           ///< [nm] measured
+    int32_t x_actual_nm;           ///< [nm] measured, by the port
+    int32_t z_actual_nm;           ///< [nm] measured, by the port
+    int32_t following_nm;          ///< [nm] following error: measured minus due
+    uint32_t n_late;               ///< late ticks since start
+    uint32_t max_period;           ///< [1 / clock_hz] longest period since start
 } cam_status_t;
 
 /// State of the interrupt after one tick.

@@ -186,7 +186,6 @@ static void expect_reaction(cam_fault_t fault, cam_state_t state, int32_t beyond
     const char *name = cam_fault_name(fault);
     TEST_ASSERT_EQUAL_HEX32_MESSAGE(wanted, guard.faults, name);
     TEST_ASSERT_EQUAL_INT_MESSAGE(is_fault ? cam_state_fault : state, safe.state, name);
-    TEST_ASSERT_EQUAL_UINT32_MESSAGE(is_fault ? 1u : 0u, cam_guard_count(&guard, fault), name);
     TEST_ASSERT_EQUAL_HEX32_MESSAGE(is_entered ? wanted : 0u, guard.first_faults, name);
     TEST_ASSERT_EQUAL_HEX32_MESSAGE(outputs_of(fault, state, is_fault), safe.outputs, name);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(is_fault || state == cam_state_fault ? 0 : 2500000,
@@ -462,28 +461,6 @@ static void test_faults_add_up_until_off(void)
     }
     TEST_ASSERT_EQUAL_HEX32(both, guard.first_faults);
     TEST_ASSERT_EQUAL_HEX32(both | CAM_FAULT_BIT(drive), guard.faults);
-    for (int i = 0; i < cam_n_faults; i++) {
-        const uint32_t n = guard.faults >> i & 1u;
-        TEST_ASSERT_EQUAL_UINT32(n, cam_guard_count(&guard, (cam_fault_t)i));
-    }
-}
-
-/// The counter of a fault has eight bits.
-static void test_counter_rises_with_every_fault(void)
-{
-    begin(cam_state_ready);
-    for (uint32_t n = 1; n <= 260u; n++) {
-        in.inputs |= hal_in_estop;
-        want.state = cam_state_ready;
-        (void)tick();
-        TEST_ASSERT_EQUAL_UINT32(n % 256u, cam_guard_count(&guard, cam_fault_estop));
-        in.inputs = hal_in_drive_ready;
-        want.state = cam_state_fault;
-        (void)tick();
-        TEST_ASSERT_EQUAL_UINT32(n % 256u, cam_guard_count(&guard, cam_fault_estop));
-        want.state = cam_state_off;
-        TEST_ASSERT_EQUAL_HEX32(0, tick().faults);
-    }
 }
 
 /// In ready the spindle may stand: its time counts from the start of the work on.
