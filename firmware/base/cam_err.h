@@ -30,7 +30,7 @@
     X(param_state,           -22, "this parameter cannot change in this state") \
     X(param_tick,            -23, "lead, bandwidth or feed-forward do not fit the tick rate") \
     X(state,                 -24, "the command is not allowed in this state") \
-    X(busy,                  -25, "the interrupt has not yet taken the previous command") \
+    X(busy,                  -25, "not yet: the last command or change is in progress, U is moving, or the spindle is too fast") \
     X(no_table,              -26, "no valid table is selected") \
     X(estop,                 -27, "the emergency stop is active") \
     X(drive,                 -28, "the drives are not ready") \
@@ -123,9 +123,9 @@
     X(wave_force,           -145, "the wave exceeds the force limit of U") \
     X(servo_continuous,     -146, "U would need more force for long than its continuous one")
 
-/// X(error, unit, per_unit, parameter): errors that compare a demand with a limit: the unit for
-/// people, how many units of the controller make one, and the parameter that gives the limit, or
-/// `none`. The limit of a stroke is half of it.
+/// X(error, unit, per_unit, parameter): refusals that camctl explains by demand and limit (others:
+/// ../README.md, "How to change it"): the unit for people, how many units of the controller make
+/// one, and the parameter that gives the limit, or `none`. The limit of a stroke is half of it.
 #define CAM_ERR_LIMITS(X) \
     X(spindle_speed,          "r/min",         1000, spindle_limit_mrpm) \
     X(u_speed,                "mm/s",          1000, u_speed_um_per_s) \

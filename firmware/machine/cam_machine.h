@@ -117,7 +117,7 @@ typedef struct {
     uint32_t kept_checksum;       ///< of the kept parameters, when kept.err is cam_ok
     cam_params_t staged;          ///< staged parameters
     uint32_t staged_version;      ///< version when staging began; UINT32_MAX: nothing staged
-    cam_refusal_t refusal;        ///< of the last refused change or command
+    cam_refusal_t refusal;        ///< of the last refusal with numbers or a parameter
     cam_table_t table;            ///< valid when has_table
     bool has_table;               ///< a valid table is in use
     uint32_t tick_hz, clock_hz;   ///< from the port
@@ -153,10 +153,10 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
 
 /// Check an image and use it as the table.
 /// @param size  [bytes] of the image
-/// @return cam_ok; an error of the image; cam_err_state when neither off nor
-///         ready; in ready also a feasibility error, or cam_err_table_sense for the other sense of
-///         rotation; cam_err_busy. On error the old table stays in force, unless the bad image has
-///         overwritten it: that counts as damage found by cam_machine_poll()
+/// @return cam_ok; an error of the image or of cam_build_config(); cam_err_state when neither off
+///         nor ready; in ready also a feasibility error, or cam_err_table_sense for the other sense
+///         of rotation; cam_err_busy. On error the old table stays in force, unless the bad image
+///         has overwritten it: that counts as damage found by cam_machine_poll()
 /// Context: takes as long as cam_table_check().
 CAM_MUST_USE cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size);
 
@@ -168,17 +168,19 @@ CAM_MUST_USE cam_err_t cam_machine_select_table(cam_machine_t *m, const void *im
 ///   all of them ramped; the result must be feasible
 /// - other states: none
 ///
-/// m->refusal has the details of a refusal.
-/// @return cam_ok, cam_err_param_id, _range, _state, _tick, cam_err_trim_limit, cam_err_busy,
-///         cam_err_travel, cam_err_u_place when U is outside of the new stroke, cam_err_locked,
-///         cam_err_lock_none (cam_rights.h), or a feasibility error
+/// Refusals with numbers or a parameter are in m->refusal; others leave it unchanged: use it only
+/// if m->refusal.err is the returned error.
+/// @return cam_ok, cam_err_param_id, _range, _state, cam_err_hard_limit, cam_err_trim_limit,
+///         cam_err_busy, cam_err_travel, cam_err_u_place when U is outside of the new stroke,
+///         cam_err_locked, cam_err_lock_none (cam_rights.h), a feasibility error, or an error of
+///         cam_build_config()
 CAM_MUST_USE cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t value);
 
 /// Start staging with a copy of the parameters in force.
 void cam_machine_stage_begin(cam_machine_t *m);
 
 /// Set a staged parameter. It takes effect with cam_machine_stage_commit().
-/// @return cam_ok, cam_err_params_begin, cam_err_param_id, cam_err_param_range
+/// @return cam_ok, cam_err_params_begin, cam_err_param_id, cam_err_param_range, cam_err_hard_limit
 CAM_MUST_USE cam_err_t cam_machine_stage(cam_machine_t *m, cam_param_id_t id, int32_t value);
 
 /// Apply all staged parameters in the same tick, or none of them.
@@ -217,9 +219,9 @@ uint32_t cam_machine_highest_mrpm(const cam_machine_t *m);
 cam_refusal_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm);
 
 /// Enable the drives and search the index: off -> homing.
-/// @return cam_ok, cam_err_state, _busy, _no_table, _estop, _drive, _bus, _u_place, _not_homed,
-///         _travel (cam_machine_jog.h), cam_err_acknowledge, cam_err_acknowledge_none, or a
-///         feasibility error
+/// @return cam_ok, cam_err_state, _busy, _no_table, _estop, _drive, _bus, _servo_none, _u_place,
+///         _not_homed, _travel (cam_machine_jog.h), cam_err_acknowledge, cam_err_acknowledge_none,
+///         or a feasibility error
 CAM_MUST_USE cam_err_t cam_machine_enable(cam_machine_t *m);
 
 /// Repeat the index search: in off as cam_machine_enable(); in ready -> off -> homing, where

@@ -37,9 +37,9 @@ void cam_machine_request(cam_machine_t *m, cam_request_t request);
 CAM_MUST_USE cam_err_t cam_machine_post(cam_machine_t *m, const cam_status_t *status,
                                         cam_request_t request);
 
-/// Check the inputs, and that U is within its stroke: set-points are limited to the stroke, so U
-/// would jump to its edge on enable.
-/// @return cam_ok, cam_err_estop, _drive, _bus, _u_place
+/// Check the inputs, that U's position loop is set, and that U is within its stroke: set-points are
+/// limited to the stroke, so U would jump to its edge on enable.
+/// @return cam_ok, cam_err_estop, _drive, _bus, _servo_none, _u_place
 CAM_MUST_USE cam_err_t cam_machine_check_drives(const cam_params_t *params,
                                                 const cam_status_t *status);
 
@@ -72,8 +72,9 @@ bool cam_machine_load_params(cam_machine_t *m);
 /// k1 and k2 must be below 2^31.
 void cam_machine_offer_copy(cam_machine_t *m);
 
-/// Hand parameters, table and learned values to the interrupt as one configuration. Nothing changes
-/// on error.
+/// Hand parameters, table and learned values to the interrupt as the configuration of one pass,
+/// with the parameters of cam_pass_params(). The overspeed limit is 1 % above the peak that the
+/// highest feasible speed of that pass has within a turn. Nothing changes on error.
 /// @param table  NULL: none
 /// @param pass   that start cuts next
 /// @return       cam_ok, cam_err_busy, or an error of cam_build_config(), whose refusal is kept

@@ -17,7 +17,7 @@
 enum { cam_jog_patience_ms = 250 };
 
 /// Enable the drives: off -> manual. No table is needed.
-/// @return cam_ok, cam_err_state, _busy, _estop, _drive, _bus, _u_place, _acknowledge,
+/// @return cam_ok, cam_err_state, _busy, _estop, _drive, _bus, _servo_none, _u_place, _acknowledge,
 ///         _acknowledge_none
 CAM_MUST_USE cam_err_t cam_machine_manual(cam_machine_t *m);
 

@@ -137,12 +137,12 @@
 #define CAM_RETIRED_PARAMS(X) X(switch_) X(trace_on)
 // clang-format on
 
-/// Flags of a parameter. Without any it is a limit or constant of the machine, which changes in
-/// off, ready and manual, and in the unlocked level only (cam_rights.h).
+/// Flags of a parameter. Without `operator` it is a limit or constant and needs the unlocked level
+/// (cam_rights.h). Without `off` or `cut` it changes in off, ready and manual.
 typedef enum {
     cam_flag_operator = 1,   ///< an operator sets it for a part, without the unlocked level
     cam_flag_cut = 2,        ///< it may change in the work, too
-    cam_flag_off = 4,        ///< only in off, because it shifts the angle
+    cam_flag_off = 4,        ///< only in off: it shifts the angle or changes who moves Z
     cam_flag_rest = 8,       ///< only while U rests, so that a new gain or limit causes no step
     cam_flag_unlearn = 16,   ///< its change ends what was learned of U's drive
     cam_flag_ripple = 32,    ///< its change blends the learned ripple anew

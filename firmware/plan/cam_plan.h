@@ -22,7 +22,7 @@
 #include <stdbool.h>         // bool
 #include <stdint.h>          // int32_t, int64_t
 
-/// Chosen by measurement: README.md, "Two rates".
+/// Keeps the error between plans and the load small: README.md, "Two rates".
 enum { cam_plan_period_us = 400 };
 
 /// State; zero-initialised: before the first cut.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_record: data passed between the stages of a tick.
 ///
-///     sense -> cam_sense_t -> angle -> cam_angle_t -> play -> cam_want_t -> command -> out
+///     sense -> cam_sense_t -> observe -> cam_angle_t -> play -> cam_want_t -> command -> out
 ///
 /// The guard accepts the last two, or replaces U in them.
 ///
@@ -94,8 +94,9 @@ typedef struct {
     bool was_open;        ///< off, and the emergency-stop chain was open since the last plan
     bool is_acknowledged; ///< the button at the machine was pressed (cam_acknowledge.h)
     bool is_by_hand;      ///< manual, and a fault after it: all axes brake where they are
-    uint32_t faults;      ///< found by the plan or asked for, for the ticks up to the next plan
-    cam_u_t u;            ///< written by the guard
+    uint32_t faults;      ///< found by the plan, the force's supervision or a table-fault request;
+                          ///< each plan replaces them
+    cam_u_t u;            ///< written by the guard; homing shifts it (cam_jog.c)
     cam_axis_motion_t axis[hal_n_axes]; ///< while playing, U's position is in cam_want_t
     int32_t c_q6;            ///< [nm / 64] while playing: learned correction of U's command
     uint32_t dwell_ticks;    ///< [ticks] left of U's rest after enable
@@ -119,7 +120,7 @@ typedef struct {
     cam_jerk_filter_t filter[hal_n_axes]; ///< motions by time: of U per tick, of X and Z per plan
 } cam_motion_t;
 
-/// Requests of play to the machine; the guard replaces those it does not accept.
+/// Set-points of play; in a fault the guard replaces those of U and the spindle.
 typedef struct {
     cam_state_t state;
     int32_t spindle_mrpm; ///< [r/min / 1000] set-point, signed
@@ -136,7 +137,7 @@ typedef struct {
     uint32_t tick;                  ///< ticks since start, wraps
     uint32_t config;                ///< generation of the configuration in force
     cam_sense_t in;                 ///< sense
-    cam_angle_t angle;              ///< angle
+    cam_angle_t angle;              ///< observe
     cam_want_t want;                ///< play, guard
     hal_setpoint_t out[hal_n_axes]; ///< command; U's is replaced where the guard refuses it
     int32_t force_q6;               ///< [mN / 64] force of U that was written; 0: none

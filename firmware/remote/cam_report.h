@@ -8,7 +8,7 @@
 #define CAM_REPORT_H
 
 #include "cam_table_store.h" // cam_table_store_t
-#include "cam_tick.h"        // cam_status_t
+#include "cam_status.h"      // cam_status_t
 #include "hal/hal.h"         // hal_start_t
 #include <stdint.h>          // uint32_t, uint64_t
 

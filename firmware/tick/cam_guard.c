@@ -143,8 +143,7 @@ static cam_u_t moved_to(const cam_u_t *u, int32_t set_q6, int32_t nm)
 }
 
 /// @return fault of the command, or none: setpoint_range where the set-point, too, leaves the
-/// stroke,
-///         else command
+///         stroke; else command
 static uint32_t faults_of_command(const cam_guard_config_t *cfg, const cam_u_t *next,
                                   bool is_off_time)
 {

@@ -5,10 +5,10 @@
 /// of U with the limits. It accepts the command, or latches a fault that is armed in the present
 /// state. From the tick of the fault on it moves U itself: it continues from the last command, with
 /// its speed, and retracts U within its limits (after manual it brakes it); the spindle's set-point
-/// becomes 0. From the next plan on X moves off by the clearance, and Z brakes;
-/// then the enable drops. If a drive is not ready, or U's position loop does not work, the enable
-/// drops at once. At the end of its stroke a command stops at once: it never leaves it, and where U
-/// is beyond it, never moves farther out.
+/// becomes 0. From the next plan on X moves off by the clearance, and Z brakes; then the enable
+/// drops. If a drive is not ready, or U's position loop does not work, the enable drops at once.
+/// The command never leaves the stroke: at its end U stops at once, and a U that is already outside
+/// moves inward only.
 ///
 ///     set-point  speed and acceleration of U                             faults setpoint_*
 ///     command    its stroke; speed and acceleration with what the
@@ -40,15 +40,14 @@ typedef struct {
 } cam_guard_t;
 
 /// Check one tick, in constant time.
-/// @param r     inputs, spindle and r->want. The guard completes r->want or, in state fault,
-/// replaces
-///              it, and writes U of r->out
+/// @param r     inputs, spindle and r->want. The guard completes r->want, or replaces it in state
+///              fault, and writes U of r->out
 /// @param u_nm  [nm] command of U that it may accept, within +-2^25
 /// @param m     U as accepted, faults of play and plan; in state fault the motion of U
 void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
                         int32_t u_nm, cam_motion_t *m);
 
-/// @return whether the drives are enabled, as the last tick left the state
+/// @return whether the drives stay enabled after the last tick
 bool cam_guard_holds_isr(const cam_guard_t *g, const cam_motion_t *m);
 
 /// The part that runs once per plan: checks the speed of the spindle.

@@ -31,8 +31,8 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
     cam_fence_acquire_isr();
 }
 
-/// Calculate the force of U for the set-point and the verdict of the last tick. Without enable U's
-/// homing no longer limits it.
+/// Calculate U's force from the last tick's command and enable. Disabling the drives also ends the
+/// force limit of homing against a stop.
 static void force_u(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     const bool is_on = cam_guard_holds_isr(&c->guard, &c->motion);
@@ -140,14 +140,14 @@ void cam_tick_isr(cam_t *c)
     cam_tick_record_t *r = cam_trace_begin_isr(&c->trace);
     sense_isr(c, &r->in); // the only reads from the machine
     if (cfg->force.is_used) {
-        servo_isr(c, cfg, r); // the position loop of U, for the set-point of the last tick
+        servo_isr(c, cfg, r); // the position loop of U, on the last tick's command
     }
     decide_isr(c, cfg, r); // observe -> play -> command -> guard
     actuate_isr(c, r);     // all other writes to the machine
     if (--c->until_plan <= 0) {
         plan_isr(c, cfg, r);
     }
-    publish_isr(c, r); // trace, learning, status
+    publish_isr(c, r); // record, learning data
 }
 
 void cam_isr(void)

@@ -5,7 +5,7 @@
 ///
 /// Every n-th tick runs the plan (cam_plan.h). Only sense reads from the HAL, and only actuate
 /// writes to it, with one exception: where U takes forces, its position loop runs right after sense
-/// on the set-point of the last tick, because each microsecond between the latch of the scale and
+/// on the last tick's command, because each microsecond between the latch of the scale and
 /// the force costs stiffness (cam_force.h). The tick owns the set-points (cam_motion_t): play
 /// advances them, command makes axis commands of them, the guard accepts these or brakes U, and the
 /// plan writes their increments. All state is one struct: a test can run several controllers.
