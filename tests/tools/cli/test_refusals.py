@@ -7,12 +7,11 @@ from pathlib import Path
 import pytest
 
 from tests.tools.cases.command_cases import complaint
-from tests.tools.cases.part_cases import PERKINS, ROOT, listing
+from tests.tools.cases.part_cases import PERKINS, listing
 
-PARTS = PERKINS.parent
 # A command and its first words; then the words that it refuses, and what its line contains.
 REFUSALS = {
-    f"analyse {PERKINS} -o out": [
+    "analyse {parts}/perkins240.toml -o out": [
         ("--height 63", "--height 63.0: lies outside the part; give 0 .. 62 mm"),
         ("--height nan", "--height nan"),
         ("--step-deg 7", "--step-deg 7.0: does not divide 90 degrees"),
@@ -24,7 +23,7 @@ REFUSALS = {
         ("--slice-volume-mm3 -1", "--slice-volume-mm3 -1.0"),
         ("--nose-mm 0", "--nose-mm 0.0: out of range; give 0.01 .. 100"),
     ],
-    f"analyse {PARTS}/cam-345.toml -o out": [
+    "analyse {parts}/cam-345.toml -o out": [
         ("--height 3", "--height 3.0: has no meaning for a cam; leave it out"),
         ("--parts 30", "--parts 30: has no meaning for a cam"),
         ("--nose-mm 2", "--nose-mm 2.0: has no meaning for a cam"),
@@ -32,12 +31,12 @@ REFUSALS = {
         ("--step-deg nan", "--step-deg nan: out of range"),
         ("--rpm 0", "--rpm 0.0: out of range; give 1 .. 60000"),
     ],
-    f"scallop {PARTS}/perkins240_ring_helix.toml -o out": [
+    "scallop {parts}/perkins240_ring_helix.toml -o out": [
         ("--nose-mm 200", "--nose-mm 200.0: out of range; give 0.01 .. 100"),
         ("--rpm 0", "--rpm 0.0: out of range; give 1 .. 60000"),
         ("--rpm 5000", 'process.path = "ring-helix": needs at least 2777.77778 mm/s2 of Z'),
     ],
-    f"forecast {PERKINS} -o out": [
+    "forecast {parts}/perkins240.toml -o out": [
         ("--runs 0", "forecast: --runs 0: out of range; give 1 .. 1000000"),
         ("--seed -1", "forecast: --seed -1: out of range"),
         ("--turns nan", "forecast: --turns nan: must be a finite number above 0"),
@@ -47,7 +46,7 @@ REFUSALS = {
         ("--set k1_ns", "forecast: --set k1_ns: give PARAM=VALUE"),
         ("--rpm 9000", "forecast: --rpm 9000: infeasible"),
     ],
-    f"mkgcode {PERKINS} -o out": [
+    "mkgcode {parts}/perkins240.toml -o out": [
         ("--from-mm -1", "--from-mm -1: must be a height of the part; give 0 .. 62 mm"),
         ("--to-mm 62.5", "--to-mm 62.5: must be a height"),
         ("--to-mm nan", "--to-mm nan: must be a height"),
@@ -59,7 +58,7 @@ REFUSALS = {
         ("--chords 1", "unrecognized arguments: --chords"),
         ("-o /", "/: is a folder; give the name of a file"),
     ],
-    f"mkgcode {PARTS}/cam-345.toml -o out": [
+    "mkgcode {parts}/cam-345.toml -o out": [
         ("--axes xz", "--axes xz: not for a cam; give cxz"),
         ("--from-mm 2", "--from-mm 2: has no meaning for a cam"),
         ("--chord-um 0", "--chord-um 0: must be 0.002 .. 1000"),
@@ -72,10 +71,10 @@ REFUSALS = {
         ("x.toml -o d --tolerance-nm nan", "tolerance_nm = nan"),
         ("x.toml -o d --colour", "--colour"),
         ("missing.toml -o d", "missing.toml: cannot be read: No such file"),
-        (f"{ROOT} -o d", "cannot be read: Is a directory"),
-        (f"{PERKINS} -o d --tolerance-nm 1e-9", "tolerance_nm = 1e-09: unreach"),
-        (f"{PERKINS} -o {PERKINS}", "perkins240.toml: cannot write"),
-        (f"{PERKINS} -o /proc/none", "/proc/none: cannot write"),
+        ("{parts} -o d", "cannot be read: Is a directory"),
+        ("{parts}/perkins240.toml -o d --tolerance-nm 1e-9", "tolerance_nm = 1e-09: unreach"),
+        ("{parts}/perkins240.toml -o {parts}/perkins240.toml", "perkins240.toml: cannot write"),
+        ("{parts}/perkins240.toml -o /proc/none", "/proc/none: cannot write"),
     ],
     "identify": [
         (
@@ -115,7 +114,7 @@ def test_what_is_wrong_is_one_line(
 ) -> None:
     """It names the command and the option, with the remedy; no folder is made."""
     monkeypatch.chdir(tmp_path)
-    name, *first = command.split()
-    line = complaint(import_module(f"camtools.cli.{name}").main, [*first, *words.split()], capsys)
+    name, *given = (word.format(parts=PERKINS.parent) for word in f"{command} {words}".split())
+    line = complaint(import_module(f"camtools.cli.{name}").main, given, capsys)
     assert line.startswith(f"{name}: ") and message in line
     assert listing(tmp_path) == []
