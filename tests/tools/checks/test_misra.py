@@ -44,6 +44,7 @@ def test_scope_of_a_deviation(finding: tuple[str, int, str], number: str | None)
 
 
 @pytest.mark.skipif(shutil.which("cppcheck") is None, reason="cppcheck is not installed")
+@pytest.mark.long
 def test_gate(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A breach fails, its deviation passes, a deviation without a breach fails."""
     folder = tmp_path / "firmware"
@@ -62,6 +63,7 @@ def test_gate(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.skipif(shutil.which("cppcheck") is None, reason="cppcheck is not installed")
+@pytest.mark.long
 def test_breach_in_a_line_of_the_core_is_found(tmp_path: Path) -> None:
     """Lines that only a compiler for the core reads are held to the rules as well."""
     (tmp_path / "firmware").mkdir()

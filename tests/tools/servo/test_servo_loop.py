@@ -154,6 +154,7 @@ def test_step_of_force_at_rest_in_friction(plant: Plant, most_um: float) -> None
     assert seen[2 * BACK :].max() <= 0.1
 
 
+@pytest.mark.long
 @CASES
 @pytest.mark.parametrize("mass", [0.5, 2.0])
 def test_other_masses_are_stable(plant: Plant, most_um: float, mass: float) -> None:

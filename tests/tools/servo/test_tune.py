@@ -138,8 +138,9 @@ def test_written_parameters_are_judged_as_they_were_proposed(
 @pytest.mark.parametrize(
     ("change", "culprit"),
     [
-        (("mode_damping = 0.03\nmode_share = -0.2", "mode_damping = 0.001\nmode_share = 1.0"),
-         "the mode at 60 Hz: damp or stiffen it"),
+        pytest.param(
+            ("mode_damping = 0.03\nmode_share = -0.2", "mode_damping = 0.001\nmode_share = 1.0"),
+            "the mode at 60 Hz: damp or stiffen it", marks=pytest.mark.long),
         (("delay_us = 25.0", "delay_us = 200.0"), "the delay of 200 us: shorten it"),
         (("amplifier_hz = 1500.0", "amplifier_hz = 250.0"), "the lag of the amplifier of 250 Hz"),
     ],
