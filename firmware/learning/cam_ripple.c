@@ -112,8 +112,8 @@ bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t least_q32, int3
         const double re = r->sum[k - 1].re - drift / (k * k);
         const double im = r->sum[k - 1].im;
         const bool is_seen = re * re + im * im > least * least;
-        r->mean[k - 1].re = is_seen ? mean_of(re, r->n) : (int16_t)0;
-        r->mean[k - 1].im = is_seen ? mean_of(im, r->n) : (int16_t)0;
+        r->mean[k - 1].re = mean_of(is_seen ? re : 0.0, r->n);
+        r->mean[k - 1].im = mean_of(is_seen ? im : 0.0, r->n);
     }
     r->n_mean = r->n;
     cam_ripple_drop(r);

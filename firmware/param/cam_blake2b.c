@@ -69,7 +69,7 @@ static void take_block(uint64_t h[8], const uint8_t block[block_bytes], uint64_t
     v[14] = is_last ? ~v[14] : v[14];
     for (uint32_t round = 0; round < (uint32_t)n_rounds; round++) {
         const uint8_t *word = order[round % 10u];
-        for (uint32_t i = 0; i < 8u; i++) {
+        for (size_t i = 0; i < 8u; i++) {
             mix(v, columns_and_diagonals[i], m[word[2u * i]], m[word[2u * i + 1u]]);
         }
     }

@@ -57,19 +57,23 @@ static bool check_rings(const sim_cut_t *cut, common_error_t *e)
                         field, least_mm, least_mm);
 }
 
-#define UNIT(error, unit, units_per, parameter)                                                    \
-    case cam_err_##error:                                                                          \
-        *per_unit = (units_per);                                                                   \
-        return (unit);
+#define UNIT(error, unit, units_per, parameter) {cam_err_##error, unit, units_per},
 
 static const char *unit_of(cam_err_t err, double *per_unit)
 {
-    switch (err) {
-        CAM_ERR_LIMITS(UNIT)
-    default:
-        *per_unit = 1.0;
-        return "";
+    static const struct {
+        cam_err_t err;
+        const char *unit;
+        double per_unit;
+    } units[] = {CAM_ERR_LIMITS(UNIT)};
+    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
+        if (units[i].err == err) {
+            *per_unit = units[i].per_unit;
+            return units[i].unit;
+        }
     }
+    *per_unit = 1.0;
+    return "";
 }
 
 /// Format the remedy: a lower speed or a smaller feed.

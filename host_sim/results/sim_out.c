@@ -299,7 +299,8 @@ void sim_out_header(sim_out_t *o, const sim_rows_t *t)
             put(o, c[i]);
         }
         c += strcspn(c, ",");
-        put(o, *c != '\0' ? *c++ : '\n');
+        put(o, *c == '\0' ? '\n' : ',');
+        c += *c != '\0' ? 1 : 0;
     }
 }
 
