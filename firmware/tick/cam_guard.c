@@ -200,12 +200,17 @@ static int32_t steady_step_nm(const cam_guard_config_t *cfg, const cam_u_t *u)
     return is_steady || cam_is_within(u->step_nm, amount_nm) ? u->step_nm : before_nm;
 }
 
-/// Latch faults and enter the state fault. U continues from its last command at constant speed.
+/// Latch faults and enter the state fault. U continues from its last command: a motion by time with
+/// its acceleration, the section or a wave at constant speed.
 static void latch(cam_guard_t *g, const cam_guard_config_t *cfg, cam_motion_t *m, uint32_t faults)
 {
+    const bool is_by_time = !m->is_playing && m->state != cam_state_identifying;
+    const int64_t most_q10 = cfg->u.acceleration_q10;
+    const int64_t acc_q10 = is_by_time ? m->u.change_nm * INT64_C(1024) : 0;
     cam_axis_motion_t *u = &m->axis[hal_axis_u];
     *u = (cam_axis_motion_t){.pos_q10 = m->u.nm * INT64_C(1024),
-                             .vel_q10 = cam_sat_i32(steady_step_nm(cfg, &m->u) * INT64_C(1024))};
+                             .vel_q10 = cam_sat_i32(steady_step_nm(cfg, &m->u) * INT64_C(1024)),
+                             .acc_q10 = (int32_t)cam_clamp_i64(acc_q10, -most_q10, most_q10)};
     cam_jerk_filter_begin_isr(&m->filter[hal_axis_u], u, cfg->u.log2_window);
     g->faults |= faults;
     g->first_faults = g->faults;

@@ -218,15 +218,18 @@ static double most_step_nm(const fuzz_judge_t *j, uint32_t axis)
 
 /// @return [nm per tick^2] by how much the command of U changes its step: with gains an excursion
 /// that no window bounds is the controller's to bound, in its wider limit, which is also the one
-/// of the fault `command`
+/// of the fault `command`. The first tick of a fault may take back the change of the last step
 static double most_change_of_u_nm(const fuzz_judge_t *j)
 {
     const fuzz_limits_t *l = &j->limits;
     const bool is_cut_off = (j->faults & CAM_FAULT_BIT(command)) != 0u;
     const bool is_supervised =
         j->is_wild || is_cut_off || (l->gain_rounding_nm > 0.0 && is_geared(j->state));
-    return l->told_change_nm * (tolerance + 1) / tolerance + l->gain_rounding_nm + rounding_nm +
-           (is_supervised ? learned_nm : 0);
+    const bool is_first = j->state == cam_state_fault && j->n_fault == 1u;
+    const double back_nm = is_first ? (double)size_of(j->u_change_nm) : 0.0;
+    const double usual_nm = l->told_change_nm * (tolerance + 1) / tolerance + l->gain_rounding_nm +
+                            rounding_nm + (is_supervised ? learned_nm : 0);
+    return usual_nm + (back_nm > l->acceleration_nm[hal_axis_u] ? back_nm : 0.0);
 }
 
 /// What X and Z are told changes from plan to plan by their acceleration; the controller accepts

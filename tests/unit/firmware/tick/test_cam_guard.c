@@ -382,29 +382,40 @@ static void test_fault_with_a_set_point_far_off_retracts_from_the_last_good_plac
 }
 
 /// From the tick of the fault on the command continues with the speed of its last step, whatever
-/// the set-point was, without acceleration, which then changes within the jerk of the window. A
-/// step that is beyond U's acceleration, by friction's reversal or a late tick, is not continued:
-/// of the last two steps, before and after it, the smaller one is. A home is no motion.
+/// the set-point was: in a motion by time with its acceleration, in the cut and in a wave without.
+/// The acceleration changes within the jerk of the window. In the cut a step that is beyond U's
+/// acceleration, by friction's reversal or a late tick, is not continued, but the smaller one of
+/// the last two. A home is no motion.
 static void test_retract_continues_from_the_last_command(void)
 {
-    static const int32_t steps_nm[][3] = {
-        {2000, 0, 2000},    {2000, 300, 2000}, {2000, -300, 2000},   {-2000, -300, -2000},
-        {2000, 5000, 2000}, {2000, 1500, 500}, {-2000, -1900, -100}, {-2000, -2300, 300},
-        {300, 2000, 300},   {300, -1700, 300},
+    static const struct {
+        cam_state_t state;
+        int32_t step_nm, change_nm;             // of the last command
+        int32_t first_step_nm, first_change_nm; // with which the retract begins
+    } cases[] = {
+        {cam_state_cutting, 2000, 0, 2000, 0},      {cam_state_cutting, 2000, 300, 2000, 0},
+        {cam_state_cutting, 2000, -300, 2000, 0},   {cam_state_cutting, -2000, -300, -2000, 0},
+        {cam_state_cutting, 2000, 5000, 2000, 0},   {cam_state_cutting, 2000, 1500, 500, 0},
+        {cam_state_cutting, -2000, -1900, -100, 0}, {cam_state_cutting, -2000, -2300, 300, 0},
+        {cam_state_cutting, 300, -1700, 300, 0},    {cam_state_identifying, 300, 500, 300, 0},
+        {cam_state_homing, 2000, 0, 2000, 0},       {cam_state_homing, 2000, 300, 2000, 300},
+        {cam_state_homing, -2000, 300, -2000, 300}, {cam_state_manual, 2000, -300, 2000, -300},
+        {cam_state_homing, 2000, 5000, 2000, 625},
     };
-    for (size_t i = 0; i < sizeof steps_nm / sizeof steps_nm[0]; i++) {
-        begin(cam_state_cutting);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        begin(cases[i].state);
         const int32_t a_nm = cfg->u.acceleration_q10 / 1024;
         const int32_t jerk_nm = (2 * a_nm >> cfg->u.log2_window) + 2;
-        int32_t change_nm = 0;
+        int32_t change_nm = cases[i].first_change_nm;
+        motion.is_playing = cases[i].state == cam_state_cutting;
         motion.u = (cam_u_t){.home_nm = 1000000,
                              .set_q6 = 100000 * 64,
                              .nm = 120000,
-                             .step_nm = steps_nm[i][0],
-                             .change_nm = steps_nm[i][1]};
+                             .step_nm = cases[i].step_nm,
+                             .change_nm = cases[i].change_nm};
         in.inputs |= hal_in_estop;
         int32_t last_nm = 120000;
-        int32_t step_nm = steps_nm[i][2];
+        int32_t step_nm = cases[i].first_step_nm;
         for (int n = 0; n < 40; n++) {
             const cam_want_t safe = tick();
             want.state = cam_state_fault;
