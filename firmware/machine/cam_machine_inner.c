@@ -112,8 +112,8 @@ cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
                                 const cam_table_t *table, uint32_t pass)
 {
     cam_config_t *half = cam_config_free_half(&m->core->config);
-    if (half == NULL) {
-        return cam_err_busy;
+    if (half == NULL || m->identify.phase != cam_identify_none) {
+        return cam_err_busy; // a wave keeps its configuration
     }
     // The overspeed limit follows from the highest feasible speed.
     const cam_params_t here = cam_pass_params(params, table, pass);

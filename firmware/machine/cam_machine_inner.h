@@ -77,7 +77,8 @@ void cam_machine_offer_copy(cam_machine_t *m);
 /// highest feasible speed of that pass has within a turn. Nothing changes on error.
 /// @param table  NULL: none
 /// @param pass   that start cuts next
-/// @return       cam_ok, cam_err_busy, or an error of cam_build_config(), whose refusal is kept
+/// @return       cam_ok, cam_err_busy (also while a wave plays), or an error of cam_build_config(),
+///               whose refusal is kept
 CAM_MUST_USE cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
                                              const cam_table_t *table, uint32_t pass);
 

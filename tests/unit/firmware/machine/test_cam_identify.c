@@ -323,6 +323,8 @@ static void test_nothing_else_is_accepted_meanwhile(void)
         TEST_ASSERT_EQUAL_INT(err, cam_machine_start(m));
         TEST_ASSERT_EQUAL_INT(err, cam_machine_excite(m, 1, fade).err);
         TEST_ASSERT_EQUAL_INT(err, cam_machine_wave_begin(m, 64));
+        cam_machine_stage_begin(m); // a commit that changes nothing
+        TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_stage_commit(m));
         TEST_ASSERT_EQUAL_INT(is_pending == 0 ? cam_err_param_state : cam_err_busy,
                               cam_machine_set_param(m, cam_param_amplitude_ppm, 900000));
         go_on(3, true);
