@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the axes are told: the command of U through faults at any angle within its speed and its
-// acceleration, and a command beyond its limits that is a fault, not written.
+// The commands of a whole controller through faults, late ticks and homing: no axis exceeds its
+// speed and acceleration, and a command beyond its limits is a fault, not written.
 #include "rig_bench.h"
+#include <math.h>
 #include <stdlib.h>
 
-/// Configuration in force, which a test may spoil behind the back of all checks.
+/// Configuration in force, which a test may spoil after all checks.
 static cam_config_t *in_force(void)
 {
     return &g_cam.config.half[g_cam.config.offered == &g_cam.config.half[0] ? 0 : 1];
@@ -27,7 +28,7 @@ static void tick(told_t *t)
     t->step_nm = step_nm;
 }
 
-/// Three ticks tell the step of now and its change.
+/// After three ticks the step and its change are known.
 static told_t begin(void)
 {
     told_t t = {.at_nm = hal_host.out.axis[hal_axis_u].pos_nm};
@@ -312,5 +313,145 @@ static void test_counts_of_the_encoder_move_x_off_a_wide_clearance_without_a_fau
         bring(cam_state_ready);
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
         until(cam_state_cutting);
+    }
+}
+
+static const cam_state_t enabled[] = {cam_state_homing, cam_state_ready, cam_state_engaging,
+                                      cam_state_cutting, cam_state_disengaging};
+enum { n_enabled = sizeof enabled / sizeof enabled[0], patience = 20000 };
+
+static bench_t moment; ///< of the cut, from which several tests start
+
+static bool is_enabled(void)
+{
+    return (hal_host.out.outputs & hal_out_enable) != 0u;
+}
+
+/// [nm] places and steps of the axes as they are written.
+typedef struct {
+    double at[hal_n_axes], step[hal_n_axes];
+    double ago[8][hal_n_axes]; ///< steps of the last 8 ticks
+    uint32_t n;
+} motion_t;
+
+static void observe(motion_t *m)
+{
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        const double at =
+            i == hal_axis_u ? rig.last.want.u_set_q6 / 64.0 : (double)hal_host.out.axis[i].pos_nm;
+        m->step[i] = at - m->at[i];
+        m->at[i] = at;
+    }
+}
+
+static motion_t start_observing(void)
+{
+    motion_t m = {.at = {0}};
+    observe(&m);
+    fixture_rig_tick(&rig);
+    observe(&m);
+    return m;
+}
+
+enum { window_ticks = 16 * 8 }; ///< over which the acceleration of X and Z changes
+enum { plan_ticks = 8 };        ///< from plan to plan at 20 kHz: X and Z change their speed there
+
+/// One tick in which no axis may exceed its limits, full ones: the defaults at 20 kHz. X and Z have
+/// one speed from plan to plan, so theirs may change by that of a plan, and by no more in 8 ticks.
+static void tick_within_limits(motion_t *m)
+{
+    static const double speed[hal_n_axes] = {20000.0, 5000.0, 10000.0};
+    static const double acceleration[hal_n_axes] = {625.0, 5.0, 5.0};
+    const motion_t before = *m;
+    fixture_rig_tick(&rig);
+    observe(m);
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        const double slack = 2.01; // whole nanometres
+        const double ticks = i == hal_axis_u ? 1.0 : plan_ticks;
+        TEST_ASSERT_TRUE(fabs(m->step[i]) <= speed[i] + slack);
+        TEST_ASSERT_DOUBLE_WITHIN(ticks * acceleration[i] + slack, before.step[i], m->step[i]);
+        if (i != hal_axis_u && m->n >= plan_ticks) {
+            const double then = m->ago[m->n % plan_ticks][i];
+            TEST_ASSERT_DOUBLE_WITHIN(ticks * acceleration[i] + slack, then, m->step[i]);
+        }
+        m->ago[m->n % plan_ticks][i] = m->step[i];
+    }
+    m->n++;
+}
+
+/// Press the emergency stop and follow the retract to its end.
+static void expect_retract(motion_t *m)
+{
+    const motion_t first = *m;
+    hal_host_fault_estop(true);
+    tick_within_limits(m);
+    TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.want.state);
+    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.spindle_mrpm);
+    TEST_ASSERT_EQUAL_HEX32(hal_out_enable | hal_out_fault, hal_host.out.outputs);
+    uint32_t n = 0;
+    while (is_enabled() && n < patience) {
+        TEST_ASSERT_FALSE(fixture_rig_status(&rig).is_retracted);
+        tick_within_limits(m);
+        n++;
+    }
+    TEST_ASSERT_LESS_THAN_UINT32(patience, n);
+    TEST_ASSERT_EQUAL_HEX32(hal_out_fault, hal_host.out.outputs);
+    TEST_ASSERT_TRUE(fixture_rig_status(&rig).is_retracted);
+    TEST_ASSERT_EQUAL_DOUBLE(-500000.0, m->at[hal_axis_u]);
+    // from where X was led in the tick of the fault
+    TEST_ASSERT_DOUBLE_WITHIN(1.0 + 1.01 * fabs(first.step[hal_axis_x]), first.at[hal_axis_x] + 1e6,
+                              m->at[hal_axis_x]);
+    const double brake = m->at[hal_axis_z] - first.at[hal_axis_z];
+    const double v = fabs(first.step[hal_axis_z]);
+    const double coasting = (plan_ticks + 1 + window_ticks / 2) * (v + 1.0);
+    TEST_ASSERT_TRUE(fabs(brake) <= (v + 1.0) * (v + 1.0) / 10.0 + coasting); // v^2 / 2a
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, m->step[i]);
+    }
+}
+
+static void test_reaction_in_every_enabled_state_retracts_within_limits(void)
+{
+    for (uint32_t i = 0; i < n_enabled; i++) {
+        setUp();
+        bring(enabled[i]);
+        fixture_rig_ticks(&rig, 100);
+        motion_t m = start_observing();
+        expect_retract(&m);
+    }
+}
+
+/// From the steepest places of the section, rising and falling, and from its extremes.
+static void test_reaction_from_any_speed_of_u_retracts_within_limits(void)
+{
+    bring(cam_state_cutting);
+    fixture_rig_ticks(&rig, 2400);
+    for (uint32_t ticks = 0; ticks < 240; ticks += 15) { // a whole period of the oval
+        keep(&moment);
+        motion_t m = start_observing();
+        expect_retract(&m);
+        go_back(&moment);
+        fixture_rig_ticks(&rig, 15);
+        TEST_ASSERT_EQUAL_INT(cam_state_cutting, rig.last.want.state);
+    }
+}
+
+/// The slack of the acceleration check takes a tick off its time, in every phase of the section.
+static void test_late_tick_anywhere_in_the_section_is_that_fault_or_none(void)
+{
+    static const struct {
+        uint32_t percent, faults;
+    } cases[] = {{45, 0}, {80, CAM_FAULT_BIT(late_tick)}};
+    bring(cam_state_cutting);
+    fixture_rig_ticks(&rig, 2400);
+    for (uint32_t ticks = 0; ticks < 240; ticks += 8) {
+        keep(&moment);
+        for (uint32_t i = 0; i < 2u; i++) {
+            hal_host_fault_late(cases[i].percent);
+            fixture_rig_ticks(&rig, 4);
+            TEST_ASSERT_EQUAL_HEX32(cases[i].faults, fixture_rig_status(&rig).faults);
+            go_back(&moment);
+        }
+        fixture_rig_ticks(&rig, 8);
     }
 }
