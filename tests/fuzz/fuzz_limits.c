@@ -44,7 +44,7 @@ static double turn_s(const cam_params_t *p, uint32_t axis, double tick_s)
     return fuzz_more(fuzz_more(0.8e-3, 2.0 * tick_s), fuzz_more(p->k1_ns / 1e9, by_k2_s));
 }
 
-/// MATHS.md (213): what the feed-forward tells U beyond its set-point.
+/// MATHS.md (213): what the feed-forward adds to U's set-point.
 static void add_gains(fuzz_limits_t *l, const cam_params_t *p, double hz)
 {
     const uint32_t u = (uint32_t)hal_axis_u;

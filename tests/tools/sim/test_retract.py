@@ -26,16 +26,16 @@ def retract(table: Path, at: str, feed_mm: float = 0.1, state: str = "") -> dict
     first = int(np.argmax(cut.trace["state"] == STATES.index("fault"))) - 2
     assert state in ("", STATES[int(cut.trace["state"][first])])
     names = ("u_set_nm", "u_act_nm", "out_u_nm", "out_outputs")
-    u, actual, told, outputs = (cut.trace[name][first:] for name in names)
+    u, actual, command, outputs = (cut.trace[name][first:] for name in names)
     enabled = outputs.astype(int) & 1
     return {
-        "deeper": told.max() - told[1],
+        "deeper": command.max() - command[1],
         "actual": actual[2:].max() - actual[1],
         "away": int(np.argmax(actual < u[1] - 100_000)) - 2,
         "out": int(np.argmax(u == RETRACT_NM)) - 2,
         "off": int(np.argmin(enabled)) - 2,
-        "step": np.abs(np.diff(told)).max(),
-        "change": np.abs(np.diff(told, 2)).max(),
+        "step": np.abs(np.diff(command)).max(),
+        "change": np.abs(np.diff(command, 2)).max(),
     }
 
 

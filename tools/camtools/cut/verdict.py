@@ -158,11 +158,11 @@ def highest_of(judge: Judge) -> HighestSpeed:
 
 def _line(demand: Demand, remedy: str) -> str:
     one = _shown(demand)
-    told = f"{one.limit:.9g} {one.unit}: the part needs {one.needed:.9g} {one.unit}; {remedy}"
+    limit = f"{one.limit:.9g} {one.unit}: the part needs {one.needed:.9g} {one.unit}; {remedy}"
     if demand.name in _NOT_OF_A_PART:
-        return f"the controller's {demand.name} = {told}"
+        return f"the controller's {demand.name} = {limit}"
     what = " as set-point of its loop" if demand.name == "spindle_set_point" else ""
-    return f"machine.limits.{one.field} = {told}".replace("; ", f"{what}; ", 1)
+    return f"machine.limits.{one.field} = {limit}".replace("; ", f"{what}; ", 1)
 
 
 def check_table(

@@ -137,10 +137,10 @@ def _params_load(link: Link, arguments: Arguments, say: Say) -> str:
     values = parse(arguments["text"], name, notes.append)
     say(f"parameters of {name}")
     changes = set_all(link, values)
-    told = ", ".join(f"{key} {old} -> {new}" for key, (old, new) in list(changes.items())[:8])
+    shown = ", ".join(f"{key} {old} -> {new}" for key, (old, new) in list(changes.items())[:8])
     more = f" and {len(changes) - 8} more" if len(changes) > 8 else ""
     head = f"{name}: {len(changes)} of {len(values)} parameters changed"
-    return "; ".join([f"{head}: {told}{more}" if changes else head, *notes])
+    return "; ".join([f"{head}: {shown}{more}" if changes else head, *notes])
 
 
 def _memory(action: str) -> Action:
