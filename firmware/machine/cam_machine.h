@@ -145,6 +145,12 @@ typedef struct {
     bool is_stop_due;             ///< command was lost: stop the motion
 } cam_machine_t;
 
+/// @return why `err` was returned: m->refusal if it is of that error, else the error alone
+static inline cam_refusal_t cam_machine_refusal(const cam_machine_t *m, cam_err_t err)
+{
+    return m->refusal.err == err ? m->refusal : cam_refusal_of(err, cam_n_params, 0, 0);
+}
+
 /// Initialize interrupt and slow side, state off. Call before the tick starts.
 /// @param core     state of the interrupt, zeroed here
 /// @param tick_hz  [Hz] result of hal_tick_hz(), 500 .. 100 000
@@ -168,8 +174,8 @@ CAM_MUST_USE cam_err_t cam_machine_select_table(cam_machine_t *m, const void *im
 ///   all of them ramped; the result must be feasible
 /// - other states: none
 ///
-/// Refusals with numbers or a parameter are in m->refusal; others leave it unchanged: use it only
-/// if m->refusal.err is the returned error.
+/// Refusals with numbers or a parameter are in m->refusal; others leave it unchanged:
+/// cam_machine_refusal() distinguishes them.
 /// @return cam_ok, cam_err_param_id, _range, _state, cam_err_hard_limit, cam_err_trim_limit,
 ///         cam_err_busy, cam_err_travel, cam_err_u_place when U is outside of the new stroke,
 ///         cam_err_locked, cam_err_lock_none (cam_rights.h), a feasibility error, or an error of

@@ -216,10 +216,7 @@ static bool take(reader_t *r, const char *section, const char *key, const char *
         r->is_seen[i] = true;
         return takers[f->kind](s, f, text);
     }
-    if (s->take_other != NULL) {
-        return s->take_other(s, section, key, text);
-    }
-    return refuse_line(s, "[%.40s] %.40s: unknown key; correct or remove it", section, key);
+    return s->take_other(s, section, key, text);
 }
 
 /// Callback of inih. Cuts off a trailing comment and blanks; # inside quotes is part of the value.

@@ -8,7 +8,7 @@
 ///     key = 1.5          # a number, true, false or "text", all on one line
 ///
 /// Duplicate keys, values of the wrong type and values out of range are refused with file, line,
-/// key, value and remedy. Keys not in the list go to the program's handler or are refused.
+/// key, value and remedy. Keys not in the list go to the program's handler.
 #ifndef COMMON_SETTINGS_H
 #define COMMON_SETTINGS_H
 
@@ -51,7 +51,7 @@ struct common_settings {
     const common_setting_t *list;
     size_t n;                            ///< keys, at most common_settings_max
     void *into;                          ///< base of the offsets
-    common_settings_taker_t *take_other; ///< NULL: keys not in the list are refused
+    common_settings_taker_t *take_other; ///< for keys not in the list
     void *user;                          ///< for take_other
     /// Refuse sections that are not in the list, and inih's ":" for "=" and ";" for "#".
     bool is_strict;

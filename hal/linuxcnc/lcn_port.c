@@ -113,8 +113,6 @@ void hal_halt(const char *why)
     abort();
 }
 
-// The component loads the table from a file; there are no downloads.
-
 void hal_text(const char *line)
 {
     lcn_port_print(line);

@@ -117,8 +117,7 @@ static void refuse_param(const cam_param_info_t *info, int32_t value, cam_err_t 
 /// Report why parameters were refused, with the name of the responsible one if known.
 static void refuse_params(cam_err_t err)
 {
-    const cam_refusal_t *refusal = &slow.machine.refusal; // maybe of an earlier change
-    const cam_param_info_t *info = refusal->err == err ? cam_param_info(refusal->param) : NULL;
+    const cam_param_info_t *info = cam_param_info(cam_machine_refusal(&slow.machine, err).param);
     char line[line_bytes];
     (void)snprintf(line, sizeof line, "parameters: refused in state %s: %s%s%s (error %d)",
                    cam_state_name(cam_machine_status(&slow.machine).state),

@@ -204,9 +204,8 @@ static bool set_up_firmware(sim_cut_t *cut, size_t size, const char *name, commo
         return false;
     }
     sim_cut_idle(cut);
-    cam_err_t err = cam_machine_select_table(machine, cut->session.image, size);
-    sim_cut_idle(cut);
-    if (err == cam_err_busy) { // retry after a tick, as for parameters
+    cam_err_t err = cam_err_busy;
+    for (int i = 0; i < 2 && err == cam_err_busy; i++) { // learning may offer a configuration first
         err = cam_machine_select_table(machine, cut->session.image, size);
         sim_cut_idle(cut);
     }

@@ -105,6 +105,19 @@ static bool is_planted(const char *name)
            about.st_uid != 0u;
 }
 
+static void drop(sim_out_t *o)
+{
+    if (o->stream != NULL) {
+        (void)fclose(o->stream);
+        o->stream = NULL;
+    }
+    if (o->temporary[0] != '\0') {
+        (void)unlink(o->temporary);
+        set_pending(o->temporary, NULL);
+        o->temporary[0] = '\0';
+    }
+}
+
 bool sim_out_open(sim_out_t *o, const char *name, const char *option, common_error_t *e)
 {
     o->name = name;
@@ -132,7 +145,7 @@ bool sim_out_open(sim_out_t *o, const char *name, const char *option, common_err
     }
     if (!is_open) {
         const int number = errno;
-        sim_out_drop(o);
+        drop(o);
         return common_error(e, "%s %s: cannot be written: %s; give a path in a writable folder",
                             option, name, strerror(number));
     }
@@ -148,7 +161,7 @@ static void flush(sim_out_t *o)
     o->n = 0;
 }
 
-bool sim_out_finish(sim_out_t *o, common_error_t *e)
+static bool finish(sim_out_t *o, common_error_t *e)
 {
     if (o->name == NULL) {
         return true;
@@ -167,7 +180,7 @@ bool sim_out_finish(sim_out_t *o, common_error_t *e)
     return o->error == 0 || cannot(o, o->error, e);
 }
 
-bool sim_out_publish(sim_out_t *o, common_error_t *e)
+static bool publish(sim_out_t *o, common_error_t *e)
 {
     if (o->name == NULL || o->temporary[0] == '\0') {
         return true;
@@ -178,19 +191,6 @@ bool sim_out_publish(sim_out_t *o, common_error_t *e)
     set_pending(o->temporary, NULL);
     o->temporary[0] = '\0';
     return true;
-}
-
-void sim_out_drop(sim_out_t *o)
-{
-    if (o->stream != NULL) {
-        (void)fclose(o->stream);
-        o->stream = NULL;
-    }
-    if (o->temporary[0] != '\0') {
-        (void)unlink(o->temporary);
-        set_pending(o->temporary, NULL);
-        o->temporary[0] = '\0';
-    }
 }
 
 bool sim_out_open_all(sim_out_t *outs, const char *const *names, const char *const *options, int n,
@@ -207,10 +207,10 @@ bool sim_out_publish_all(sim_out_t *outs, int n, common_error_t *e)
 {
     bool is_good = true;
     for (int i = 0; i < n && is_good; i++) {
-        is_good = sim_out_finish(&outs[i], e);
+        is_good = finish(&outs[i], e);
     }
     for (int i = 0; i < n && is_good; i++) {
-        is_good = sim_out_publish(&outs[i], e);
+        is_good = publish(&outs[i], e);
     }
     return is_good;
 }
@@ -218,7 +218,7 @@ bool sim_out_publish_all(sim_out_t *outs, int n, common_error_t *e)
 void sim_out_drop_all(sim_out_t *outs, int n)
 {
     for (int i = 0; i < n; i++) {
-        sim_out_drop(&outs[i]);
+        drop(&outs[i]);
     }
 }
 
@@ -294,10 +294,7 @@ void sim_out_header(sim_out_t *o, const sim_rows_t *t)
 {
     const char *c = t->columns;
     while (*c != '\0') {
-        const size_t name = strcspn(c, ":");
-        for (size_t i = 0; i < name; i++) {
-            put(o, c[i]);
-        }
+        append(o, c, strcspn(c, ":"));
         c += strcspn(c, ",");
         put(o, *c == '\0' ? '\n' : ',');
         c += *c != '\0' ? 1 : 0;

@@ -32,27 +32,20 @@ void sim_out_watch_signals(void);
 /// @return        false and *e when it cannot be written
 bool sim_out_open(sim_out_t *o, const char *name, const char *option, common_error_t *e);
 
-/// Flush to disk and close. @return false and *e on any failure
-bool sim_out_finish(sim_out_t *o, common_error_t *e);
-
-/// Give the finished file its name. @return false and *e on failure
-bool sim_out_publish(sim_out_t *o, common_error_t *e);
-
-/// Remove a file that was not published.
-void sim_out_drop(sim_out_t *o);
-
-// Likewise for all outputs of a command, which appear together or not at all.
+// All outputs of a command, which appear together or not at all.
 
 /// Open one after the other. @return false and *e on the first that cannot be written
 bool sim_out_open_all(sim_out_t *outs, const char *const *names, const char *const *options, int n,
                       common_error_t *e);
 
-/// Finish all, then publish all. @return false and *e on the first failure
+/// Flush all to disk and close them, then give them their names. @return false and *e on the first
+/// failure
 bool sim_out_publish_all(sim_out_t *outs, int n, common_error_t *e);
 
+/// Remove files that were not published.
 void sim_out_drop_all(sim_out_t *outs, int n);
 
-// Text; a failure is reported by finish.
+// Text; sim_out_publish_all() reports a failure.
 
 void sim_out_text(sim_out_t *o, const char *text);
 

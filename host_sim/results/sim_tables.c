@@ -15,8 +15,7 @@
 
 static const char trace_columns[] = TRACE_COLUMNS;
 static const char swung_columns[] = TRACE_COLUMNS ",swing_set_deg:7,swing_act_deg:7";
-static const char surface_columns[] = "turn:8,z_mm:6,radius_mm:9,error_nm:3";
-static const char target_columns[] = "turn:8,z_mm:6,radius_mm:9,error_nm:3,control_nm:3";
+#define SURFACE_COLUMNS "turn:8,z_mm:6,radius_mm:9,error_nm:3"
 static const char removal_columns[] = "t_s:9,turn:9,z_mm:6,volume_mm3:9,rate_mm3_s:6,power_w:6,"
                                       "rate_force_n:6,chip_force_n:6";
 static const char scallop_columns[] = "turn:8,z_mm:6,proud_um:6";
@@ -107,9 +106,14 @@ static void add_slice(sim_rows_t *t, const sim_slice_t *slice)
     sim_rows_real(t, slice->chip_force_n);
 }
 
+static const char *surface_columns(const sim_session_t *s)
+{
+    return s->has_target ? SURFACE_COLUMNS ",control_nm:3" : SURFACE_COLUMNS;
+}
+
 void sim_tables_surface(sim_rows_t *t, const sim_session_t *s)
 {
-    sim_rows_open(t, s->has_target ? target_columns : surface_columns);
+    sim_rows_open(t, surface_columns(s));
     for (int i = 0; i < sim_work_rows; i++) {
         for (int k = 0; k < sim_work_columns; k++) {
             const sim_cell_t *cell = &s->work.cell[i][k];
@@ -190,7 +194,7 @@ void sim_tables_open(sim_tables_t *t, const sim_cut_t *cut, const char *const *n
 {
     const char *const columns[sim_n_tables] = {
         [sim_table_trace] = cut->session.table.is_swung ? swung_columns : trace_columns,
-        [sim_table_surface] = cut->session.has_target ? target_columns : surface_columns,
+        [sim_table_surface] = surface_columns(&cut->session),
         [sim_table_removal] = removal_columns,
         [sim_table_scallop] = scallop_columns,
         [sim_table_sections] = sections_columns,

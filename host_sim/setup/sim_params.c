@@ -25,24 +25,21 @@ static int32_t acceleration_for_gains(const cam_params_t *params, uint32_t tick_
 
 /// Refuse k1 or k2, which a slow drive of U makes large.
 /// @return false
-static bool refuse_slow_drive(const char *refused, const cam_params_t *params,
-                              const cam_refusal_t *refusal, uint32_t tick_hz, common_error_t *e)
+static bool refuse_slow_drive(const char *refused, const cam_params_t *params, uint32_t tick_hz,
+                              common_error_t *e)
 {
     const int32_t most = acceleration_for_gains(params, tick_hz);
-    const long long bound = (long long)refusal->limit;
     if (most == 0) {
         return common_error(e,
-                            "%s; with the other parameters it is at most %lld; it follows from [u] "
-                            "bandwidth_hz of the machine file unless it is "
+                            "%s; it follows from [u] bandwidth_hz of the machine file unless it is "
                             "set; this drive is too slow: give a larger bandwidth_hz",
-                            refused, bound);
+                            refused);
     }
     return common_error(e,
-                        "%s; with the other parameters it is at most %lld; it follows from [u] "
-                        "bandwidth_hz of the machine file unless it is "
+                        "%s; it follows from [u] bandwidth_hz of the machine file unless it is "
                         "set; such a drive needs [u] acceleration_mm_per_s2 of at most %d, or a "
                         "lower [machine] tick_hz",
-                        refused, bound, (int)most);
+                        refused, (int)most);
 }
 
 static bool refuse(const cam_machine_t *m, const cam_params_t *params, const cam_refusal_t *refusal,
@@ -53,17 +50,19 @@ static bool refuse(const cam_machine_t *m, const cam_params_t *params, const cam
     if (info == NULL) {
         return common_error(e, "parameters: refused: %s", what);
     }
+    char bound[80] = "";
+    if (refusal->err == cam_err_gain || refusal->err == cam_err_jerk) {
+        (void)snprintf(bound, sizeof bound, "; with the other parameters it is at %s %lld",
+                       refusal->err == cam_err_jerk ? "least" : "most", (long long)refusal->limit);
+    }
     char refused[256];
-    (void)snprintf(refused, sizeof refused, "parameter %s = %lld: refused: %s", info->name,
-                   (long long)refusal->needed, what);
+    (void)snprintf(refused, sizeof refused, "parameter %s = %lld: refused: %s%s", info->name,
+                   (long long)refusal->needed, what, bound);
     switch (refusal->err) {
     case cam_err_gain:
-        return refuse_slow_drive(refused, params, refusal, m->tick_hz, e);
+        return refuse_slow_drive(refused, params, m->tick_hz, e);
     case cam_err_jerk:
-        return common_error(e,
-                            "%s; with the other parameters it is at least %lld; change it, or "
-                            "them, in the machine file or by --set",
-                            refused, (long long)refusal->limit);
+        return common_error(e, "%s; change it, or them, in the machine file or by --set", refused);
     case cam_err_servo_force:
         return common_error(e,
                             "refused: %s: %.6g N, limit %.6g N; give a smaller [u] "
@@ -93,8 +92,6 @@ bool sim_params_apply(cam_machine_t *machine, const cam_params_t *params, common
         }
     }
     const cam_err_t err = cam_machine_stage_commit(machine);
-    const cam_refusal_t without_numbers = cam_refusal_of(err, cam_n_params, 0, 0);
-    const bool has_numbers = machine->refusal.err == err; // otherwise it is of an earlier change
-    return err == cam_ok ||
-           refuse(machine, params, has_numbers ? &machine->refusal : &without_numbers, e);
+    const cam_refusal_t refusal = cam_machine_refusal(machine, err);
+    return err == cam_ok || refuse(machine, params, &refusal, e);
 }

@@ -202,8 +202,8 @@ class Exceptions:
             raise UnmodelledError("an exception used floating-point registers")
         self.nvic.active.pop()
         base = uc.reg_read(arm.UC_ARM_REG_SP)
-        raw = uc.mem_read(base, 32)
-        words = [int.from_bytes(raw[i : i + 4], "little") for i in range(0, 32, 4)]
+        raw = uc.mem_read(base, FRAME_BYTES)
+        words = [int.from_bytes(raw[i : i + 4], "little") for i in range(0, FRAME_BYTES, 4)]
         for reg, word in zip(FRAME_REGS, words, strict=False):
             uc.reg_write(reg, word)
         uc.reg_write(arm.UC_ARM_REG_XPSR, words[7] & ~PADDED)
