@@ -73,9 +73,9 @@ def items(text: str, macro: str) -> list[str]:
     return re.findall(r"^ +X\((\w+)", _body(text, macro), re.MULTILINE)
 
 
-def errors() -> list[tuple[str, str, str]]:
+def errors(text: str) -> list[tuple[str, str, str]]:
     """Return number, name and text of every error."""
-    rows = re.findall(r'X\((\w+), +(-\d+), +"([^"]*)"', headers().split("#define CAM_ERRORS(X)")[1])
+    rows = re.findall(r'X\((\w+), +(-\d+), +"([^"]*)"', _body(text, "CAM_ERRORS"))
     return [(number, name, what) for name, number, what in rows]
 
 
@@ -84,7 +84,7 @@ def _values(start: str, names: Mapping[int, str]) -> tuple[str, str]:
     return rf"(?<=^{start} )[^\n]*", f"{pairs} ;"
 
 
-def dbc_text() -> str:
+def dbc_text(text: str) -> str:
     """Return the text of camturn.dbc with the names and faults of the sources.
 
     Raises
@@ -92,8 +92,7 @@ def dbc_text() -> str:
     CamtoolsError
         The file has no place for some of them.
     """
-    text = headers()
-    results = {0: "done"} | {int(number): name for number, name, _ in errors()}
+    results = {0: "done"} | {int(number): name for number, name, _ in errors(text)}
     faults = re.findall(r'X\((\w+), "([^"]*)"', _body(text, "CAM_FAULTS"))
     bits = "".join(
         f' SG_ fault_{name} : {32 + bit}|1@1+ (1,0) [0|1] "" TOOL\n'

@@ -16,8 +16,9 @@ from collections.abc import Iterable, Sequence
 from cantools.database.can import Database, Message, Signal
 
 from camtools.base.project_paths import ROOT
+from camtools.link.messages import choices_of
 from camtools.link.parameters import INFOS, Info, group_of
-from checks.dbc_lists import DBC, dbc_text, errors
+from checks.dbc_lists import DBC, dbc_text, errors, headers
 from checks.page_command import page_command
 
 _NOTE = "`build/venv/bin/python -m checks.lookup --write` (in tools/) generates the page.\n"
@@ -67,11 +68,6 @@ def parameters_page() -> str:
     )
 
 
-def _names(message: Message, signal: str) -> dict[int, str]:
-    choices = message.get_signal_by_name(signal).choices
-    return {int(number): str(name) for number, name in (choices or {}).items()}
-
-
 def _sent_with(signal: Signal, message: Message) -> str:
     """Return the pages or commands with which a signal is sent."""
     numbers = sorted(signal.multiplexer_ids or [])
@@ -79,7 +75,7 @@ def _sent_with(signal: Signal, message: Message) -> str:
         return ", ".join(map(str, numbers))
     if len(numbers) > 8:
         return "other commands"
-    return ", ".join(_names(message, "command")[n] for n in numbers)
+    return ", ".join(choices_of(message, "command")[n] for n in numbers)
 
 
 def _signal_row(signal: Signal, message: Message) -> Sequence[str]:
@@ -104,7 +100,7 @@ def _message_text(message: Message) -> str:
 def _names_of_values(database: Database) -> str:
     assert database.dbc is not None
     tables = {
-        signal.name: _names(message, signal.name)
+        signal.name: choices_of(message, signal.name)
         for message in database.messages
         for signal in message.signals
         if signal.choices and signal.name not in ("parameter", "result", "table_result")
@@ -116,11 +112,11 @@ def _names_of_values(database: Database) -> str:
     return f"\n## Names of values\n\n{''.join(lines)}"
 
 
-def messages_page(dbc: str) -> str:
+def messages_page(dbc: str, text: str) -> str:
     """Return the text of MESSAGES.md."""
     database = Database()
     database.add_dbc_string(dbc)
-    results = [(number, f"`{name}`", what) for number, name, what in errors()]
+    results = [(number, f"`{name}`", what) for number, name, what in errors(text)]
     return (
         _MESSAGES
         + "".join(map(_message_text, database.messages))
@@ -131,11 +127,12 @@ def messages_page(dbc: str) -> str:
 
 def pages() -> dict[str, str]:
     """Return the texts of the DBC and of both pages by their paths in the project."""
-    dbc = dbc_text()
+    text = headers()
+    dbc = dbc_text(text)
     return {
         DBC: dbc,
         "firmware/PARAMETERS.md": parameters_page(),
-        "firmware/remote/can/MESSAGES.md": messages_page(dbc),
+        "firmware/remote/can/MESSAGES.md": messages_page(dbc, text),
     }
 
 

@@ -36,12 +36,11 @@ def test_lists_of_the_dbc_are_written_anew(monkeypatch: pytest.MonkeyPatch) -> N
         .replace(" X(image_size, ", ' X(new_error, -99, "new") \\\n X(image_size, ')
         .replace(" X(estop, ", ' X(new_fault, "a new fault") X(estop, ')
     )
-    monkeypatch.setattr(dbc_lists, "headers", lambda: more)
-    dbc = dbc_lists.dbc_text()
+    dbc = dbc_lists.dbc_text(more)
     assert dbc.count(' parameter 0 "new_nm" 1 "counts_per_turn"') == 2
     assert dbc.count('-99 "new_error"') == 2
     assert " SG_ fault_new_fault : 32|1@1+" in dbc and " SG_ fault_estop : 33|1@1+" in dbc
     assert 'CM_ SG_ 448 fault_new_fault "A new fault.";' in dbc
     monkeypatch.setattr(dbc_lists, "DBC", "firmware/PARAMETERS.md")
     with pytest.raises(CamtoolsError, match="places"):
-        dbc_lists.dbc_text()
+        dbc_lists.dbc_text(more)

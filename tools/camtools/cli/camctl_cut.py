@@ -15,7 +15,6 @@ from typing import TextIO
 
 from camtools.base.argument_types import finite, whole
 from camtools.base.command import Interrupted, Parser
-from camtools.base.quantities import NM_PER_MM
 from camtools.link.controller import Link, Status
 from camtools.link.messages import NAMES, Refused
 from camtools.link.progress import IN_CUT, cut_progress
@@ -23,11 +22,11 @@ from camtools.link.refusal_text import ask_done
 from camtools.link.settings import (
     MEASURES,
     OVERRIDES,
-    parameter,
     set_override,
     set_parts,
     set_trim,
     trim_text,
+    value_of,
     value_text,
 )
 
@@ -167,8 +166,7 @@ def override(link: Link, arguments: argparse.Namespace, say: Say) -> None:
     """Set an override, or print it."""
     name = f"{arguments.what}_override"
     if arguments.percent is None:
-        percent = parameter(link, f"{name}_ppm") / 1e4
-        say(f"override {arguments.what} = {value_text(name, percent)}")
+        say(f"override {arguments.what} = {value_text(name, value_of(link, name))}")
     else:
         say(set_override(link, arguments.what, arguments.percent))
 
@@ -176,7 +174,7 @@ def override(link: Link, arguments: argparse.Namespace, say: Say) -> None:
 def trim(link: Link, arguments: argparse.Namespace, say: Say) -> None:
     """Set the trim of X, or print it."""
     if arguments.value is None:
-        say(trim_text(parameter(link, "x_trim_nm") / NM_PER_MM))
+        say(trim_text(value_of(link, "trim")))
     else:
         say(set_trim(link, arguments.measure, arguments.value))
 

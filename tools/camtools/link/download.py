@@ -125,10 +125,10 @@ def download(link: Link, image: bytes, progress: Callable[[int, float], None]) -
         The controller refuses, or the bus loses too much. The old table stays in force.
     """
     begin = link.ask("begin_download", timeout_s=BEGIN_S, size=len(image))
-    require(link, begin)
+    require(link, begin, "begin download")
     bring(link, image, "the old table stays in force, download again", progress)
     end = link.ask("end_download", timeout_s=CHECK_S, crc=zlib.crc32(image))
-    require(link, end)
+    require(link, end, "end download")
 
 
 def select_table(link: Link) -> None:
@@ -139,6 +139,6 @@ def select_table(link: Link) -> None:
     Refused
         The controller refuses; the old table stays in force.
     """
-    require(link, link.ask("select_table", timeout_s=CHECK_S))
+    require(link, link.ask("select_table", timeout_s=CHECK_S), "select table")
     link.status.signals.clear()
     link.listen()

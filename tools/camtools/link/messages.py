@@ -22,7 +22,8 @@ DATABASE.add_dbc_file(DBC)
 COMMAND, ANSWER = (DATABASE.get_message_by_name(name) for name in ("Command", "Answer"))
 
 
-def _choices(message: Message, signal: str) -> dict[int, str]:
+def choices_of(message: Message, signal: str) -> dict[int, str]:
+    """Return the names of a signal's values, by number."""
     table = message.get_signal_by_name(signal).choices
     assert table is not None
     return {number: str(name) for number, name in table.items()}
@@ -31,21 +32,21 @@ def _choices(message: Message, signal: str) -> dict[int, str]:
 _STATE = DATABASE.get_message_by_name("State")
 _DETAIL = DATABASE.get_message_by_name("Detail")
 NAMES = {
-    "command": _choices(COMMAND, "command"),
-    "parameter": _choices(COMMAND, "parameter"),
-    "result": _choices(ANSWER, "result"),
-    "state": _choices(_STATE, "state"),
-    "reset_reason": _choices(_STATE, "reset_reason"),
-    "start_wait": _choices(_DETAIL, "start_wait"),
-    "learn_phase": _choices(_DETAIL, "learn_phase"),
-    "recorder_use": _choices(_DETAIL, "recorder_use"),
-    "recorder_phase": _choices(_DETAIL, "recorder_phase"),
-    "learn_reason": _choices(_DETAIL, "learn_reason"),
-    "params_kept": _choices(_DETAIL, "params_kept"),
-    "hand_phase": _choices(_DETAIL, "hand_phase"),
-    "hand_end": _choices(_DETAIL, "hand_end"),
-    "level": _choices(_DETAIL, "level"),
-    "acknowledge": _choices(_DETAIL, "acknowledge"),
+    "command": choices_of(COMMAND, "command"),
+    "parameter": choices_of(COMMAND, "parameter"),
+    "result": choices_of(ANSWER, "result"),
+    "state": choices_of(_STATE, "state"),
+    "reset_reason": choices_of(_STATE, "reset_reason"),
+    "start_wait": choices_of(_DETAIL, "start_wait"),
+    "learn_phase": choices_of(_DETAIL, "learn_phase"),
+    "recorder_use": choices_of(_DETAIL, "recorder_use"),
+    "recorder_phase": choices_of(_DETAIL, "recorder_phase"),
+    "learn_reason": choices_of(_DETAIL, "learn_reason"),
+    "params_kept": choices_of(_DETAIL, "params_kept"),
+    "hand_phase": choices_of(_DETAIL, "hand_phase"),
+    "hand_end": choices_of(_DETAIL, "hand_end"),
+    "level": choices_of(_DETAIL, "level"),
+    "acknowledge": choices_of(_DETAIL, "acknowledge"),
 }
 NUMBERS = {table: {name: i for i, name in names.items()} for table, names in NAMES.items()}
 assert DATABASE.dbc is not None
@@ -83,7 +84,21 @@ class Answer:
     limits: tuple[float, float] | None = None
 
 
-def _check_range(name: str, value: float) -> None:
+def check_range(name: str, value: float, low: float, high: float, unit: str) -> None:
+    """Refuse a value outside of its range, in the unit of both.
+
+    Raises
+    ------
+    CamtoolsError
+        It is below or above.
+    """
+    if not low <= value <= high:
+        ending = f" {unit}" if unit else ""
+        span = f"{low:.10g} .. {high:.10g}{ending}"
+        raise CamtoolsError([f"{name} = {value:.10g}{ending}: out of range; give {span}"])
+
+
+def _check_signal(name: str, value: float) -> None:
     """Refuse a value that has no place in the message Command.
 
     Raises
@@ -94,10 +109,7 @@ def _check_range(name: str, value: float) -> None:
     signal = COMMAND.get_signal_by_name(name)
     low, high = signal.minimum, signal.maximum
     assert low is not None and high is not None
-    if not low <= value <= high:
-        unit = f" {signal.unit}" if signal.unit else ""
-        span = f"{low:.10g} .. {high:.10g}{unit}"
-        raise CamtoolsError([f"{name} = {value:.10g}{unit}: out of range; give {span}"])
+    check_range(name, value, low, high, signal.unit or "")
 
 
 def command_bytes(
@@ -122,7 +134,7 @@ def command_bytes(
     signals |= {"sender": sender, "session": session}
     needed = {s.name for s in COMMAND.signals if number in (s.multiplexer_ids or [])}
     for name, wanted in value.items():
-        _check_range(name, wanted)
+        _check_signal(name, wanted)
     return COMMAND.encode(signals | dict.fromkeys(needed, 0.0) | value, strict=True)
 
 

@@ -226,21 +226,21 @@ def explain(link: Link, answer: Answer) -> str:
     return f"refused: {text or what}" + (f"; {remedy}" if remedy and not text else "")
 
 
-def require(link: Link, answer: Answer, values: str = "") -> Answer:
+def require(link: Link, answer: Answer, what: str) -> Answer:
     """Return an answer that accepts a command.
 
     Parameters
     ----------
-    values : str
-        told behind the command, where it was refused
+    what : str
+        command and values, for the text of a refusal
 
     Raises
     ------
     Refused
-        It is refused; the text tells why, with the numbers.
+        It is refused; the text states why, with the numbers.
     """
     if answer.result != "done":
-        raise Refused(f"{answer.command.replace('_', ' ')}{values}: {explain(link, answer)}")
+        raise Refused(f"{what}: {explain(link, answer)}")
     return answer
 
 
@@ -257,4 +257,5 @@ def ask_done(
         The value is outside the range of its signal.
     """
     answer = link.ask(command, timeout_s=timeout_s, parameter=parameter, **value)
-    return require(link, answer, "".join(f" = {number:.9g}" for number in value.values()))
+    values = "".join(f" = {number:.9g}" for number in value.values())
+    return require(link, answer, command.replace("_", " ") + values)

@@ -11,12 +11,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
 from camtools.link.controller import Link
-from camtools.link.messages import NUMBERS, Refused
+from camtools.link.messages import NUMBERS, check_range
 from camtools.link.parameters import INFOS
-from camtools.link.refusal_text import ask_done, explain
+from camtools.link.refusal_text import ask_done, require
 
 
 @dataclass(frozen=True)
@@ -47,6 +46,12 @@ def parameter(link: Link, name: str) -> float:
     return ask_done(link, "get_parameter", NUMBERS["parameter"][name]).value
 
 
+def value_of(link: Link, name: str) -> float:
+    """Return a setting in force, in the unit of operators."""
+    setting = SETTINGS[name]
+    return parameter(link, setting.parameter) / setting.per_unit
+
+
 def _set(link: Link, name: str, value: int, shown: str) -> float:
     """Set a parameter; return the value in force.
 
@@ -56,9 +61,7 @@ def _set(link: Link, name: str, value: int, shown: str) -> float:
         It is refused; the text names the setting as shown.
     """
     answer = link.ask("set_parameter", parameter=NUMBERS["parameter"][name], value=value)
-    if answer.result != "done":
-        raise Refused(f"set {shown}: {explain(link, answer)}")
-    return answer.value
+    return require(link, answer, f"set {shown}").value
 
 
 def value_text(name: str, value: float) -> str:
@@ -81,9 +84,7 @@ def _set_in_unit(link: Link, name: str, value: float) -> float:
     setting = SETTINGS[name]
     info = INFOS[setting.parameter]
     low, high = info.low / setting.per_unit, info.high / setting.per_unit
-    if not low <= value <= high:
-        given, span = value_text(name, value), f"{low:.10g} .. {value_text(name, high)}"
-        raise CamtoolsError([f"{name} = {given}: out of range; give {span}"])
+    check_range(name, value, low, high, setting.unit)
     shown = f"{name.replace('_', ' ')} = {value:.9g}"
     wanted = round(value * setting.per_unit)
     return _set(link, setting.parameter, wanted, shown) / setting.per_unit

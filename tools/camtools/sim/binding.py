@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from camtools.base.command import BAD_INPUT
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
 from camtools.base.project_paths import ROOT
@@ -47,7 +48,6 @@ PROTOTYPES: Prototypes = {
     "sim_api_summary": (c_char_p, [c_void_p]),
     "sim_api_end": (None, [c_void_p]),
 }
-_BAD_INPUT = 2
 
 
 def build_folder() -> Path:
@@ -196,7 +196,7 @@ class SimSession:
         status = int(self._library.sim_api_finish(self._session, wall_s))
         message = self.error()
         text = self._library.sim_api_summary(self._session).decode("ascii")
-        if status == _BAD_INPUT and not text:
+        if status == BAD_INPUT and not text:
             raise CamtoolsError([message])
         return Ending(status, message, f"{text}\n")
 

@@ -1,4 +1,4 @@
-r"""What the simulator wrote, as arrays: trace, surface, summary.
+r"""What the simulator wrote, as arrays: trace and surface.
 
 >>> import tempfile
 >>> with tempfile.TemporaryDirectory() as name:
@@ -16,7 +16,6 @@ r"""What the simulator wrote, as arrays: trace, surface, summary.
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, NamedTuple, TypeVar
@@ -214,12 +213,6 @@ def read_sections(path: Path) -> GaugedSections:
 def read_removal(path: Path) -> Removal:
     """Return the slices of a CSV file of camsim."""
     return Removal(*read_named(path, Removal._fields))
-
-
-def read_summary(path: Path) -> Json:
-    """Return a summary of camsim."""
-    summary: Json = json.loads(path.read_text(encoding="utf-8"))
-    return summary
 
 
 class CutVariant(NamedTuple):
