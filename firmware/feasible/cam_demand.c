@@ -113,25 +113,28 @@ static double ratio_of(const cam_table_t *t)
     return t->ratio_max_q20 * 0x1p-20;
 }
 
-/// The speed while engaging: the largest of e f' + e' f over the step, or f' itself. The spindle
-/// may turn faster than its mean speed.
-static double engaging_speed(const cam_cut_t *c, const cam_z_coupling_peaks_t *peaks)
+/// The speed while engaging: the largest of e f' + e' f over the step, or f' itself; from lobe to
+/// lobe it may be larger. The spindle may turn faster than its mean speed.
+static double most_speed(const cam_cut_t *c, const cam_z_coupling_peaks_t *peaks)
 {
-    return most_of_step(depth_turns(c), peaks->f1, peaks->f * ratio_of(c->t), 0.0);
+    const double engaging = most_of_step(depth_turns(c), peaks->f1, peaks->f * ratio_of(c->t), 0.0);
+    return cam_cut_most(engaging, cam_z_coupling_lobes_first(c->t, c->feed_nm, peaks));
 }
 
 /// The acceleration while engaging: the largest of e f'' + 2 e' f' + e'' f over the step, or f''
-/// itself. The spindle may turn faster than its mean speed and accelerate. The slope of the
-/// envelope is constant within a plan, so its change over a whole plan acts on the first set-point
-/// of the next one.
+/// itself; from lobe to lobe it may be larger. The spindle may turn faster than its mean speed and
+/// accelerate. The slope of the envelope is constant within a plan, so its change over a whole plan
+/// acts on the first set-point of the next one.
 /// @param n_set_points  of a plan
-static double engaging_acceleration(const cam_cut_t *c, const cam_z_coupling_peaks_t *peaks,
-                                    uint32_t n_set_points)
+static double most_acceleration(const cam_cut_t *c, const cam_z_coupling_peaks_t *peaks,
+                                uint32_t n_set_points)
 {
     const double ratio = ratio_of(c->t);
     const double alpha = peaks->f * c->t->spindle_peak_ppm_per_rad * 1e-6 * n_set_points;
-    return most_of_step(depth_turns(c), peaks->f2, 2.0 * peaks->f1 * ratio + alpha,
-                        peaks->f * ratio * ratio * n_set_points);
+    const double engaging = most_of_step(depth_turns(c), peaks->f2, 2.0 * peaks->f1 * ratio + alpha,
+                                         peaks->f * ratio * ratio * n_set_points);
+    return cam_cut_most(engaging,
+                        cam_z_coupling_lobes_second(c->t, c->feed_nm, peaks, n_set_points));
 }
 
 /// @return peaks of U over the angle
@@ -147,9 +150,7 @@ static cam_demand_t u_speed_demand(const cam_cut_t *c)
 {
     const int64_t limit = cam_cut_smaller(c->p->u_speed_um_per_s, c->t->limit_u_speed_um_per_s);
     const cam_z_coupling_peaks_t u = u_peaks(c->t);
-    const double most =
-        cam_cut_most(engaging_speed(c, &u), cam_z_coupling_lobes_first(c->t, c->feed_nm, &u));
-    const double um_per_s = cam_cut_um_per_s(c, most) + u_drift(c).speed;
+    const double um_per_s = cam_cut_um_per_s(c, most_speed(c, &u)) + u_drift(c).speed;
     return (cam_demand_t){cam_err_u_speed, limit, cam_cut_up(cam_cut_at_amplitude(c, um_per_s))};
 }
 
@@ -161,8 +162,7 @@ static cam_demand_t u_acceleration_demand(const cam_cut_t *c)
         cam_cut_smaller(c->p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_per_s2);
     const cam_z_coupling_peaks_t u = u_peaks(t);
     const uint32_t plan_ticks = (uint32_t)cam_plan_ticks(c->tick_hz);
-    const double most = cam_cut_most(engaging_acceleration(c, &u, plan_ticks),
-                                     cam_z_coupling_lobes_second(t, c->feed_nm, &u, plan_ticks));
+    const double most = most_acceleration(c, &u, plan_ticks);
     const cam_z_coupling_t d = u_drift(c);
     const double mm_per_s2 = cam_cut_mm_per_s2(c, most) + cam_z_coupling_acceleration(c, &d) * 1e-3;
     return (cam_demand_t){cam_err_u_acceleration, limit,
@@ -217,9 +217,7 @@ static cam_z_coupling_peaks_t swing_peaks(const cam_table_t *t)
 static uint64_t swing_speed(const cam_cut_t *c)
 {
     const cam_z_coupling_peaks_t swing = swing_peaks(c->t);
-    const double first = cam_cut_most(engaging_speed(c, &swing),
-                                      cam_z_coupling_lobes_first(c->t, c->feed_nm, &swing));
-    const double turning = first * cam_cut_omega(c->mean_mrpm);
+    const double turning = most_speed(c, &swing) * cam_cut_omega(c->mean_mrpm);
     return cam_cut_up(cam_cut_at_amplitude(c, turning + MDEG * swing_drift(c).speed));
 }
 
@@ -227,8 +225,7 @@ static uint64_t swing_speed(const cam_cut_t *c)
 static uint64_t swing_acceleration(const cam_cut_t *c)
 {
     const cam_z_coupling_peaks_t swing = swing_peaks(c->t);
-    const double second = cam_cut_most(engaging_acceleration(c, &swing, 1u),
-                                       cam_z_coupling_lobes_second(c->t, c->feed_nm, &swing, 1u));
+    const double second = most_acceleration(c, &swing, 1u);
     const double omega = cam_cut_omega(c->mean_mrpm);
     const cam_z_coupling_t d = swing_drift(c);
     const double mdeg_per_s2 = second * omega * omega + MDEG * cam_z_coupling_acceleration(c, &d);

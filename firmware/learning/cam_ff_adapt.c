@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_ff_adapt.h"
-#include "cam_doubles.h" // CAM_PI, cam_limit, cam_nearest
+#include "cam_doubles.h" // cam_limit, cam_nearest
 #include <stdbool.h>     // bool
 
 /// [1] largest share of an error that a revolution changes
@@ -8,7 +8,7 @@
 
 cam_gain_t cam_drive_gain(uint32_t k, int32_t speed_q32, int32_t k1_q16, int32_t k2_q16)
 {
-    const double w = 2.0 * CAM_PI * k * speed_q32 * 0x1p-32;
+    const double w = cam_drive_omega(k, speed_q32);
     const double re = 1.0 - w * w * k2_q16 * 0x1p-16;
     const double im = w * k1_q16 * 0x1p-16;
     return cam_gain_divided(re, -im, re * re + im * im);

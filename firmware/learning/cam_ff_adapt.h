@@ -9,6 +9,7 @@
 #define CAM_FF_ADAPT_H
 
 #include "cam_complex.h" // cam_complex_t, cam_gain_t
+#include "cam_doubles.h" // CAM_PI
 #include <stdint.h>      // int32_t, uint32_t
 
 /// Sums of layer 1 over the harmonics of a revolution.
@@ -25,6 +26,12 @@ typedef struct {
     int32_t friction_q6; ///< [nm / 64]
     int32_t chip_q32;    ///< [1] of the set-point
 } cam_drive_change_t;
+
+/// @return [rad per tick] angular frequency of harmonic k
+static inline double cam_drive_omega(uint32_t k, int32_t speed_q32)
+{
+    return 2.0 * CAM_PI * k * speed_q32 * 0x1p-32;
+}
 
 /// @return U's response at harmonic k according to the constants, 1 / (1 + j w k1 - w^2 k2)
 /// @param speed_q32       [turn / 2^32 per tick], above 0

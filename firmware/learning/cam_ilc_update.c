@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_ilc_update.h"
-#include "cam_doubles.h"   // CAM_PI, cam_limit, cam_nearest, cam_root
+#include "cam_doubles.h"   // cam_limit, cam_nearest, cam_root
 #include "cam_fix.h"       // cam_abs_i64
 #include "cam_harmonics.h" // cam_harmonics_of
 #include "cam_ilc_chip.h"  // cam_ilc_chip_is_cut
@@ -119,12 +119,6 @@ static bool is_learning(const cam_ilc_t *t, const cam_ilc_setup_t *s)
 static int32_t of_amplitude(const cam_ilc_t *t, double value)
 {
     return cam_nearest(cam_limit(value * 0x1p30 / t->scale_q30, 0x1p29));
-}
-
-/// @return [rad per tick] angular frequency of the turn's harmonic k
-static double omega(const cam_ilc_t *t, uint32_t k)
-{
-    return 2.0 * CAM_PI * k * t->turn_speed_q32 * 0x1p-32;
 }
 
 /// @return [nm / 64] 3 sigma of a harmonic's noise from scale and encoder counts, at least 1 nm
@@ -278,7 +272,7 @@ static cam_complex_t at_full(const cam_ilc_t *t, cam_complex_t a, double factor)
 static cam_complex_t without_interpolation(const cam_ilc_t *t, const cam_ilc_setup_t *s,
                                            cam_complex_t error, cam_complex_t set)
 {
-    const double w = omega(t, t->k);
+    const double w = cam_drive_omega(t->k, t->turn_speed_q32);
     const double part = w * w * s->between_q16 * 0x1p-16;
     return (cam_complex_t){.re = error.re + cam_nearest(set.re * part),
                            .im = error.im + cam_nearest(set.im * part)};
@@ -288,10 +282,10 @@ static void update_layer1(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t 
                           cam_complex_t set, cam_complex_t raw)
 {
     const uint32_t size = cam_complex_size(set) * t->k;
-    const double speed_nm = size / 64.0 * omega(t, 1);
+    const double speed_nm = size / 64.0 * cam_drive_omega(1, t->turn_speed_q32);
     t->larger = size > t->larger ? size : t->larger;
     t->speed_nm += speed_nm;
-    t->acceleration_nm += speed_nm * omega(t, t->k);
+    t->acceleration_nm += speed_nm * cam_drive_omega(t->k, t->turn_speed_q32);
     // Use the response from the constants: in the probe U may have hardly moved, or stuck.
     const cam_gain_t gain =
         cam_drive_gain(t->k, t->turn_speed_q32, s->k1_q16 + t->k1_q16, s->k2_q16 + t->k2_q16);

@@ -16,7 +16,7 @@ cam_err_t cam_machine_scope_start(cam_machine_t *m)
     if (cam_blackbox_is_unread(&m->scope)) {
         return cam_err_scope_unread;
     }
-    return cam_scope_begin(&m->scope, &m->scope.set, cam_scope_user, 0, cam_machine_status(m).tick);
+    return cam_scope_begin(&m->scope, &m->scope.set, cam_scope_user, 0, cam_status_tick(m->core));
 }
 
 void cam_machine_scope_stop(cam_machine_t *m)
@@ -95,7 +95,7 @@ cam_err_t cam_machine_scope_get(const cam_machine_t *m, uint32_t field, int32_t 
 /// Save the box of a fault in the port, once. Restart the box when the recorder is free.
 static void poll_box(cam_machine_t *m)
 {
-    const uint32_t tick = cam_machine_status(m).tick;
+    const uint32_t tick = cam_status_tick(m->core);
     if (cam_blackbox_is_unread(&m->scope)) {
         if (!m->is_box_kept) {
             cam_blackbox_keep(&m->scope);
@@ -120,7 +120,7 @@ cam_err_t cam_machine_strobe(cam_machine_t *m, uint32_t every)
     if (every != 0u && (every < cam_strobe_least(m->tick_hz) || every > m->tick_hz)) {
         return cam_err_param_range;
     }
-    cam_strobe_subscribe(&m->strobe, every, cam_machine_status(m).tick);
+    cam_strobe_subscribe(&m->strobe, every, cam_status_tick(m->core));
     return cam_ok;
 }
 
@@ -140,7 +140,7 @@ void cam_machine_scope_poll(cam_machine_t *m)
         cam_machine_record(m, &record);
     }
     if (cam_strobe_is_on(&m->strobe)) {
-        cam_strobe_expire(&m->strobe, cam_machine_status(m).tick, m->tick_hz);
+        cam_strobe_expire(&m->strobe, cam_status_tick(m->core), m->tick_hz);
     }
     if (m->has_box) {
         poll_box(m);

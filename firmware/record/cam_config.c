@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_config.h"
-#include "cam_fix.h" // cam_abs_i64, cam_sat_i32
+#include "cam_fix.h" // cam_abs_i64, cam_clamp_i64
 #include <stddef.h>  // NULL
 
 /// [nm] largest step of the command of U when learned values change, all of them at once.

@@ -143,6 +143,18 @@ typedef struct {
     int32_t force_q6;               ///< [mN / 64] force of U that was written; 0: none
 } cam_tick_record_t;
 
+/// @return set-point of an axis: a position, with speed and acceleration of its motion
+static inline hal_setpoint_t cam_record_setpoint(const cam_axis_motion_t *m, int32_t pos_nm)
+{
+    return (hal_setpoint_t){.pos_nm = pos_nm, .vel_q10 = m->vel_q10, .acc_q10 = m->acc_q10};
+}
+
+/// @return faults found so far in a tick: by inputs, spindle, force, play and the last plan
+static inline uint32_t cam_record_faults(const cam_tick_record_t *r, const cam_motion_t *m)
+{
+    return m->faults | r->angle.faults | cam_sense_faults(&r->in);
+}
+
 /// @return whether the set-point of U rests
 static inline bool cam_record_is_u_at_rest(const cam_tick_record_t *r)
 {

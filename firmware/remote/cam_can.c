@@ -62,7 +62,7 @@ static void hear(cam_can_t *r, const struct camturn_command_t *m)
 {
     cam_rights_t *rights = &r->machine->rights;
     if (cam_rights_is_commander(rights, m->sender, m->session)) {
-        cam_rights_hear(rights, cam_machine_status(r->machine).tick);
+        cam_rights_hear(rights, cam_status_tick(r->machine->core));
     }
 }
 
@@ -89,7 +89,7 @@ static void give(cam_can_t *r, const struct camturn_command_t *m)
     }
     if (refusal != cam_ok) {
         cam_log_text_refused(&r->lines, m->sender, m->command, refusal,
-                             cam_machine_status(r->machine).tick);
+                             cam_status_tick(r->machine->core));
     }
     hear(r, m);
     rights->is_bus_calling = false;
@@ -282,7 +282,7 @@ void cam_can_init(cam_can_t *r, cam_machine_t *machine)
 
 void cam_can_poll(cam_can_t *r)
 {
-    const bool is_idle = serve(r, cam_machine_status(r->machine).tick);
+    const bool is_idle = serve(r, cam_status_tick(r->machine->core));
     const cam_status_t status = cam_machine_status(r->machine);
     cam_report_send(&r->report, &r->store, &status);
     if (is_idle) { // a live picture waits for everything else

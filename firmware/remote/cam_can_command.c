@@ -180,7 +180,7 @@ static cam_outcome_t read_scope(cam_can_t *r, const struct camturn_command_t *m,
     const uint32_t n_words = is_fd ? grains * (uint32_t)cam_reading_fd_grain : m->count;
     r->reading.parameter = m->parameter;
     const cam_err_t err = cam_reading_begin(&r->reading, &r->machine->scope, m->offset, n_words,
-                                            is_fd, cam_machine_status(r->machine).tick);
+                                            is_fd, cam_status_tick(r->machine->core));
     return (cam_outcome_t){.err = err, .is_deferred = err == cam_ok};
 }
 
@@ -211,7 +211,7 @@ static cam_outcome_t strobe(cam_can_t *r, uint32_t every)
 
 static cam_outcome_t take_session(cam_can_t *r, const struct camturn_command_t *m)
 {
-    const uint32_t tick = cam_machine_status(r->machine).tick;
+    const uint32_t tick = cam_status_tick(r->machine->core);
     const cam_err_t err =
         cam_rights_take(&r->machine->rights, m->sender, m->is_take_over != 0u, tick);
     const int32_t session = err == cam_ok ? (int32_t)r->machine->rights.session : 0;
@@ -330,7 +330,7 @@ cam_outcome_t cam_can_carry_out(cam_can_t *r, const struct camturn_command_t *m)
 {
     cam_machine_t *machine = r->machine;
     cam_rights_t *rights = &machine->rights;
-    const uint32_t tick = cam_machine_status(machine).tick;
+    const uint32_t tick = cam_status_tick(machine->core);
     const cam_param_id_t id = (cam_param_id_t)m->parameter;
     const hal_axis_t axis = (hal_axis_t)m->parameter;
     switch (m->command) {

@@ -9,7 +9,6 @@
 
 #include "cam_channel.h" // cam_table_t
 #include "cam_err.h"     // cam_err_t
-#include <stdbool.h>     // bool
 #include <stddef.h>      // size_t
 #include <stdint.h>      // uint8_t, uint32_t
 

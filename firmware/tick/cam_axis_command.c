@@ -32,11 +32,6 @@ static int32_t leading_q6(const cam_u_gains_t *by, const cam_axis_motion_t *u, i
     return cam_sat_add(plain_q6, correction_q6);
 }
 
-static hal_setpoint_t setpoint(const cam_axis_motion_t *m, int32_t pos_nm)
-{
-    return (hal_setpoint_t){.pos_nm = pos_nm, .vel_q10 = m->vel_q10, .acc_q10 = m->acc_q10};
-}
-
 /// U is rounded to nearest. X and Z are rounded down; the plan adds half a nanometre to X, which
 /// rounds X to nearest.
 int32_t cam_axis_command_isr(const cam_axis_command_config_t *cfg, cam_tick_record_t *r,
@@ -47,8 +42,8 @@ int32_t cam_axis_command_isr(const cam_axis_command_config_t *cfg, cam_tick_reco
     const cam_axis_motion_t *z = &m->axis[hal_axis_z];
     const int32_t set_q6 = r->want.u_set_q6;
     const int32_t u_q6 = m->is_playing ? leading_q6(&cfg->in_cut, u, set_q6, m->c_q6) : set_q6;
-    r->out[hal_axis_x] = setpoint(x, (int32_t)(x->pos_q10 >> 10));
-    r->out[hal_axis_z] = setpoint(z, (int32_t)(z->pos_q10 >> 10));
+    r->out[hal_axis_x] = cam_record_setpoint(x, (int32_t)(x->pos_q10 >> 10));
+    r->out[hal_axis_z] = cam_record_setpoint(z, (int32_t)(z->pos_q10 >> 10));
     return cam_sat_add(u_q6, 32) >> 6;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_guard.h"
-#include "cam_fix.h" // cam_clamp_i32, cam_is_within, cam_sat_i32, ..
+#include "cam_fix.h" // cam_abs_i64, cam_clamp_i32, cam_is_within, ..
 
 /// After these the drives are disabled at once: one of them, or the position loop, does not work.
 #define LOST (CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(u_travel) | CAM_FAULT_BIT(u_runaway))
@@ -154,19 +154,13 @@ static uint32_t faults_of_command(const cam_guard_config_t *cfg, const cam_u_t *
     return is_in_stroke ? CAM_FAULT_BIT(command) : CAM_FAULT_BIT(setpoint_range);
 }
 
-/// @return faults found by the earlier stages
-static uint32_t faults_before(const cam_tick_record_t *r, const cam_motion_t *m)
-{
-    return m->faults | r->angle.faults | cam_sense_faults(&r->in);
-}
-
 /// @param next  U if it is accepted
 /// @return      all faults of a tick, whether armed or not
 static uint32_t faults_of(const cam_guard_config_t *cfg, const cam_tick_record_t *r,
                           const cam_motion_t *m, const cam_u_t *next)
 {
     const bool is_off_time = r->angle.is_off_time;
-    uint32_t faults = faults_before(r, m) | faults_of_following(cfg, r, m) |
+    uint32_t faults = cam_record_faults(r, m) | faults_of_following(cfg, r, m) |
                       faults_of_setpoint(cfg, &m->u, next, is_off_time) |
                       faults_of_command(cfg, next, is_off_time);
     if (r->angle.has_stopped && cam_state_is_in_work(r->want.state)) {
@@ -184,10 +178,8 @@ bool cam_guard_holds_isr(const cam_guard_t *g, const cam_motion_t *m)
 /// Write the command of U to the record, from the port's origin on.
 static void write_u(cam_tick_record_t *r, const cam_motion_t *m)
 {
-    const cam_axis_motion_t *u = &m->axis[hal_axis_u];
-    r->out[hal_axis_u] = (hal_setpoint_t){.pos_nm = cam_wrap_sub(m->u.nm, m->u.home_nm),
-                                          .vel_q10 = u->vel_q10,
-                                          .acc_q10 = u->acc_q10};
+    const int32_t port_nm = cam_wrap_sub(m->u.nm, m->u.home_nm);
+    r->out[hal_axis_u] = cam_record_setpoint(&m->axis[hal_axis_u], port_nm);
 }
 
 /// @return [nm per tick] the last step of U's command; where it changed faster than U accelerates,
@@ -195,9 +187,9 @@ static void write_u(cam_tick_record_t *r, const cam_motion_t *m)
 static int32_t steady_step_nm(const cam_guard_config_t *cfg, const cam_u_t *u)
 {
     const int32_t before_nm = cam_sat_sub(u->step_nm, u->change_nm);
-    const int32_t amount_nm = before_nm < 0 ? cam_sat_sub(0, before_nm) : before_nm;
-    const bool is_steady = cam_is_within(u->change_nm, cfg->u.acceleration_q10 >> 10);
-    return is_steady || cam_is_within(u->step_nm, amount_nm) ? u->step_nm : before_nm;
+    const bool is_steady = cam_is_within(u->change_nm, cfg->u.acceleration_q10 >> 10) ||
+                           cam_abs_i64(u->step_nm) <= cam_abs_i64(before_nm);
+    return is_steady ? u->step_nm : before_nm;
 }
 
 /// Latch faults and enter the state fault. U continues from its last command: a motion by time with
@@ -317,7 +309,7 @@ void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_
     if (want->state == cam_state_off) {
         follow(g, cfg, r, u_nm, m);
     } else if (want->state == cam_state_fault || !accept(g, cfg, r, u_nm, m)) {
-        g->faults |= faults_before(r, m) & ARMED_IN_FAULT;
+        g->faults |= cam_record_faults(r, m) & ARMED_IN_FAULT;
         retract(g, cfg, r, m);
         keep_set(g, r, home_q6);
     } else {

@@ -21,9 +21,9 @@
 
 #include "cam_config.h" // cam_guard_config_t
 #include "cam_record.h" // cam_tick_record_t, cam_motion_t
-#include "cam_state.h"  // cam_fault_t
+#include "cam_state.h"  // cam_state_t
 #include <stdbool.h>    // bool
-#include <stdint.h>     // int32_t, int64_t
+#include <stdint.h>     // int32_t, uint32_t
 
 /// [ticks] of U kept for the following error; a power of two.
 enum { cam_guard_history = 64 };

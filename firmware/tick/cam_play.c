@@ -192,7 +192,7 @@ static void obey(cam_play_t *p, const cam_play_config_t *cfg, const cam_tick_rec
                  cam_motion_t *m)
 {
     const uint32_t request = r->in.request;
-    const uint32_t seen = m->faults | r->angle.faults | cam_sense_faults(&r->in);
+    const uint32_t seen = cam_record_faults(r, m);
     p->request = request >> 8;
     switch ((cam_request_t)(request & 0xFFu)) {
     case cam_request_enable:

@@ -19,7 +19,7 @@ void cam_status_moment(const cam_t *c, cam_moment_t *now)
         COPY(now->record, *cam_trace_newest(t));
         COPY(now->spindle, c->spindle);
         COPY(now->motion, c->motion);
-        COPY(now->guard, c->guard);
+        COPY(now->first_faults, c->guard.first_faults);
         COPY(now->jog, c->jog);
         COPY(now->acknowledge, c->acknowledge);
         COPY(now->plan, c->plan);
@@ -39,7 +39,7 @@ cam_status_t cam_status_read(const cam_t *c)
         .request = r->in.request >> 8,
         .state = r->want.state,
         .faults = r->want.faults,
-        .first_fault = now.guard.first_faults,
+        .first_fault = now.first_faults,
         .is_synced = r->angle.is_synced,
         .is_retracted = r->want.is_retracted,
         .is_u_at_rest = cam_record_is_u_at_rest(r),

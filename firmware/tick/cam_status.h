@@ -43,7 +43,7 @@ typedef struct {
     cam_tick_record_t record;
     cam_spindle_t spindle;
     cam_motion_t motion;
-    cam_guard_t guard;
+    uint32_t first_faults; ///< of cam_guard_t
     cam_jog_t jog;
     cam_acknowledge_t acknowledge;
     cam_plan_t plan;
@@ -53,6 +53,12 @@ typedef struct {
 /// run on another core, but the slow side must never interrupt it).
 /// @param now  result; before the first tick 0 in state off
 void cam_status_moment(const cam_t *c, cam_moment_t *now);
+
+/// @return number of the newest tick, 0 before the first
+static inline uint32_t cam_status_tick(const cam_t *c)
+{
+    return cam_trace_newest(&c->trace)->tick;
+}
 
 /// @return the status of the newest tick; all fields belong to the same tick
 cam_status_t cam_status_read(const cam_t *c);

@@ -12,20 +12,19 @@
 #ifndef CAM_TICK_H
 #define CAM_TICK_H
 
-#include "cam_acknowledge.h"  // cam_acknowledge_t
-#include "cam_config.h"       // cam_config_bank_t
-#include "cam_force.h"        // cam_force_t
-#include "cam_guard.h"        // cam_guard_t
-#include "cam_jog.h"          // cam_jog_t
-#include "cam_turn_bins.h"    // cam_turn_bins_t
-#include "cam_plan.h"         // cam_plan_t
-#include "cam_play.h"         // cam_play_t
-#include "cam_record.h"       // cam_motion_t, cam_tick_record_t
-#include "cam_spindle.h"      // cam_spindle_t
-#include "cam_axis_command.h" // cam_axis_command_isr
-#include "cam_trace.h"        // cam_trace_t
-#include <stdatomic.h>        // request
-#include <stdint.h>           // int32_t, int64_t, uint32_t
+#include "cam_acknowledge.h" // cam_acknowledge_t
+#include "cam_config.h"      // cam_config_bank_t
+#include "cam_force.h"       // cam_force_t
+#include "cam_guard.h"       // cam_guard_t
+#include "cam_jog.h"         // cam_jog_t
+#include "cam_turn_bins.h"   // cam_turn_bins_t
+#include "cam_plan.h"        // cam_plan_t
+#include "cam_play.h"        // cam_play_t
+#include "cam_record.h"      // cam_motion_t, cam_tick_record_t
+#include "cam_spindle.h"     // cam_spindle_t
+#include "cam_trace.h"       // cam_trace_t
+#include <stdatomic.h>       // request
+#include <stdint.h>          // int32_t, int64_t, uint32_t
 
 /// The controller as the interrupt sees it.
 typedef struct {
