@@ -30,6 +30,8 @@ SLOW = "K0.01"  # the program can be ended in the cut, which takes a minute
 README = ROOT / "hal" / "linuxcnc" / "README.md"
 # In place of the dwell of the printed program, which is by the clock: waits for camturn.ready.
 READY = "M66 P1 L3 Q600"
+# From F2 to M3 a loaded computer takes longer than an operator: camturn waits 300 s for the spindle.
+PATIENT_HAL = "setp camturn.stopped-ms 3000\n"
 READY_HAL = "net panel-ready camturn.ready => motion.digital-in-01\n"
 BLOCKS = (
     "M3 S500", READY, "M64 P0", "M66 P0 L3 Q600", "G33 Z5 K0.25", "M65 P0",
@@ -60,7 +62,7 @@ def lathe(box: Halbox, linuxcnc_root: Path, table_of: Callable[[str], Path]) -> 
     """Return the simulated lathe."""
     _settings(box, table_of("perkins240"))
     with (box.folder / "lathe.hal").open("a") as file:
-        file.write(READY_HAL)
+        file.write(READY_HAL + PATIENT_HAL)
     with _started(box, linuxcnc_root):
         yield box
 
