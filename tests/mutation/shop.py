@@ -6,6 +6,7 @@ import math
 import os
 import resource
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -112,7 +113,7 @@ class Shop:
             for line in process.stdout or ():
                 if b":FAIL" in line or line.startswith(b"FAILED "):
                     failure = line.decode("utf-8", "replace").rpartition("/")[2].strip()
-                    process.kill()
+                    os.kill(process.pid, signal.SIGKILL)  # kill() may reap it before wait4()
             _, status, used = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
         if process.returncode and not failure:
