@@ -61,6 +61,7 @@ static void probe(int32_t first, int32_t second)
     cam_harmonic_correction_probe(&s, 0, 3, before);
     s.c_q6[3] = of(64000, 0);
     cam_harmonic_correction_probe(&s, 1, 3, of(before.re - 64 * first, before.im));
+    TEST_ASSERT_EQUAL_HEX32(0, s.masked); // one answer alone masks nothing
     s.c_q6[3] = of(128000, 0);
     cam_harmonic_correction_probe(&s, 2, 3, of(before.re - 128 * second, before.im));
 }
@@ -149,6 +150,21 @@ static void test_largest_error_over_the_smallest_response_fits(void)
     s.gain[0] = (cam_gain_t){.re_q12 = 1};
     cam_harmonic_correction_learn(&s, 0, of(INT32_MAX, INT32_MIN + 1), 0, 65536, &room_q6);
     expect(of(1 << 30, -(1 << 30)), s.c_q6[0]);
+}
+
+static void test_best_is_kept_to_the_nearest_nanometre(void)
+{
+    static const struct {
+        int32_t q6;
+        int16_t nm;
+    } cases[] = {{31, 0}, {32, 1}, {95, 1}, {96, 2}, {-32, 0}, {-33, -1}, {3000000, INT16_MAX}};
+    answer(2);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        cam_harmonic_correction_restart_guard(&s);
+        s.c_q6[2] = of(cases[i].q6, 0);
+        learn(2, of(640, 0));
+        TEST_ASSERT_EQUAL_INT16(cases[i].nm, s.kept[2].re_nm);
+    }
 }
 
 static void test_learn_leaves_a_masked_harmonic_alone(void)

@@ -110,6 +110,33 @@ static void test_coefficients_that_do_not_fit_are_refused(void)
     expect_refused(cam_servo_refused_none);
 }
 
+static void test_without_a_notch_the_signal_passes(void)
+{
+    static const cam_servo_notch_t passes = {.b0_q30 = 1 << 30};
+    c = bench_config(&p);
+    p.notch_hz = 0;
+    TEST_ASSERT_EQUAL_INT(cam_servo_refused_none, cam_servo_design(&p, &c));
+    TEST_ASSERT_EQUAL_MEMORY(&passes, &c.notch, sizeof passes);
+    p.pole_hz = 4001;
+    TEST_ASSERT_EQUAL_INT(cam_servo_refused_pole_hz, cam_servo_design(&p, &c));
+    TEST_ASSERT_EQUAL_MEMORY(&passes, &c.notch, sizeof passes); // also of a refused design
+}
+
+/// -(delay times step rate), rounded to steps / 2^16, up to the largest delay.
+static void test_instant_of_the_set_point_is_exact(void)
+{
+    static const struct {
+        int32_t delay_ns, steps_q16;
+    } cases[] = {{0, 0},          {762, -999},       {763, -1000},       {1000, -1311},
+                 {50000, -65536}, {400000, -524288}, {799999, -1048575}, {800000, -1048576}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        p.scale_delay_ns = 0;
+        p.force_delay_ns = cases[i].delay_ns;
+        TEST_ASSERT_EQUAL_INT(cam_servo_refused_none, cam_servo_design(&p, &c));
+        TEST_ASSERT_EQUAL_INT32(cases[i].steps_q16, c.ahead.steps_q16);
+    }
+}
+
 /// The whole gain at 0 Hz is 1, for every notch.
 static void test_notch_has_gain_one_and_its_frequency(void)
 {
