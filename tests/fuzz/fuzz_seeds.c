@@ -332,6 +332,22 @@ static void put_texts(void)
     }
 }
 
+/// Bytes of every kind, for targets that take any.
+static void put_noise(const char *target)
+{
+    uint32_t random = 1;
+    for (uint32_t i = 0; i < 4u; i++) {
+        char name[16];
+        uint8_t bytes[1000];
+        for (size_t j = 0; j < sizeof bytes; j++) {
+            random = random * 1664525u + 1013904223u;
+            bytes[j] = (uint8_t)(random >> 24);
+        }
+        (void)snprintf(name, sizeof name, "noise_%u", (unsigned)i);
+        put(target, name, bytes, sizeof bytes);
+    }
+}
+
 int main(int argc, char **argv)
 {
     FUZZ_EXPECT(argc == 2, "usage: fuzz_seeds FOLDER");
@@ -344,5 +360,7 @@ int main(int argc, char **argv)
     put_messages();
     put_kept();
     put_texts();
+    put_noise("servo");
+    put_noise("learning");
     return 0;
 }

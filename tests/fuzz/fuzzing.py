@@ -45,6 +45,8 @@ TARGETS = (
            ("host_sim/setup/sim_config.c", "hal/linux/setup/lin_config.c",
             "host_sim/lathe/sim_inject.c", "host_sim/cli/camsim_options.c",
             "host_sim/cli/camsim_parse.c")),
+    Target("servo", 2_000_000, 3000),
+    Target("learning", 30_000, 1000),
     Target("kept", 34_000, 1500,
            ("firmware/param/cam_param.h", "firmware/param/cam_param_store.c")),
     Target("design", 275_000, 1500,
