@@ -24,6 +24,27 @@ static int64_t origin_nm(hal_axis_t axis)
     return cam_offsets_origin_nm(&machine()->offsets, &machine()->params, axis);
 }
 
+/// Only an axis that was homed has a shift; that of U is in its set-point.
+static void test_shift_is_that_of_an_axis_that_was_homed(void)
+{
+    static const struct {
+        hal_axis_t axis;
+        uint32_t known;
+        int32_t method, shift_nm;
+    } cases[] = {{hal_axis_x, 7, 1, 700},
+                 {hal_axis_x, 0, 1, 0},
+                 {hal_axis_x, 7, 0, 0},
+                 {hal_axis_z, 7, 1, 700},
+                 {hal_axis_u, 7, 1, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const cam_offsets_t h = {.known = cases[i].known, .home_nm = {300, 300, 300}};
+        cam_params_t p = cam_param_defaults();
+        p.u_home = p.x_home = p.z_home = cases[i].method;
+        p.u_home_nm = p.x_home_nm = p.z_home_nm = 1000;
+        TEST_ASSERT_EQUAL_INT32(cases[i].shift_nm, cam_offsets_shift_nm(&h, &p, cases[i].axis));
+    }
+}
+
 /// Each axis has the parameters of its own name.
 static void test_each_axis_has_its_parameters(void)
 {
