@@ -68,6 +68,18 @@ static void test_a_turn_counts_when_the_drive_has_settled(void)
     TEST_ASSERT_TRUE(counts());
 }
 
+/// The friction is found from the third harmonic, and a step takes its share of it.
+static void test_friction_is_learned_by_the_gain(void)
+{
+    setUp();
+    error_nm = 0.0;
+    friction_nm = 300.0;
+    for (int i = 0; i < 10 && t.friction_q6 == 0; i++) {
+        play();
+    }
+    TEST_ASSERT_INT32_WITHIN(64 * 6, 64 * 150, t.friction_q6);
+}
+
 /// A speed that changes by a 128th runs up.
 static void test_a_turn_of_another_speed_than_the_last_does_not_count(void)
 {
