@@ -76,6 +76,7 @@ static void test_following_limit_is_a_tenth_of_the_ovality(void)
                 {"larger amplitude", 0, 150000, 1250000, 742723, 0, 37500},
                 {"most, of a lobe", -7500000, 150000, 1000000, 742723, 0, 200000},
                 {"least", 0, 10000, 1000000, 742723, 0, 10000},
+                {"fastest drive", 0, 10000, 1000000, 1, 0, 10000},
                 {"unknown drive", 0, 10000, 1000000, 0, 0, 100000},
                 {"set", 0, 150000, 1000000, 742723, 100, 100}};
     TEST_ASSERT_EQUAL_INT32(10000, cam_derived_limits_following_nm(&params, NULL));
