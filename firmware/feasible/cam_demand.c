@@ -62,13 +62,13 @@ static cam_z_coupling_t u_drift(const cam_cut_t *c)
 /// @return [nm] how far U travels outwards from the middle of its stroke in the cut
 static uint64_t outwards_nm(const cam_cut_t *c)
 {
-    return cam_cut_up(cam_cut_at_amplitude(c, cam_cut_most(-(double)c->t->u_min_nm, 0.0)));
+    return cam_cut_up(cam_cut_at_amplitude(c, -(double)c->t->u_min_nm));
 }
 
 /// From the middle of its stroke U travels inwards by the largest u and outwards by the least.
 static cam_demand_t stroke_demand(const cam_cut_t *c)
 {
-    const double in_nm = cam_cut_at_amplitude(c, cam_cut_most(c->t->u_max_nm, 0.0));
+    const double in_nm = cam_cut_at_amplitude(c, c->t->u_max_nm);
     return (cam_demand_t){cam_err_u_stroke, cam_demand_half_stroke_nm(c->t, c->p),
                           cam_cut_greater(cam_cut_up(in_nm), outwards_nm(c))};
 }
