@@ -11,10 +11,12 @@ import os
 import shutil
 import subprocess
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TextIO
 
 from checks.patience import until
 from tests.tools.cases.part_cases import ROOT
@@ -152,8 +154,17 @@ def locked(path: Path) -> Iterator[None]:
         path.touch(exist_ok=False)
         path.chmod(0o644)  # whatever the umask
     with path.open() as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+        while not _is_taken(lock):
+            print("another test has LinuxCNC", flush=True)  # no hang: that one is watched, too
+            time.sleep(1.0)
         yield
+
+
+def _is_taken(lock: TextIO) -> bool:
+    with suppress(BlockingIOError):
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        return True
+    return False
 
 
 @contextmanager
