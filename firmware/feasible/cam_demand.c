@@ -90,13 +90,12 @@ static double depth_turns(const cam_cut_t *c)
 }
 
 /// Bound a sum while the envelope e, a smooth step, rises over so many turns. It is evaluated at
-/// fourteen points of the second half of the step, with e' and e'' enlarged by 3 %, so that it
+/// twelve points of the second half of the step, with e' and e'' enlarged by 3 %, so that it
 /// misses less than a ten-thousandth of the largest value between them, for any number of turns.
 /// @return the largest of f e + g e' + h e'' over the step, or f itself
 static double most_of_step(double turns, double f, double g, double h)
 {
-    static const uint16_t permille[] = {500, 560, 620, 680, 740, 780, 820,
-                                        860, 900, 930, 955, 975, 988, 995};
+    static const uint16_t permille[] = {500, 560, 620, 680, 740, 780, 820, 860, 900, 930, 955, 975};
     const double per_rad = 1.0 / (2.0 * CAM_PI * turns);
     double most = f;
     for (size_t i = 0; i < sizeof permille / sizeof permille[0]; i++) {

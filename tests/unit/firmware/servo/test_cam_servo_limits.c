@@ -35,6 +35,22 @@ static void test_force_and_its_rate_are_limited(void)
     }
 }
 
+/// A limited loop that starts anew is one that never ran, but for the heat.
+static void test_start_clears_all_but_the_heat(void)
+{
+    const cam_servo_config_t c = bench_config(&p);
+    cam_servo_input_t in = {.actual_q6 = -100000000};
+    cam_servo_t fresh = {0};
+    for (int i = 0; i < 200; i++) {
+        (void)cam_servo_step_isr(&servo, &c, &in);
+    }
+    TEST_ASSERT_TRUE(servo.is_limited && servo.heat_q54 > 0);
+    fresh.heat_q54 = servo.heat_q54;
+    cam_servo_start_isr(&servo, &c, &in);
+    cam_servo_start_isr(&fresh, &c, &in);
+    TEST_ASSERT_EQUAL_MEMORY(&fresh, &servo, sizeof fresh);
+}
+
 /// To the last digit on top of all else, and within the same limit.
 static void test_push_is_added_before_the_limit(void)
 {
