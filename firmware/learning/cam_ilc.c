@@ -150,7 +150,7 @@ static int32_t next_probe_q6(const cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
     int32_t size_q6 = t->n_steps == 1u ? s->probe_q6 / 2 : s->probe_q6;
     for (uint32_t i = 2; i < t->n_steps; i++) {
-        const bool is_largest = size_q6 > most_probe_q6 / 3 * 2; // hardly larger would tell nothing
+        const bool is_largest = size_q6 > most_probe_q6 / 3 * 2; // the next would hardly be larger
         if (t->correction.masked == 0u || is_largest) {
             return 0;
         }

@@ -59,7 +59,7 @@ static void test_what_is_forgotten_is_not_found_again(void)
     TEST_ASSERT_NOT_EQUAL(0, access(file, F_OK));
 }
 
-static void test_a_file_of_another_kind_is_told_and_not_taken(void)
+static void test_a_file_of_another_kind_is_reported_and_not_used(void)
 {
     static const long sizes[] = {1, 4093, 4L * lin_blackbox_words + 4};
     for (uint32_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
@@ -73,7 +73,7 @@ static void test_a_file_of_another_kind_is_told_and_not_taken(void)
     }
 }
 
-static void test_a_folder_that_is_gone_is_told(void)
+static void test_a_folder_that_is_gone_is_reported(void)
 {
     TEST_ASSERT_EQUAL_INT(0, rmdir(folder));
     lin_blackbox_keep(lin_blackbox_memory().words, 10, &e);

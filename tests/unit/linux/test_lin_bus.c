@@ -326,7 +326,7 @@ static void test_fd_puts_the_velocity_behind_the_position(void)
     TEST_ASSERT_NULL(find(0x303));
 }
 
-static void test_start_tells_all_nodes_and_then_beats(void)
+static void test_start_commands_all_nodes_and_then_beats(void)
 {
     begin();
     TEST_ASSERT_EQUAL_UINT8(0, find(0x740)->data[0]); // boot-up
@@ -372,7 +372,7 @@ static void test_stopping_leads_all_drives_to_rest(void)
     TEST_ASSERT_EQUAL_HEX16(0x00, common_get_u16(find(0x202)->data));
 }
 
-static void test_axis_without_a_drive_tells_its_setpoint(void)
+static void test_axis_without_a_drive_reports_its_setpoint(void)
 {
     config.drive[hal_axis_x].node = 0;
     config.spindle_node = 0;

@@ -45,7 +45,7 @@ static void refused(const char *text, const char *why)
 }
 
 /// The example must name every field with its default.
-static void test_example_file_tells_every_default(void)
+static void test_example_file_names_every_default(void)
 {
     memset(&config, 0x5a, sizeof config);
     TEST_ASSERT_TRUE_MESSAGE(lin_check_load(&config, HAL_LINUX_DIR "/camturn.toml", &error),
@@ -204,35 +204,35 @@ static void test_bus_that_cannot_bear_the_ticks_is_refused_with_the_rate(void)
     TEST_ASSERT_TRUE(load("[thread]\ntick_hz = 4000\n[can]\ninterface = \"vcan0\"\n"));
 }
 
-static char told[4][600];
-static uint32_t n_told;
+static char warnings[4][600];
+static uint32_t n_warnings;
 
-static void tell(const char *line)
+static void note(const char *line)
 {
-    (void)snprintf(told[n_told++ % 4u], sizeof told[0], "%s", line);
+    (void)snprintf(warnings[n_warnings++ % 4u], sizeof warnings[0], "%s", line);
 }
 
-static void test_what_is_doubtful_is_told(void)
+static void test_doubtful_values_are_reported(void)
 {
     TEST_ASSERT_TRUE(load("[operator]\nacknowledge = \"ACK\"\n"));
-    lin_check_warn(&config, tell);
-    TEST_ASSERT_EQUAL_UINT32(0, n_told);
+    lin_check_warn(&config, note);
+    TEST_ASSERT_EQUAL_UINT32(0, n_warnings);
     TEST_ASSERT_TRUE(load("[operator]\nacknowledge = \"waived\"\n"));
-    lin_check_warn(&config, tell);
-    TEST_ASSERT_EQUAL_UINT32(1, n_told);
-    TEST_ASSERT_NOT_NULL(strstr(told[0], "anyone on the bus can start the machine"));
-    n_told = 0;
+    lin_check_warn(&config, note);
+    TEST_ASSERT_EQUAL_UINT32(1, n_warnings);
+    TEST_ASSERT_NOT_NULL(strstr(warnings[0], "anyone on the bus can start the machine"));
+    n_warnings = 0;
     TEST_ASSERT_TRUE_MESSAGE(load("[thread]\ntick_hz = 1000\n[can]\ninterface = \"vcan0\"\n"
                                   "[gpio]\nestop = \"none\"\nenable = \"none\"\n"),
                              error.text);
-    lin_check_warn(&config, tell);
-    TEST_ASSERT_EQUAL_UINT32(4, n_told);
-    TEST_ASSERT_EQUAL_INT(0, strncmp(told[0], "warning: gpio.estop = \"none\"", 28));
-    TEST_ASSERT_EQUAL_INT(0, strncmp(told[1], "warning: gpio.enable = \"none\"", 29));
+    lin_check_warn(&config, note);
+    TEST_ASSERT_EQUAL_UINT32(4, n_warnings);
+    TEST_ASSERT_EQUAL_INT(0, strncmp(warnings[0], "warning: gpio.estop = \"none\"", 28));
+    TEST_ASSERT_EQUAL_INT(0, strncmp(warnings[1], "warning: gpio.enable = \"none\"", 29));
     TEST_ASSERT_EQUAL_INT(
-        0, strncmp(told[3], "warning: operator.acknowledge = \"none\": nothing", 46));
+        0, strncmp(warnings[3], "warning: operator.acknowledge = \"none\": nothing", 46));
     TEST_ASSERT_EQUAL_INT(
-        0, strncmp(told[2], "warning: thread.tick_hz = 1000: takes up to 144 %", 49));
+        0, strncmp(warnings[2], "warning: thread.tick_hz = 1000: takes up to 144 %", 49));
 }
 
 /// A file of an older version still loads; one line names what is retired. Other keys are refused.
@@ -241,10 +241,10 @@ static void test_retired_keys_are_ignored_with_a_warning(void)
     TEST_ASSERT_TRUE_MESSAGE(load("[operator]\nacknowledge = \"ACK\"\n[gpio]\n"
                                   "switch_1 = \"none\"\nswitch_8_active_low = true\n"),
                              error.text);
-    n_told = 0;
-    lin_check_warn(&config, tell);
-    TEST_ASSERT_EQUAL_UINT32(1, n_told);
-    TEST_ASSERT_NOT_NULL(strstr(told[0], "warning: gpio.switch_1 .. switch_8: retired"));
+    n_warnings = 0;
+    lin_check_warn(&config, note);
+    TEST_ASSERT_EQUAL_UINT32(1, n_warnings);
+    TEST_ASSERT_NOT_NULL(strstr(warnings[0], "warning: gpio.switch_1 .. switch_8: retired"));
     refused("[can]\nswitch_1 = 3\n", "can.switch_1 = 3: unknown key");
 }
 

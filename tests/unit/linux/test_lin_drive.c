@@ -160,7 +160,7 @@ static void test_drive_that_stays_in_quick_stop_loses_its_voltage(void)
     TEST_ASSERT_EQUAL_HEX16(0x00, lin_drive_control(&d, 2001 * ms, false, true));
 }
 
-static void test_node_that_boots_or_stops_is_lost_and_told_to_start(void)
+static void test_node_that_boots_or_stops_is_lost_and_commanded_to_start(void)
 {
     hal_can_frame_t frame;
     hear(0x250, 0, 0);

@@ -69,7 +69,7 @@ static void test_delay_of_the_frame_is_taken_off(void)
 }
 
 /// A frame that waited in a queue arrives close behind its neighbour: no speed is measured by it.
-static void test_frames_close_together_tell_no_speed(void)
+static void test_frames_close_together_show_no_speed(void)
 {
     lin_encoder_receive(&e, 0, 10 * ms);
     lin_encoder_receive(&e, 100, 12 * ms);

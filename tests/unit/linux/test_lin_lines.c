@@ -132,7 +132,7 @@ static void test_line_that_was_lost_is_an_emergency_stop_for_good(void)
     TEST_ASSERT_EQUAL_HEX32(hal_in_estop, lin_lines_read());
 }
 
-static void test_line_that_is_not_there_is_told_by_its_key(void)
+static void test_line_that_is_not_there_is_reported_by_its_key(void)
 {
     lin_config_t config = lin_config_defaults();
     common_error_t error;

@@ -79,7 +79,7 @@ static void test_keep_cut_off_leaves_the_old_ones(void)
     expect_kept("first");
 }
 
-static void test_folder_that_is_not_confirmed_is_told(void)
+static void test_folder_that_is_not_confirmed_is_reported(void)
 {
     n_good_syncs = 1;
     TEST_ASSERT_TRUE(lin_params_keep("first", 5, &error));
@@ -87,8 +87,8 @@ static void test_folder_that_is_not_confirmed_is_told(void)
     expect_kept("first");
 }
 
-/// What is there is used; that nothing can be saved is told at the start, not at the save only.
-static void test_read_only_folder_is_told_at_the_start(void)
+/// The kept set is used; the start, not only the save, reports that nothing can be saved.
+static void test_read_only_folder_is_reported_at_the_start(void)
 {
     keep_first();
     is_read_only = true;

@@ -68,7 +68,7 @@ static void test_place_is_a_name_or_chip_and_offset(void)
     }
 }
 
-static void test_line_that_cannot_be_had_is_told_with_a_remedy(void)
+static void test_unavailable_line_is_reported_with_a_remedy(void)
 {
     static const struct {
         int err;
@@ -103,7 +103,7 @@ static void test_end_waits_for_the_retract_and_for_the_drives(void)
     TEST_ASSERT_EQUAL_INT(lin_stop_over, lin_stop_step(&s, 9, 0, false, 201));
 }
 
-static void test_end_while_off_tells_the_drives_three_times(void)
+static void test_end_while_off_commands_the_drives_three_times(void)
 {
     lin_stop_t s = {.phase = lin_stop_run};
     for (int i = 0; i < 3; i++) {
@@ -135,7 +135,7 @@ static void test_second_signal_hurries_and_one_that_is_doubled_does_not(void)
     TEST_ASSERT_EQUAL_INT(lin_stop_release, lin_stop_step(&s, 4, hal_out_enable, false, 999 * ms));
 }
 
-static void test_reason_of_a_halt_is_told_at_the_next_start_once(void)
+static void test_reason_of_a_halt_is_reported_at_the_next_start_once(void)
 {
     char longest[2 * lin_halt_text_bytes];
     hal_start_t start = lin_halt_text_start(path);

@@ -50,7 +50,7 @@ static void test_table_is_read_at_the_start(void)
     TEST_ASSERT_EQUAL_UINT32(0, lin_table_staged().size);
 }
 
-static void test_table_that_cannot_be_read_is_told(void)
+static void test_table_that_cannot_be_read_is_reported(void)
 {
     put_file(path, "12345678901234567890123456789012345678901234567890123456789012345");
     TEST_ASSERT_FALSE(lin_table_open(path, 64, &error));
@@ -148,7 +148,7 @@ static void test_a_link_in_the_place_of_the_new_file_is_not_followed(void)
 }
 
 /// After the renaming memory and file must agree, even when the disk does not confirm the folder.
-static void test_folder_that_is_not_confirmed_is_told(void)
+static void test_folder_that_is_not_confirmed_is_reported(void)
 {
     begin_second();
     n_good_syncs = 1;

@@ -226,7 +226,7 @@ static void test_power_lost_at_any_operation_of_the_first_save_leaves_none(void)
     }
 }
 
-static void test_a_torn_record_is_told_until_the_next_is_kept(void)
+static void test_a_torn_record_is_reported_until_the_next_is_kept(void)
 {
     torn = torn_as_half;
     TEST_ASSERT_TRUE(keep(1, record_bytes));
@@ -239,7 +239,7 @@ static void test_a_torn_record_is_told_until_the_next_is_kept(void)
     TEST_ASSERT_FALSE(hal_params_kept().is_damaged);
 }
 
-/// A word of the newest record can no longer be read: the one before counts, and it is told.
+/// A word of the newest record can no longer be read: the record before counts; damage is reported.
 static void test_a_record_that_cannot_be_read_does_not_count(void)
 {
     TEST_ASSERT_TRUE(keep(1, record_bytes));

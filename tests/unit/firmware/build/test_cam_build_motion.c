@@ -168,7 +168,7 @@ static void test_command_is_bounded_by_acceleration_and_encoder(void)
     expect_command(config.play.feed_nm, clearing_nm());
 }
 
-/// A Z that others move is told where it is; X over it follows its measurement.
+/// A Z that others move is commanded its measured position; X over it follows the measurement.
 static void test_z_that_is_measured_is_not_bounded(void)
 {
     params.z_is_measured = 1;

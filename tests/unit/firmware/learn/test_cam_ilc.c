@@ -75,8 +75,8 @@ static void test_a_fault_brings_the_best_back(void)
     TEST_ASSERT_BITS_HIGH(cam_ilc_blend_drive | cam_ilc_blend_correction, t.blending);
 }
 
-/// The motion is in a harmonic that is not learned, so nobody would see what constants do to it.
-static void test_harmonics_without_the_motion_do_not_tell_the_drive(void)
+/// The motion is in a harmonic that is not learned, so the effect of constants on it is not seen.
+static void test_harmonics_without_the_motion_do_not_identify_the_drive(void)
 {
     p.setup.reason = cam_ilc_not_asked;
     learn_plant_turns(&p, cam_state_rehearsing, 4);
@@ -90,8 +90,8 @@ static void test_harmonics_without_the_motion_do_not_tell_the_drive(void)
     TEST_ASSERT_TRUE(p.rms_um < 1.05 * before_um);
 }
 
-/// A shape that is nearly round where it is rehearsed tells nothing, and later the error may grow
-/// with it.
+/// A shape that is nearly round where it is rehearsed shows no error; later the error may grow with
+/// the shape.
 static void test_a_shape_that_grows_from_nothing_is_learned_in_the_cut(void)
 {
     learn_case_t what = p.what;

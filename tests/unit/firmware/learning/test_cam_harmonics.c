@@ -126,7 +126,7 @@ static int64_t point_by(int64_t part, int64_t cosine, uint32_t down)
 }
 
 /// @return a part of which the point shows whether the cosine is a 2^30th more or less
-static int32_t telling_part(int64_t cosine, int64_t other, uint32_t down)
+static int32_t showing_part(int64_t cosine, int64_t other, uint32_t down)
 {
     for (int64_t point = 1; point < INT16_MAX; point++) {
         const double sum = ldexp((double)point - 0.5, (int)down + 5);
@@ -138,7 +138,7 @@ static int32_t telling_part(int64_t cosine, int64_t other, uint32_t down)
             }
         }
     }
-    TEST_FAIL_MESSAGE("no part tells it");
+    TEST_FAIL_MESSAGE("no part shows it");
     return 0;
 }
 
@@ -156,7 +156,7 @@ static void test_cosines_are_the_nearest_of_their_word(void)
         }
         if (n / 2u % 64u != 0u && at.k > 0u) {
             cam_complex_t c[17] = {0};
-            const int32_t part = telling_part(at.cosine, other, down);
+            const int32_t part = showing_part(at.cosine, other, down);
             c[at.k] = at.is_sine ? (cam_complex_t){.im = part} : (cam_complex_t){.re = part};
             (void)cam_harmonics_slew(point, c, down, 1 << 17);
             TEST_ASSERT_EQUAL_INT16(point_by(part, at.cosine, down), point[at.i]);

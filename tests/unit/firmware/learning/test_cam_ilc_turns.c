@@ -3,7 +3,7 @@
 // phases follow each other.
 #include "ilc_bench.h"
 
-/// The first turn only tells the speed, the second one settles; the third is the first step.
+/// The first turn shows the speed only, the second settles, the third is the first step.
 static void settle(void)
 {
     play_turns(2);
@@ -34,7 +34,7 @@ static void test_a_rehearsal_is_a_turn_to_settle_five_of_the_drive_and_four_of_t
     TEST_ASSERT_EQUAL_INT32(usual_speed_q32, t.speed_q32);
 }
 
-/// A probe that hardly grows would tell nothing: 5 um are the end, after a third of that at most.
+/// A probe that hardly grows would show nothing: 5 um are the end, after a third of that at most.
 static void test_probes_grow_to_five_micrometres(void)
 {
     static const uint32_t sizes_nm[][4] = {
@@ -63,7 +63,7 @@ static void test_lobes_are_not_probed(void)
     TEST_ASSERT_NOT_EQUAL(0, t.k1_q16);
 }
 
-static void test_error_is_told_as_rms(void)
+static void test_error_is_reported_as_rms(void)
 {
     settle();
     TEST_ASSERT_UINT32_WITHIN(2, 707, t.begun_nm);

@@ -4,7 +4,7 @@
 #include "cam_ilc_update.h"
 #include "ilc_bench.h"
 
-enum { usual_turns = 2 }; ///< the first one tells only the speed
+enum { usual_turns = 2 }; ///< the first shows the speed only
 
 static void begin(void)
 {
@@ -41,8 +41,8 @@ static void test_a_turn_that_is_not_like_the_others_does_not_count(void)
     TEST_ASSERT_FALSE(counts());
 }
 
-/// A turn that tells nothing is given back at once, so that the slow side is free for the next.
-static void test_a_turn_that_tells_nothing_is_given_back_at_once(void)
+/// A turn that determines nothing is released at once, so that the slow side is free for the next.
+static void test_a_turn_that_determines_nothing_is_released_at_once(void)
 {
     begin();
     how.is_steady = false;
@@ -56,8 +56,8 @@ static void test_a_turn_that_tells_nothing_is_given_back_at_once(void)
     TEST_ASSERT_TRUE(counts());
 }
 
-/// While what the last step changed is not yet in force, or before the first turn in which it all
-/// is, a turn tells nothing of the next step.
+/// Until the changes of the last step are in force for a whole turn, a turn determines nothing of
+/// the next step.
 static void test_a_turn_counts_when_the_drive_has_settled(void)
 {
     begin();
@@ -93,7 +93,7 @@ static void test_a_turn_of_another_speed_than_the_last_does_not_count(void)
     }
 }
 
-static void test_slow_and_fast_turns_are_told(void)
+static void test_slow_and_fast_turns_are_reported(void)
 {
     begin();
     how.speed_q32 = 1 << 12;
@@ -114,7 +114,7 @@ static void test_slow_and_fast_turns_are_told(void)
 
 /// A harmonic needs 24 ticks in its period, but for those of the oval, the first two, which do
 /// with 9.
-static void test_harmonics_are_as_many_as_the_ticks_tell(void)
+static void test_harmonics_are_as_many_as_the_ticks_resolve(void)
 {
     static const struct {
         uint32_t ticks, harmonics;
@@ -140,7 +140,7 @@ static void test_gaps_are_filled_by_straight_lines(void)
     play();
     TEST_ASSERT_UINT32_WITHIN(10, 707, t.error_nm);
     TEST_ASSERT_UINT32_WITHIN(64 * 1000, 64 * usual_set_nm, t.larger);
-    TEST_ASSERT_EQUAL_INT32(0, t.true_q36); // it tells no ripple
+    TEST_ASSERT_EQUAL_INT32(0, t.true_q36); // it shows no ripple
 }
 
 /// At half the amplitude the same error would be twice as large at the full one.
@@ -154,7 +154,7 @@ static void test_errors_are_those_at_full_amplitude(void)
 
 /// 78 / 64 times what the scale and the counts of the encoder make of a tick, over the root of the
 /// ticks, and a nanometre.
-static void test_the_floor_is_what_scale_and_encoder_cannot_tell(void)
+static void test_the_floor_follows_from_the_resolution_of_scale_and_encoder(void)
 {
     begin();
     play();
@@ -305,7 +305,8 @@ static void test_a_rehearsal_at_another_speed_forgets_the_correction(void)
     }
 }
 
-/// A 1024th of what there was in the rehearsal, a 16th in the cut, not less than the scale tells.
+/// A 1024th of the first error in the rehearsal, a 16th in the cut, at least the resolution
+/// of the scale.
 static void test_guard_compares_above_a_part_of_the_first_error(void)
 {
     t.phase = cam_ilc_shape;
@@ -343,9 +344,8 @@ static void test_gain_is_that_of_the_phase(void)
     TEST_ASSERT_EQUAL_INT32(0, cam_ilc_update_gain_q16(&t, &s));
 }
 
-/// Its harmonics hold most of the motion, which is 64 times as large as what the scale can not
-/// tell.
-static void test_drive_is_told_by_a_large_motion(void)
+/// The learned harmonics hold most of the motion, which is more than 64 times the floor.
+static void test_drive_is_determined_by_a_large_motion(void)
 {
     t.floor_q6 = 100;
     t.larger = 6464;

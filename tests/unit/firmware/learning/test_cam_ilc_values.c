@@ -116,7 +116,7 @@ static void test_what_is_set_is_walked_to(void)
 }
 
 /// Ticks of 50 us: a tick is 50000 ns, its square 2500 us^2, and 2^32 / 400 per tick 3000 r/min.
-static void test_status_is_told_in_the_units_of_people(void)
+static void test_status_is_reported_in_the_units_of_people(void)
 {
     t.k1_q16 = 3 << 15;
     t.k2_q16 = -(5 << 16);
@@ -129,20 +129,20 @@ static void test_status_is_told_in_the_units_of_people(void)
     t.n_orders = 14;
     t.error_nm = 15;
     t.begun_nm = 16;
-    const cam_ilc_status_t told = cam_ilc_status(&t, &s, 20000);
-    TEST_ASSERT_EQUAL_INT32(75000, told.k1_ns);
-    TEST_ASSERT_EQUAL_INT32(-12500, told.k2_us2);
-    TEST_ASSERT_UINT32_WITHIN(1, 3000000, told.speed_mrpm);
-    TEST_ASSERT_EQUAL_UINT32(501, told.correction_nm);
-    TEST_ASSERT_UINT32_WITHIN(1, 83446, told.ripple_nturn); // 700 / 2^23 turn
-    TEST_ASSERT_EQUAL_UINT32(13, told.n_turns);
-    TEST_ASSERT_EQUAL_UINT32(14, told.n_harmonics);
-    TEST_ASSERT_EQUAL_UINT32(15, told.error_nm);
-    TEST_ASSERT_EQUAL_UINT32(16, told.begin_error_nm);
+    const cam_ilc_status_t status = cam_ilc_status(&t, &s, 20000);
+    TEST_ASSERT_EQUAL_INT32(75000, status.k1_ns);
+    TEST_ASSERT_EQUAL_INT32(-12500, status.k2_us2);
+    TEST_ASSERT_UINT32_WITHIN(1, 3000000, status.speed_mrpm);
+    TEST_ASSERT_EQUAL_UINT32(501, status.correction_nm);
+    TEST_ASSERT_UINT32_WITHIN(1, 83446, status.ripple_nturn); // 700 / 2^23 turn
+    TEST_ASSERT_EQUAL_UINT32(13, status.n_turns);
+    TEST_ASSERT_EQUAL_UINT32(14, status.n_harmonics);
+    TEST_ASSERT_EQUAL_UINT32(15, status.error_nm);
+    TEST_ASSERT_EQUAL_UINT32(16, status.begin_error_nm);
 }
 
 /// What hinders the whole comes before what hinders a part, and where nothing is asked it is off.
-static void test_phase_and_reason_are_told(void)
+static void test_phase_and_reason_are_reported(void)
 {
     t.phase = cam_ilc_shape;
     TEST_ASSERT_EQUAL_INT(cam_ilc_shape, cam_ilc_status(&t, &s, 20000).phase);
@@ -160,22 +160,22 @@ static void test_phase_and_reason_are_told(void)
     TEST_ASSERT_EQUAL_INT(cam_ilc_no_table, cam_ilc_status(&t, &s, 20000).reason);
 }
 
-/// The mean has a correction and no ripple; order k of the ripple is told at harmonic k.
-static void test_harmonic_is_told(void)
+/// The mean has a correction and no ripple; order k of the ripple is reported at harmonic k.
+static void test_harmonic_is_reported(void)
 {
     t.correction.c_q6[2] = (cam_complex_t){.re = 5, .im = 6};
     t.correction.gain[2] = (cam_gain_t){.re_q12 = 7, .im_q12 = 8};
     t.correction.best_q6[2] = 9;
     t.ripple.mean[1].re = 3;
     t.ripple.mean[1].im = -4;
-    const cam_ilc_harmonic_t told = cam_ilc_harmonic(&t, 2);
-    TEST_ASSERT_EQUAL_INT32(5, told.correction_q6.re);
-    TEST_ASSERT_EQUAL_INT32(6, told.correction_q6.im);
-    TEST_ASSERT_EQUAL_INT16(7, told.gain.re_q12);
-    TEST_ASSERT_EQUAL_INT16(8, told.gain.im_q12);
-    TEST_ASSERT_EQUAL_UINT32(9, told.best_q6);
-    TEST_ASSERT_EQUAL_INT32(3 * 512, told.ripple.re); // 2^-23 turn in 2^-32 turn
-    TEST_ASSERT_EQUAL_INT32(-4 * 512, told.ripple.im);
+    const cam_ilc_harmonic_t harmonic = cam_ilc_harmonic(&t, 2);
+    TEST_ASSERT_EQUAL_INT32(5, harmonic.correction_q6.re);
+    TEST_ASSERT_EQUAL_INT32(6, harmonic.correction_q6.im);
+    TEST_ASSERT_EQUAL_INT16(7, harmonic.gain.re_q12);
+    TEST_ASSERT_EQUAL_INT16(8, harmonic.gain.im_q12);
+    TEST_ASSERT_EQUAL_UINT32(9, harmonic.best_q6);
+    TEST_ASSERT_EQUAL_INT32(3 * 512, harmonic.ripple.re); // 2^-23 turn in 2^-32 turn
+    TEST_ASSERT_EQUAL_INT32(-4 * 512, harmonic.ripple.im);
     TEST_ASSERT_EQUAL_INT32(0, cam_ilc_harmonic(&t, 0).ripple.re);
     TEST_ASSERT_EQUAL_INT32(0, cam_ilc_harmonic(&t, 1).ripple.re);
     t.correction.c_q6[16].re = 1;

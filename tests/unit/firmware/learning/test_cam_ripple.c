@@ -72,7 +72,7 @@ static void test_a_turn_with_a_hole_or_a_jump_is_refused(void)
     TEST_ASSERT_EQUAL_INT32(0, cam_ripple_deviate(bin));
 }
 
-/// The largest that a turn can tell, as often as the parameter allows.
+/// The largest deviation that a turn can show, as often as the parameter allows.
 static void test_a_sum_beyond_its_word_keeps_its_sign(void)
 {
     cam_ripple_t r = {0};
@@ -86,7 +86,7 @@ static void test_a_sum_beyond_its_word_keeps_its_sign(void)
     TEST_ASSERT_UINT32_WITHIN(1, 23169, cam_ripple_sum(&r)); // root 2 times that
 }
 
-/// Nothing is told before as many turns as a mean is made of; the next mean begins without them.
+/// No mean is reported before all of its turns are added; the next mean begins without them.
 static void test_a_mean_is_made_of_its_turns_and_begins_anew(void)
 {
     cam_ripple_t r = {0};
@@ -111,8 +111,8 @@ static void test_a_mean_is_made_of_its_turns_and_begins_anew(void)
     TEST_ASSERT_EQUAL_INT32(0, r.sum[2].re);
 }
 
-/// An order that is just as large as what counts can feign, by its magnitude, is nothing.
-static void test_the_least_that_is_told_is_beyond_what_counts_feign(void)
+/// An order of just the magnitude that the counts can feign is reported as 0.
+static void test_the_least_reported_order_exceeds_what_counts_feign(void)
 {
     cam_ripple_t r = {0};
     const cam_complex_t five = {.re = 3 * 512, .im = -4 * 512};

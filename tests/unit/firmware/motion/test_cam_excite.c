@@ -164,7 +164,7 @@ static void test_range_knows_the_wrap(void)
     TEST_ASSERT_EQUAL_INT64(INT64_C(4294967295), cam_wave_range(wave_nm, 20).step_nm);
 }
 
-static void test_limits_are_those_of_u_and_told_in_their_units(void)
+static void test_limits_are_those_of_u_and_reported_in_their_units(void)
 {
     wave_nm[3] = 100;
     TEST_ASSERT_EQUAL_INT(cam_ok, judge(32, 599900, 2000).err);

@@ -33,7 +33,8 @@ static bound_t bound_of(const cam_motion_limits_t *limits, const cam_axis_motion
                      larger(limits->acceleration_q10, labs((long)m->acc_q10))};
 }
 
-/// Assert that one step keeps the bound, and that what it tells are the differences of its places.
+/// Assert that a step keeps the bound, that its speed is the difference of its positions, and its
+/// acceleration that of its speeds.
 static void check_step(const bound_t *b, const cam_axis_motion_t *before,
                        const cam_axis_motion_t *now)
 {

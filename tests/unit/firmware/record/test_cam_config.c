@@ -193,8 +193,8 @@ static void test_bank_hands_over_one_configuration_at_a_time(void)
     TEST_ASSERT_EQUAL_PTR(&bank.half[0], cam_config_free_half(&bank));
 }
 
-/// Speed, acceleration and jerk of U and what the gains make of them, and what is learned besides.
-static void test_limits_of_what_u_is_told_follow_from_gains_and_limits(void)
+/// Speed, acceleration and jerk of U, the additions of the gains, and those of the learned values.
+static void test_limits_of_the_command_of_u_follow_from_gains_and_limits(void)
 {
     const double most_learned_nm = 1900.0; // when all learned values change at once
     for (int32_t i = 0; i < 64; i++) {
@@ -231,7 +231,7 @@ static void test_limits_of_what_u_is_told_follow_from_gains_and_limits(void)
     }
 }
 
-static void test_limits_of_what_u_is_told_fit_their_words(void)
+static void test_limits_of_the_command_of_u_fit_their_words(void)
 {
     memset(&config, 0, sizeof config);
     config.guard.u_vel_q6 = INT32_MAX;

@@ -159,7 +159,7 @@ static void test_a_turn_in_motion_is_not_steady(void)
     TEST_ASSERT_TRUE(was_seen);
 }
 
-static void test_a_late_reader_is_told_and_its_bank_left_alone(void)
+static void test_a_late_reader_is_reported_and_its_bank_stays(void)
 {
     TEST_ASSERT_NOT_NULL(take_next());
     turn_on(0.9);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The black box beyond a restart: what the head in front of its rows tells, word by word.
+// The black box after a restart: the contents of the head before its rows, word by word.
 #include "cam_blackbox.h"
 #include "hal_host.h"
 #include "unity.h"
@@ -38,7 +38,7 @@ void setUp(void)
     cam_scope_init(&scope, (hal_memory_t){.words = words, .n_words = n_words}, tick_hz);
 }
 
-static void test_all_that_is_told_of_a_box_outlives_a_restart(void)
+static void test_the_head_of_a_box_outlives_a_restart(void)
 {
     TEST_ASSERT_TRUE(cam_blackbox_restore(&scope, n_kept));
     TEST_ASSERT_TRUE(cam_blackbox_is_unread(&scope));

@@ -224,7 +224,7 @@ static void test_fields_are_checked(void)
     TEST_ASSERT_EQUAL_STRING("u_set_q6", cam_scope_signal_name(cam_scope_u_set_q6));
 }
 
-/// Each signal is the member that its name tells.
+/// Each signal is the member that its name gives.
 static void test_signals_are_those_of_the_record(void)
 {
     static const int32_t row[][2] = {
@@ -343,7 +343,7 @@ static void test_rows_before_the_trigger_are_exact_to_the_tick(void)
 }
 
 /// Rows of every third tick: the trigger is found in the ticks between them as well.
-static void test_rows_far_apart_tell_the_tick_of_the_trigger(void)
+static void test_rows_far_apart_give_the_tick_of_the_trigger(void)
 {
     for (uint32_t at = 1; at < 60u; at++) {
         setUp();

@@ -243,7 +243,7 @@ static void test_a_restart_behind_the_emergency_stop_by_the_bus_alone_is_impossi
     to_cutting();
 }
 
-static void test_lines_tell_who_commands_and_who_was_refused(void)
+static void test_lines_name_the_commander_and_the_refused_sender(void)
 {
     (void)by(other, 0, take, 1);
     fixture_can_loop(&f, 1);

@@ -275,7 +275,7 @@ static fixture_answer_t send_block(const hal_can_frame_t *frames, uint32_t n)
 }
 
 /// Blocks belong to what was begun last.
-static void test_blocks_of_a_wave_and_of_a_table_are_told_apart(void)
+static void test_blocks_of_a_wave_and_of_a_table_are_distinguished(void)
 {
     static const hal_can_frame_t odd = {.id = 0x6C0, .n = 8, .data = {7, 0, 0, 0, 0, 1, 2, 3}};
     static const hal_can_frame_t less = {.id = 0x6C0, .n = 8, .data = {3}}; // not even an offset

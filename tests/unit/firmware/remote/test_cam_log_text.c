@@ -202,7 +202,6 @@ static void test_refused_table_has_a_line(void)
 }
 
 /// A table that the background check has found damaged has a line once, and the store knows it.
-/// A table that the background check has found damaged is told once, and the store knows it.
 static void test_damaged_table_has_a_line_once(void)
 {
     lines.has_table = true;

@@ -361,7 +361,7 @@ static void test_each_knot_is_checked_with_its_segment(void)
     }
 }
 
-static void test_channel_is_told_as_its_entry_has_it(void)
+static void test_channel_is_as_its_entry_has_it(void)
 {
     entry.log2_repeat = 3;
     entry.value_offset = -5;

@@ -101,12 +101,12 @@ static uint32_t plan(uint32_t axis, int32_t before_q10, int32_t vel_q10, int64_t
     return cam_axis_command_plan_isr(&cfg, &motion, before);
 }
 
-static void test_plan_tells_what_is_within_speed_change_and_place(void)
+static void test_plan_is_commanded_within_speed_change_and_position(void)
 {
     static const struct {
         int32_t before_q10, vel_q10;
         int64_t jump_q10;
-        bool is_told;
+        bool is_commanded;
     } cases[] = {
         {0, 10240, 0, true},
         {0, 10241, 0, false},
@@ -132,17 +132,17 @@ static void test_plan_tells_what_is_within_speed_change_and_place(void)
         for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
             const uint32_t faults =
                 plan(axis, cases[i].before_q10, cases[i].vel_q10, cases[i].jump_q10);
-            const int32_t is_q10 = cases[i].is_told ? cases[i].vel_q10 : cases[i].before_q10;
-            TEST_ASSERT_EQUAL_HEX32(cases[i].is_told ? 0u : CAM_FAULT_BIT(command), faults);
+            const int32_t is_q10 = cases[i].is_commanded ? cases[i].vel_q10 : cases[i].before_q10;
+            TEST_ASSERT_EQUAL_HEX32(cases[i].is_commanded ? 0u : CAM_FAULT_BIT(command), faults);
             TEST_ASSERT_EQUAL_INT32(is_q10, motion.axis[axis].vel_q10);
             TEST_ASSERT_EQUAL_INT32(is_q10 - cases[i].before_q10, motion.change_q10[axis]);
-            TEST_ASSERT_TRUE(motion.is_filtering == cases[i].is_told);
+            TEST_ASSERT_TRUE(motion.is_filtering == cases[i].is_commanded);
         }
     }
 }
 
 /// In off X and Z follow what moves them.
-static void test_plan_in_off_is_told_as_it_is(void)
+static void test_plan_in_off_is_commanded_without_limits(void)
 {
     motion.state = cam_state_off;
     TEST_ASSERT_EQUAL_HEX32(0, plan(hal_axis_x, 0, INT32_MAX, 1 << 30));

@@ -130,7 +130,7 @@ static void test_request_that_stands_is_carried_out_once(void)
     TEST_ASSERT_EQUAL_INT(cam_state_ready, f.want.state);
 }
 
-static void test_engage_begins_at_a_whole_turn_that_no_axis_was_told_of(void)
+static void test_engage_begins_at_a_whole_turn_after_all_commanded_angles(void)
 {
     static const int32_t ahead_ns[][2] = {{0, 0}, {3000000, 0}, {100000, 40000000}};
     for (int i = 0; i < 3; i++) {

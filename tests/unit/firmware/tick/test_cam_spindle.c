@@ -317,8 +317,8 @@ static void test_step_first_reading_anywhere_is_no_jump(void)
     TEST_ASSERT_FALSE(angle.is_synced);
 }
 
-/// A latch that tells a place where the spindle cannot have been is no edge: the angle stays
-/// unknown, and the index is missed.
+/// A latch of a position that the spindle cannot have had is no edge: the angle stays unknown, and
+/// the index is missed.
 static void test_step_first_edge_far_away_is_no_angle(void)
 {
     for (uint32_t far = 1u << 31; far > 10000u; far /= 2u) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the slow side is told of the newest tick: each field from its own place.
+// The status of the newest tick for the slow side: each field comes from its own source.
 #include "cam_status.h"
 #include "unity.h"
 #include <string.h>
@@ -7,7 +7,7 @@
 static cam_t core;
 static cam_tick_record_t record;
 
-/// A controller whose newest tick has another number in each place that is told.
+/// A controller whose newest tick has a different number in each source of the status.
 void setUp(void)
 {
     memset(&core, 0, sizeof core);
@@ -35,7 +35,7 @@ void setUp(void)
     atomic_store(&core.trace.n_written, 42);
 }
 
-static void test_words_of_the_record_are_told(void)
+static void test_words_of_the_record_are_reported(void)
 {
     const cam_status_t s = cam_status_read(&core);
     TEST_ASSERT_EQUAL_UINT32(1001, s.tick);
@@ -55,7 +55,7 @@ static void test_words_of_the_record_are_told(void)
     TEST_ASSERT_EQUAL_INT32(1003 - 700, s.following_nm);
 }
 
-static void test_words_of_the_stages_are_told(void)
+static void test_words_of_the_stages_are_reported(void)
 {
     const cam_status_t s = cam_status_read(&core);
     TEST_ASSERT_EQUAL_UINT32(1015, s.first_fault);
@@ -65,7 +65,7 @@ static void test_words_of_the_stages_are_told(void)
     TEST_ASSERT_EQUAL_UINT32(1019, s.max_period);
 }
 
-static void test_each_condition_is_told_by_itself(void)
+static void test_each_condition_is_reported_by_itself(void)
 {
     cam_status_t s = cam_status_read(&core);
     TEST_ASSERT_TRUE(s.is_synced && s.is_u_at_rest && !s.is_retracted);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A controller in every state senses anything: extreme and random numbers in every word that the
-// port hands over. Nothing undefined happens (the presets with sanitizers run this too), U is told
-// nothing beyond its stroke, and without enable every axis is told where it is.
+// port hands over. Nothing undefined happens (the presets with sanitizers run this too), U is
+// commanded nothing beyond its stroke, and without enable every axis is commanded its measured
+// position.
 #include "cam_fix.h"
 #include "cam_machine_jog.h"
 #include "cam_machine_identify.h"
@@ -150,7 +151,7 @@ static void expect(bool is_good, const char *what)
     }
 }
 
-/// Held axes go on from where they were told to be, even at the ends of the words.
+/// Held axes continue from their last commands, even at the ends of the words.
 static void check_way(const cam_tick_record_t *r)
 {
     const uint32_t both = r->want.outputs & before.want.outputs;
@@ -167,14 +168,15 @@ static void check(void)
     const cam_tick_record_t *r = &f.rig.last;
     check_way(r);
     const int32_t half_nm = f.rig.machine.params.u_stroke_nm / 2;
-    const int32_t told_nm = r->out[hal_axis_u].pos_nm + g_cam.motion.u.home_nm;
-    expect(told_nm >= -half_nm && told_nm <= half_nm, "U is told a place beyond its stroke");
+    const int32_t commanded_nm = r->out[hal_axis_u].pos_nm + g_cam.motion.u.home_nm;
+    expect(commanded_nm >= -half_nm && commanded_nm <= half_nm,
+           "U is commanded a position beyond its stroke");
     if (r->want.state == cam_state_off) {
         const int32_t *is_nm = r->in.actual_nm;
-        expect(told_nm == cam_clamp_i32(is_nm[hal_axis_u], -half_nm, half_nm),
-               "U is not told where it is");
+        expect(commanded_nm == cam_clamp_i32(is_nm[hal_axis_u], -half_nm, half_nm),
+               "U is not commanded its measured position");
         for (uint32_t i = hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
-            expect(r->out[i].pos_nm == is_nm[i], "X or Z is not told where it is");
+            expect(r->out[i].pos_nm == is_nm[i], "X or Z is not commanded its measured position");
         }
     }
     expect(g_cam.spindle.in_turn >= 0 &&

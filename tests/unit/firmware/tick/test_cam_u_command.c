@@ -14,9 +14,9 @@ static cam_config_t *in_force(void)
 typedef struct {
     int32_t at_nm, step_nm;
     int32_t most_step_nm, most_change_nm;
-} told_t;
+} command_t;
 
-static void tick(told_t *t)
+static void tick(command_t *t)
 {
     fixture_rig_tick(&rig);
     const int32_t at_nm = hal_host.out.axis[hal_axis_u].pos_nm;
@@ -29,9 +29,9 @@ static void tick(told_t *t)
 }
 
 /// After three ticks the step and its change are known.
-static told_t begin(void)
+static command_t begin(void)
 {
-    told_t t = {.at_nm = hal_host.out.axis[hal_axis_u].pos_nm};
+    command_t t = {.at_nm = hal_host.out.axis[hal_axis_u].pos_nm};
     tick(&t);
     tick(&t);
     t.most_step_nm = t.most_change_nm = 0;
@@ -39,9 +39,9 @@ static told_t begin(void)
 }
 
 /// Press the emergency stop: it must be the only fault. @return U's command of n ticks
-static told_t retract(int n)
+static command_t retract(int n)
 {
-    told_t t = begin();
+    command_t t = begin();
     hal_host_fault_estop(true);
     for (int i = 0; i < n; i++) {
         tick(&t);
@@ -125,7 +125,7 @@ static void test_command_through_faults_at_any_angle_keeps_the_limits_of_u(void)
         for (uint32_t at = 0; at < c->n_places; at++) {
             go_back(&bench);
             fixture_rig_ticks(&rig, c->apart * at);
-            const told_t t = retract(600);
+            const command_t t = retract(600);
             TEST_ASSERT_LESS_OR_EQUAL_INT32(c->most_step_nm, t.most_step_nm);
             TEST_ASSERT_LESS_OR_EQUAL_INT32(in_force()->guard.u.acceleration_q10 / 1024 + 2,
                                             t.most_change_nm);
@@ -180,7 +180,7 @@ static void test_no_single_step_of_the_command_throws_u_into_the_work(void)
 static void test_command_at_1_khz_keeps_the_speed_of_u_in_homing(void)
 {
     start(&courses[2]);
-    told_t t = begin();
+    command_t t = begin();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(&rig.machine));
     for (int i = 0; i < 200; i++) {
         tick(&t);
@@ -190,8 +190,8 @@ static void test_command_at_1_khz_keeps_the_speed_of_u_in_homing(void)
     TEST_ASSERT_GREATER_THAN_INT32(12000, t.most_step_nm);
 }
 
-/// The stroke ends where U retracts to. Gains of slow drives and of fast ones, with and without an
-/// acceleration that is told ahead.
+/// The stroke ends where U retracts to. Gains of slow drives and of fast drives, with and without
+/// feed-forward of the acceleration.
 static void test_command_stays_within_the_stroke_in_homing_and_retract(void)
 {
     static const int32_t gains[][2] = {{350000, 0},     {398000, 0},     {200000, 0},
@@ -222,8 +222,8 @@ static void move_from_its_begin(hal_axis_t axis)
     fixture_rig_ticks(&rig, 20);
 }
 
-/// From plan to plan X and Z move in equal increments: no acceleration is told, and there is none.
-static void test_x_and_z_are_told_the_acceleration_of_their_increments(void)
+/// From plan to plan X and Z move in equal increments: no acceleration is commanded or present.
+static void test_x_and_z_are_commanded_the_acceleration_of_their_increments(void)
 {
     move_from_its_begin(hal_axis_x);
     move_from_its_begin(hal_axis_z);
@@ -252,7 +252,7 @@ static void test_command_of_a_wrong_gain_is_a_fault_and_not_written(void)
     start(&courses[0]);
     bring(cam_state_cutting);
     fixture_rig_ticks(&rig, 200);
-    told_t t = begin();
+    command_t t = begin();
     in_force()->command.in_cut.k2_q16 *= 48;
     for (int k = 0; k < 4000; k++) {
         tick(&t);
@@ -265,8 +265,9 @@ static void test_command_of_a_wrong_gain_is_a_fault_and_not_written(void)
     TEST_ASSERT_EQUAL_INT32(0, t.step_nm);
 }
 
-/// A plan that would tell X or Z too much is not carried out: the axis goes on as before.
-static void test_increments_beyond_the_limits_are_a_fault_before_they_are_told(void)
+/// A plan that would command X or Z beyond its limits is not carried out: the axis continues as
+/// before.
+static void test_increments_beyond_the_limits_are_a_fault_before_they_are_commanded(void)
 {
     for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
         setUp();

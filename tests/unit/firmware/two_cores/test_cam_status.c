@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The slow side reads while another core ticks, as on Linux: what a status tells belongs to one
-// tick, however often a reading falls into a tick. The preset host-tsan runs this under the
+// The slow side reads while another core ticks, as on Linux: all fields of a status belong to the
+// same tick, however often a reading falls into a tick. The preset host-tsan runs this under the
 // sanitizer of threads.
 #include "cam_config.h"
 #include "fixture_rig.h"

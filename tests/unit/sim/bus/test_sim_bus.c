@@ -169,7 +169,7 @@ static void inject(const char *text)
     sim_bus_inject(&bus, &what, 1);
 }
 
-static void test_failed_drive_tells_by_emergency_status_and_line(void)
+static void test_failed_drive_reports_by_emergency_status_and_line(void)
 {
     enable();
     inject("node-fault@0:3");

@@ -59,7 +59,7 @@ static void enable(double t_s)
     TEST_ASSERT_TRUE(sim_cia402_is_following(&node.power));
 }
 
-static void test_node_boots_up_and_tells_its_state_at_the_heartbeat_rate(void)
+static void test_node_boots_up_and_reports_its_state_at_the_heartbeat_rate(void)
 {
     uint32_t n_beats = 0;
     speak(0.0);

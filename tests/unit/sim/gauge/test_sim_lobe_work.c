@@ -131,8 +131,8 @@ static void test_lobe_entered_anywhere_is_judged_where_it_was_cut(void)
     }
 }
 
-/// Between two lobes a tool that stands 3 um below the base circle gouges the shaft; above it
-/// nothing is told.
+/// Between two lobes a tool that stands 3 um below the base circle gouges the shaft; above it no
+/// gouge is reported.
 static void test_cut_below_the_base_circle_between_lobes_is_a_gouge(void)
 {
     for (int is_turned = 0; is_turned < 2; is_turned++) {

@@ -92,7 +92,7 @@ static void test_empty_work_has_no_errors(void)
 }
 
 /// An oval turned by 200 urad with an offset and an error of its own three times per turn.
-static void test_turned_part_is_told_apart_from_its_form(void)
+static void test_turned_part_is_distinguished_from_its_form(void)
 {
     const double turned_rad = 200e-6;
     for (int i = 0; i < 7200; i++) {

@@ -110,7 +110,7 @@ static void test_joint_moves_with_the_height_and_quadrants_are_mirrored(void)
 
 enum { n_breaks = 96 };
 
-/// Sections of f = (1 + 0.1 z + 0.02 z^2) cos(2 phi) at three heights, told by knots.
+/// Sections of f = (1 + 0.1 z + 0.02 z^2) cos(2 phi) at three heights, given by knots.
 static const char *make_sections(const char *slopes)
 {
     static const double z_mm[] = {0.0, 5.0, 20.0};
@@ -138,7 +138,7 @@ static const char *make_sections(const char *slopes)
 }
 
 /// The quintic errs by (4 pi / 96)^6 / 46080 = 1e-10 of the amplitude, the cubic is exact.
-static void test_sections_are_told_by_knots(void)
+static void test_sections_are_given_by_knots(void)
 {
     TEST_ASSERT_TRUE_MESSAGE(read(make_sections("slopes")), error.text);
     for (int q = 0; q < 400; q++) {

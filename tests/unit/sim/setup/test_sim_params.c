@@ -47,8 +47,8 @@ static void expect_refusal(const char *says)
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, says), error.text);
 }
 
-/// The gain is named, although the speed of U was set before it, and what would be taken.
-static void test_gain_that_is_wrong_in_the_whole_set_is_told_with_its_bound(void)
+/// The refusal names the gain, although the speed of U was set before it, and the accepted bound.
+static void test_gain_that_is_wrong_in_the_whole_set_is_reported_with_its_bound(void)
 {
     params.u_speed_um_per_s = 5000;
     params.k1_ns = 0;
@@ -86,14 +86,14 @@ static void test_drive_that_no_acceleration_helps_is_refused(void)
     expect_refusal("this drive is too slow: give a larger bandwidth_hz");
 }
 
-static void test_jerk_is_told_with_its_bound(void)
+static void test_jerk_is_reported_with_its_bound(void)
 {
     params.u_jerk_m_per_s3 = 1;
     expect_refusal("parameter u_jerk_m_per_s3 = 1: refused: ");
     TEST_ASSERT_NOT_NULL(strstr(error.text, "it is at least "));
 }
 
-static void test_other_values_are_told_by_the_parameter_that_is_refused(void)
+static void test_other_values_are_reported_by_the_refused_parameter(void)
 {
     params.counts_per_turn = 0;
     expect_refusal("parameter counts_per_turn = 0: refused: ");
