@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A bad command bus in the cut: full load, a babbling node, frames with our identifiers, bus off.
-// The same cut is played again and again; what its axes are told is compared with the cut on a
-// quiet bus, tick by tick, and the judge of the fuzzing looks at each tick.
+// The same cut is played again and again; the commands to its axes are compared with those on a
+// quiet bus, tick by tick, and the judge of the fuzzing checks each tick.
 //
 //     bus        prints a JSON object for each case; exits 1 where one ends otherwise than expected
 #include "fixture_can.h" // fixture_can_receive_from
@@ -34,7 +34,7 @@ typedef enum {
 static const struct {
     const char *name;
     bool is_commander_heard; ///< arbitration leaves the commander's frames through
-    bool is_cut_whole;       ///< and no axis is told anything else than on a quiet bus
+    bool is_cut_whole;       ///< and each axis is commanded the same as on a quiet bus
 } cases[n_cases] = {
     [quiet] = {"quiet", true, true},
     [foreign] = {"foreign_identifiers_at_full_load", true, true},
@@ -50,7 +50,7 @@ static const struct {
 static sim_random_t dice;
 static struct {
     int32_t nm[hal_n_axes];
-} told[most_ticks];
+} commanded[most_ticks];
 
 static uint32_t any(uint32_t n)
 {
@@ -134,8 +134,8 @@ static bool play(case_t which)
         fuzz_rig_loop(1);
         for (uint32_t i = 0; i < (uint32_t)hal_n_axes; i++) {
             const int32_t nm = hal_host.out.axis[i].pos_nm;
-            n_different += which != quiet && told[n_ticks].nm[i] != nm ? 1u : 0u;
-            told[n_ticks].nm[i] = which == quiet ? nm : told[n_ticks].nm[i];
+            n_different += which != quiet && commanded[n_ticks].nm[i] != nm ? 1u : 0u;
+            commanded[n_ticks].nm[i] = which == quiet ? nm : commanded[n_ticks].nm[i];
         }
         n_ticks++;
         const bool is_ending = fuzz_rig_state() == cam_state_disengaging;
@@ -147,10 +147,11 @@ static bool play(case_t which)
     const bool is_ready = fuzz_rig_state() == cam_state_ready;
     const uint32_t n_losses = fuzz_rig.machine.rights.n_losses;
     const uint32_t end_ms = n_until_end / ms;
-    (void)printf("{\"case\": \"%s\", \"ticks\": %u, \"in_the_work\": %u, \"told_otherwise\": %u, "
-                 "\"losses_of_command\": %u, \"ms_to_disengaging\": %u, \"state\": \"%s\"}\n",
-                 cases[which].name, n_ticks, n_work, n_different, n_losses, end_ms,
-                 cam_state_name(fuzz_rig_state()));
+    (void)printf(
+        "{\"case\": \"%s\", \"ticks\": %u, \"in_the_work\": %u, \"commanded_otherwise\": %u, "
+        "\"losses_of_command\": %u, \"ms_to_disengaging\": %u, \"state\": \"%s\"}\n",
+        cases[which].name, n_ticks, n_work, n_different, n_losses, end_ms,
+        cam_state_name(fuzz_rig_state()));
     if (cases[which].is_cut_whole) {
         return is_ready && n_different == 0u && n_losses == 0u && n_work > 2u * tick_hz;
     }

@@ -300,7 +300,7 @@ static void session(uint32_t hz, uint32_t part, uint64_t seed)
     sum.n_sessions++;
 }
 
-static void tell(uint32_t hz)
+static void report(uint32_t hz)
 {
     (void)printf("{\"ticks\": %" PRIu64 ", \"hours\": %.3f, \"sessions\": %" PRIu64
                  ", \"parts\": %" PRIu64 ", \"stopped\": %" PRIu64 ", \"by_hand\": %" PRIu64
@@ -334,6 +334,6 @@ int main(int argc, char **argv)
     for (uint32_t i = first; sum.n_ticks < n_ticks; i++) {
         session(hz, i % (uint32_t)fuzz_rig_n_parts, seed * 1000u + i);
     }
-    tell(hz);
+    report(hz);
     return 0;
 }

@@ -94,7 +94,7 @@ static uint32_t size_of(int version)
     return version == 0 ? old_bytes : new_bytes;
 }
 
-/// Keep a version as the firmware does. @return whether it was told to be kept
+/// Keep a version as the firmware does. @return whether it was reported as kept
 static bool keep(keeper_t keeper, int version)
 {
     common_error_t e = {0};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The supply of the STM32 port falls in every write and every erase of a download, and of the log
-// that tells which table is in use. stm_table.c is linked with a flash memory of this program,
+// that records which table is in use. stm_table.c is linked with a flash memory of this program,
 // whose addresses fit 32 bits. After each fall the next start must find the old table or the new
 // one.
 //

@@ -11,8 +11,8 @@
 /// One input. libFuzzer calls it, and so does fuzz_replay.c. @return 0
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/// End the program with a line that tells the broken invariant and the numbers of it. stdout is
-/// told because the targets turn the firmware's own lines of text, which go to stderr, off.
+/// End the program with a line that shows the broken invariant and its numbers. The line goes to
+/// stdout, because the targets turn off the firmware's own lines of text, which go to stderr.
 #define FUZZ_EXPECT(is_good, ...)                                                                  \
     do {                                                                                           \
         if (!(is_good)) {                                                                          \

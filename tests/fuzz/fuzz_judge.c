@@ -70,10 +70,10 @@ static bool is_geared(cam_state_t state)
            state == cam_state_rehearsing;
 }
 
-/// A cut is judged by its set-points before it begins (cam_demand.h). What the feed-forward adds to
-/// them is not known then, nor how far U goes on when a fault or a stop takes it out of its motion:
-/// both may be too much. The nearest place within the limits is told then, and `command` is
-/// latched.
+/// A cut is judged by its set-points before it begins (cam_demand.h). Two additions are not known
+/// then: that of the feed-forward, and how far U continues when a fault or a stop takes it out of
+/// its motion. Where they exceed the limits, U is commanded the nearest position within them, and
+/// the fault `command` is latched.
 /// @param faults  of this tick
 /// @return faults that are not the machine's own
 static uint32_t may_fault(const fuzz_judge_t *j, uint32_t faults)
@@ -115,10 +115,10 @@ static void judge_state(fuzz_judge_t *j, const cam_tick_record_t *r)
     FUZZ_EXPECT(own == 0u, "fault %x of its own in %s", (unsigned)own, cam_state_name(j->state));
     const bool is_still =
         want->state == cam_state_off || want->state == cam_state_manual || is_fault;
-    FUZZ_EXPECT(!is_still || hal_host.out.spindle_mrpm == 0, "the spindle is told %d in %s",
+    FUZZ_EXPECT(!is_still || hal_host.out.spindle_mrpm == 0, "the spindle is commanded %d in %s",
                 (int)hal_host.out.spindle_mrpm, cam_state_name(want->state));
     FUZZ_EXPECT(size_of(hal_host.out.spindle_mrpm) <= j->limits.spindle_mrpm + 1,
-                "the spindle is told %d", (int)hal_host.out.spindle_mrpm);
+                "the spindle is commanded %d", (int)hal_host.out.spindle_mrpm);
     const bool is_in_cut = want->state == cam_state_cutting || want->state == cam_state_holding;
     FUZZ_EXPECT(is_in_cut == ((hal_host.out.outputs & hal_out_in_cut) != 0u), "in_cut in %s",
                 cam_state_name(want->state));
@@ -198,19 +198,19 @@ static void judge_fault(fuzz_judge_t *j, const cam_tick_record_t *r)
     const double brakes_nm = v_nm * (v_nm / l->brake_nm[hal_axis_x] + window);
     FUZZ_EXPECT((double)off_nm >= -brakes_nm, "X enters the work by %lld nm in a fault",
                 (long long)-off_nm);
-    // X of a drawn machine has no home: its travel is told in the numbers of the port.
+    // X of a drawn machine has no home: its travel is given in the coordinates of the port.
     const double end_nm = fuzz_more(l->x_high_nm, j->fault_x_nm) + j->outwards_nm + rounding_nm;
     const int32_t x_nm = hal_host.out.axis[hal_axis_x].pos_nm;
     FUZZ_EXPECT(!j->is_drawn || x_nm <= end_nm, "X goes to %d nm in a fault, its travel to %g",
                 (int)x_nm, end_nm);
 }
 
-/// @return [nm per tick] how fast an axis is told to move at most
+/// @return [nm per tick] highest speed that an axis may be commanded
 static double most_step_nm(const fuzz_judge_t *j, uint32_t axis)
 {
     const fuzz_limits_t *l = &j->limits;
     const bool is_u = axis == (uint32_t)hal_axis_u;
-    const double own_nm = is_u ? l->told_step_nm : l->speed_nm[axis];
+    const double own_nm = is_u ? l->commanded_step_nm : l->speed_nm[axis];
     const double shaken_nm = is_u ? 0.0 : unrest_nm(j, axis);
     const double rounded_nm = counts_nm + (is_u ? l->gain_rounding_nm : 0.0);
     return own_nm * (tolerance + 1) / tolerance + shaken_nm + rounded_nm;
@@ -227,13 +227,13 @@ static double most_change_of_u_nm(const fuzz_judge_t *j)
         j->is_wild || is_cut_off || (l->gain_rounding_nm > 0.0 && is_geared(j->state));
     const bool is_first = j->state == cam_state_fault && j->n_fault == 1u;
     const double back_nm = is_first ? (double)size_of(j->u_change_nm) : 0.0;
-    const double usual_nm = l->told_change_nm * (tolerance + 1) / tolerance + l->gain_rounding_nm +
-                            rounding_nm + (is_supervised ? learned_nm : 0);
+    const double usual_nm = l->commanded_change_nm * (tolerance + 1) / tolerance +
+                            l->gain_rounding_nm + rounding_nm + (is_supervised ? learned_nm : 0);
     return usual_nm + (back_nm > l->acceleration_nm[hal_axis_u] ? back_nm : 0.0);
 }
 
-/// What X and Z are told changes from plan to plan by their acceleration; the controller accepts
-/// twice that and twice the unrest, beyond which it is the fault `command`.
+/// The commanded speeds of X and Z change from plan to plan by their acceleration; the controller
+/// accepts twice that and twice the unrest; more is the fault `command`.
 static double most_change_nm(const fuzz_judge_t *j, uint32_t axis)
 {
     // After a late tick the axes make up for what the spindle has turned meanwhile.
@@ -264,8 +264,8 @@ static void judge_jerk(fuzz_judge_t *j, int64_t change_nm, bool is_judged)
                 "X jerks by %lld nm of %g in a fault", (long long)jerk_nm, most_nm);
 }
 
-/// A U without feed-forward is told its set-point, whose acceleration changes by its jerk where it
-/// moves by time and is not cut off by the fault `command`.
+/// A U without feed-forward is commanded its set-point, whose acceleration changes by its jerk
+/// where U moves by time and the fault `command` does not cut the motion off.
 static void judge_jerk_of_u(const fuzz_judge_t *j, uint32_t faults, int64_t jerk_nm)
 {
     const fuzz_limits_t *l = &j->limits;
@@ -313,8 +313,8 @@ static void judge_axes(fuzz_judge_t *j, const cam_tick_record_t *r)
     j->n_off_time = r->angle.is_off_time ? 3u + 3u * j->plan_ticks
                                          : j->n_off_time - (j->n_off_time > 0u ? 1u : 0u);
     for (uint32_t i = 0; i < hal_n_axes; i++) {
-        const int32_t told_nm = hal_host.out.axis[i].pos_nm;
-        const int64_t step_nm = (int64_t)told_nm - j->told_nm[i];
+        const int32_t commanded_nm = hal_host.out.axis[i].pos_nm;
+        const int64_t step_nm = (int64_t)commanded_nm - j->commanded_nm[i];
         const int64_t change_nm = step_nm - j->step_nm[i];
         const bool is_led = i == (uint32_t)hal_axis_z && j->is_z_led;
         if (j->n_moved > 0u && !is_led) {
@@ -341,19 +341,19 @@ static void judge_axes(fuzz_judge_t *j, const cam_tick_record_t *r)
                                     j->n_fault > 4u * j->plan_ticks && !j->is_wild;
             judge_jerk(j, change_nm, is_leaving);
         }
-        j->told_nm[i] = told_nm;
+        j->commanded_nm[i] = commanded_nm;
         j->step_nm[i] = (int32_t)step_nm;
     }
     const int32_t home_nm = r->in.actual_nm[hal_axis_u] - hal_host.in.axis_nm[hal_axis_u];
     const int64_t u_nm = (int64_t)hal_host.out.axis[hal_axis_u].pos_nm + home_nm;
     FUZZ_EXPECT(!is_enabled || size_of(u_nm) <= j->limits.stroke_nm + 1,
-                "U is told %lld nm of %lld in %s", (long long)u_nm, (long long)j->limits.stroke_nm,
-                cam_state_name(r->want.state));
+                "U is commanded %lld nm of %lld in %s", (long long)u_nm,
+                (long long)j->limits.stroke_nm, cam_state_name(r->want.state));
     // A drawn machine may swing in a few plans, and then brakes a plan late.
     const int64_t on_q32 = r->want.state == cam_state_fault && j->is_drawn ? j->swing_on_q32 : 0;
     FUZZ_EXPECT(!is_enabled ||
                     size_of(hal_host.out.swing.pos_q32) <= j->limits.swing_q32 + on_q32 + 1000,
-                "the swing is told %d", (int)hal_host.out.swing.pos_q32);
+                "the swing is commanded %d", (int)hal_host.out.swing.pos_q32);
     j->was_enabled = is_enabled;
 }
 

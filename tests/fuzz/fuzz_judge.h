@@ -42,12 +42,12 @@ typedef struct {
     uint32_t n_off_time;    ///< [ticks] for which a step may be that of a late tick
     uint32_t faults;        ///< latched
     uint32_t request;       ///< the last one
-    int32_t told_nm[hal_n_axes];         ///< [nm] what the axes were told last, by the port
+    int32_t commanded_nm[hal_n_axes];    ///< [nm] last commands to the axes, of the port
     int32_t step_nm[hal_n_axes];         ///< ... by how much that differed from the one before
     int32_t change_nm[fuzz_judge_ticks]; ///< ... X: by how much its steps differed, a ring
     int64_t u_change_nm;                 ///< ... U: by how much its steps differed
     uint32_t at;                         ///< place of the newest in it
-    int32_t fault_x_nm;                  ///< [nm] X told in the tick of the fault
+    int32_t fault_x_nm;                  ///< [nm] X commanded in the tick of the fault
     int64_t swing_on_q32;                ///< [turn / 2^32] of the swing in two plans, as it came
     double outwards_nm;                  ///< [nm] by which it may go on outwards from there
     uint64_t n_visits[cam_n_states];

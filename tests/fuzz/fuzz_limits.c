@@ -54,8 +54,8 @@ static void add_gains(fuzz_limits_t *l, const cam_params_t *p, double hz)
     const double v_nm = l->speed_nm[u];
     const double a_nm = l->acceleration_nm[u];
     const double jerk_nm = 2.0 * a_nm / n;
-    l->told_step_nm = v_nm + k1 * a_nm + k2 * jerk_nm;
-    l->told_change_nm = a_nm + k1 * jerk_nm + 2.0 * k2 * jerk_nm;
+    l->commanded_step_nm = v_nm + k1 * a_nm + k2 * jerk_nm;
+    l->commanded_change_nm = a_nm + k1 * jerk_nm + 2.0 * k2 * jerk_nm;
     l->gain_rounding_nm = (2.0 * k1 + 4.0 * k2) / 1024.0;
 }
 
@@ -112,8 +112,8 @@ void fuzz_limits_widen(fuzz_limits_t *l, const fuzz_limits_t *now)
     }
     l->x_low_nm = fuzz_less(l->x_low_nm, now->x_low_nm);
     l->x_high_nm = fuzz_more(l->x_high_nm, now->x_high_nm);
-    l->told_step_nm = fuzz_more(l->told_step_nm, now->told_step_nm);
-    l->told_change_nm = fuzz_more(l->told_change_nm, now->told_change_nm);
+    l->commanded_step_nm = fuzz_more(l->commanded_step_nm, now->commanded_step_nm);
+    l->commanded_change_nm = fuzz_more(l->commanded_change_nm, now->commanded_change_nm);
     l->gain_rounding_nm = fuzz_more(l->gain_rounding_nm, now->gain_rounding_nm);
     l->stroke_nm = most(l->stroke_nm, now->stroke_nm);
     l->clearance_nm = most(l->clearance_nm, now->clearance_nm);
@@ -138,7 +138,7 @@ double fuzz_limits_patience(const fuzz_limits_t *l, int32_t rise_nm)
                                         (double)(l->clearance_nm + rise_nm), 0.0};
     double ticks = 0;
     for (uint32_t i = 0; i < hal_n_axes; i++) {
-        const double fastest_nm = i == (uint32_t)hal_axis_u ? l->told_step_nm : l->speed_nm[i];
+        const double fastest_nm = i == (uint32_t)hal_axis_u ? l->commanded_step_nm : l->speed_nm[i];
         ticks = fuzz_more(ticks, ticks_for(ways_nm[i], fastest_nm, l->leave_nm[i], l->brake_nm[i]));
     }
     return ticks;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// fuzz_limits: what a machine may be told, worked out from its parameters alone.
+/// fuzz_limits: the commands that a machine may get, computed from its parameters alone.
 ///
 /// By arithmetic of its own, because the judge must not be the accused: no function of the firmware
 /// that derives a limit is asked.
@@ -21,11 +21,11 @@ typedef struct {
     double longest[hal_n_axes];  ///< [ticks, plans] window, the longest that held meanwhile
     double way_nm[hal_n_axes];   ///< [nm] of X and Z with a turn of the spindle
     double x_low_nm, x_high_nm;  ///< [nm] ends of X's travel
-    double told_step_nm;     ///< [nm per tick] the command of U, which its feed-forward moves on
-    double told_change_nm;   ///< [nm per tick^2] ...
-    double gain_rounding_nm; ///< [nm] that the feed-forward makes of rounding; 0: there is none
-    int64_t stroke_nm;       ///< [nm] of U to either side
-    int64_t clearance_nm;    ///< [nm] of X in a fault
+    double commanded_step_nm;   ///< [nm per tick] the command of U, which its feed-forward moves on
+    double commanded_change_nm; ///< [nm per tick^2] ...
+    double gain_rounding_nm;    ///< [nm] that the feed-forward makes of rounding; 0: there is none
+    int64_t stroke_nm;          ///< [nm] of U to either side
+    int64_t clearance_nm;       ///< [nm] of X in a fault
     int64_t spindle_mrpm;
     int64_t swing_q32; ///< [turn / 2^32] to either side
 } fuzz_limits_t;

@@ -48,7 +48,7 @@ void fuzz_rig_encoder(int32_t counts_per_turn);
 /// Bring the rig to a start, from a copy when it was there before.
 void fuzz_rig_start(fuzz_start_t start);
 
-/// @return whether everything is told, to understand what was found: CAM_FUZZ_TRACE=1
+/// @return whether draws and ticks are printed, to understand a finding: CAM_FUZZ_TRACE=1
 bool fuzz_rig_is_traced(void);
 
 /// One tick, the judge's verdict on it, and the ranges of the proof (tests/proof), within which its

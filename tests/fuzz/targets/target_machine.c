@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any machine that a builder could set up: its rate, limits, gains and jerks are drawn, and what is
-// refused stays at its default. Its drives are the ones that it was told of, and nothing goes wrong
-// but stops and drives without power. So it may have no fault of its own, whatever the operator
-// does.
+// Any machine that a builder could set up: its rate, limits, gains and jerks are drawn, and a value
+// that is refused stays at its default. Its drives are those that it is configured for, and nothing
+// fails but stops and drives without power. So it may have no fault of its own, whatever the
+// operator does.
 #include "cam_machine_jog.h" // cam_machine_jog
 #include "fuzz_bytes.h"
 #include "fuzz_draw.h"
@@ -125,8 +125,8 @@ static void jog_on(hal_axis_t axis, int32_t um_per_s, uint32_t n)
 static void jog_to_end(uint8_t which, uint16_t code)
 {
     const hal_axis_t axis = (hal_axis_t)(which % hal_n_axes);
-    const cam_verdict_t told = cam_machine_jog(&fuzz_rig.machine, axis, INT32_MAX);
-    const int64_t wanted = (int64_t)told.value * (code >> 8) / 255;
+    const cam_verdict_t verdict = cam_machine_jog(&fuzz_rig.machine, axis, INT32_MAX);
+    const int64_t wanted = (int64_t)verdict.value * (code >> 8) / 255;
     jog_on(axis, (int32_t)((which & 0x80u) != 0u ? -wanted : wanted), code % 32u + 1u);
 }
 

@@ -15,8 +15,8 @@ enum { head_bytes = 4, most_ticks = 4000 };
 
 #define PARAMETER(name) cam_param_##name,
 
-/// Parameters that an operator changes. Gains of the feed-forward and what is learned are not
-/// among them: only where they are 0 is what U is told the set-point that is judged.
+/// Parameters that an operator changes. Gains of the feed-forward and learned values are not among
+/// them: U is commanded the set-point, which is judged, only where they are 0.
 // clang-format off
 #define OPERATORS(X) \
     X(x_trim_nm) X(feed_override_ppm) X(spindle_override_ppm) X(phase_udeg) X(amplitude_ppm) \
@@ -36,8 +36,8 @@ enum { head_bytes = 4, most_ticks = 4000 };
 static const cam_param_id_t ids[] = {OPERATORS(PARAMETER)};
 enum { n_ids = sizeof ids / sizeof ids[0] };
 
-/// Parameters by which an axis is told more than its set-point, or reads far ahead: they are set in
-/// some sessions, in which only what the controller supervises is judged.
+/// Parameters that add to the set-point in the command of an axis, or that read far ahead: they are
+/// set in some sessions, in which only the quantities that the controller supervises are judged.
 // clang-format off
 #define WILD(X) \
     X(k1_ns) X(k2_us2) X(xz_lag_ns) X(u_jerk_m_per_s3) X(x_jerk_m_per_s3) X(z_jerk_m_per_s3) \

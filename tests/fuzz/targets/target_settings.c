@@ -17,7 +17,7 @@ enum { most_text = 4096, most_words = 24 };
 static common_error_t error;
 
 /// A refusal says something, in one line of printable characters.
-static void expect_told(bool is_good)
+static void expect_reported(bool is_good)
 {
     if (is_good) {
         return;
@@ -36,7 +36,7 @@ static void read_machine(const uint8_t *data, size_t size)
     static sim_config_t config;
     config = sim_config_defaults();
     const bool is_good = sim_config_read(&config, (const char *)data, size, "m.toml", &error);
-    expect_told(is_good);
+    expect_reported(is_good);
     if (is_good) {
         const double hz = (double)config.lathe.tick_hz;
         FUZZ_EXPECT(hz >= 500.0 && hz <= 100000.0, "tick_hz %g", hz);
@@ -49,7 +49,7 @@ static void read_port(const uint8_t *data, size_t size)
     static lin_config_t config;
     config = lin_config_defaults();
     const bool is_good = lin_check_load(&config, fuzz_file(data, size), &error);
-    expect_told(is_good);
+    expect_reported(is_good);
     if (is_good) {
         const lin_load_t load = lin_load_of(&config);
         const int64_t percent = lin_load_percent(&load, config.thread.tick_hz);
@@ -63,7 +63,7 @@ static void read_fault(const char *text)
 {
     sim_inject_t inject;
     const bool is_good = sim_inject_parse(&inject, text, sim_inject_in_run, &error);
-    expect_told(is_good);
+    expect_reported(is_good);
     if (is_good) {
         FUZZ_EXPECT(isfinite(inject.at_s) && isfinite(inject.value), "no number");
         FUZZ_EXPECT(sim_inject_name(inject.kind)[0] != '\0', "no name");
@@ -83,7 +83,7 @@ static void read_options(char *text)
             *at++ = '\0';
         }
     }
-    expect_told(camsim_options_read(&options, n, words, &error));
+    expect_reported(camsim_options_read(&options, n, words, &error));
 }
 
 static void read_number(const char *text)
