@@ -3,7 +3,7 @@
 
 Network management, heartbeat, PDO mapping and the bits of the status word are the library's; only
 the steps of the state machine are written here. An ideal drive: at the SYNC it stands where it was
-told. Runs inside the kernel until SIGTERM.
+commanded. Runs inside the kernel until SIGTERM.
 """
 
 import signal
@@ -98,7 +98,7 @@ class Drive:
         self.node.nmt.start_heartbeat(HEARTBEAT_MS)
 
     def on_sync(self, _id: int, _data: bytearray, _stamp: float) -> None:
-        """Take what the RPDOs brought, go there, tell it."""
+        """Move to the target of the RPDO and send the status and the actual position."""
         if self.node.nmt.state != "OPERATIONAL":
             return
         self.state = next_state(self.state, self.node.rpdo[1][CONTROL].raw)
@@ -111,7 +111,7 @@ class Drive:
 
 
 def main() -> int:
-    """Be a drive until told to end."""
+    """Be a drive until a signal ends it."""
     drive = Drive()
     signal.sigwait({signal.SIGTERM, signal.SIGINT})
     drive.network.disconnect()

@@ -167,8 +167,8 @@ class Session:
         while answer is not None and answer[1][0] == HEARTBEAT:
             answer = self.operator.receive(1.0)
         assert answer is not None, f"no answer to command {what}"
-        told = struct.unpack_from("<hi", answer[1], 2)
-        return int(told[0]), int(told[1])
+        result, returned = struct.unpack_from("<hi", answer[1], 2)
+        return int(result), int(returned)
 
     def begin_download(self, image: bytes, n_blocks: int) -> None:
         """Begin a download and send some blocks, by the kernel's own ISO-TP."""
@@ -191,7 +191,7 @@ class Session:
         except BlockingIOError:
             pass
         frame = self.listener.receive(1.0)
-        assert frame is not None, "the controller tells no state"
+        assert frame is not None, "the controller sends no state"
         return STATES[frame[1][0]], int(struct.unpack_from("<I", frame[1], 4)[0])
 
     def wait_state(self, wanted: str, limit_s: float = 20.0) -> None:

@@ -61,7 +61,7 @@ def receive(can: socket.socket) -> Frame | None:
 
 @dataclass
 class Drive:
-    """One CiA 402 drive: its state by control words, its position where it is told to be."""
+    """One CiA 402 drive: control words set its state, and it stands where it is commanded."""
 
     status: int = DISABLED
     actual: int = 0
@@ -113,7 +113,7 @@ class Nodes(threading.Thread):
         self.n_steps = 0
 
     def run(self) -> None:
-        """Step at absolute times until told to stop."""
+        """Step at absolute times until `is_over` is set."""
         due_s = (time.monotonic() // TICK_S + 1.5) * TICK_S
         while not self.is_over.is_set():
             time.sleep(max(0.0, due_s - time.monotonic()))
@@ -216,7 +216,7 @@ class Controller:
         """Return whether it has said that."""
         return words in self.log.read_text()
 
-    def tells(self, words: str) -> bool:
+    def reports(self, words: str) -> bool:
         """Return whether it says that within a tenth of a second: a line comes after the fact."""
         return wait_until(lambda: self.says(words), 0.1) is not None
 

@@ -171,7 +171,7 @@ def test_killed_controller_is_outlived_by_the_guard_of_the_drives(
 @pytest.mark.long
 def test_drive_of_another_make_cuts_the_same_part(play: Play) -> None:
     """The U drive is made with the library canopen, which knows nothing of our code."""
-    # Its dead time of a tick is not told, so that U off the work, at 100 mm/s, is 0.1 mm behind.
+    # Its dead time of a tick is not configured: U off the work, at 100 mm/s, lags by 0.1 mm.
     ideal = {"k1_ns": 0, "k2_us2": 0, "lead_ns": 0, "following_limit_nm": 300_000}
     result = play("canopen_drive", feed_mm=10, parameters=ideal)
     assert result.summary["end"] == "done" and result.summary["faults"] == []

@@ -85,7 +85,7 @@ def test_emergency_stop_retracts_then_lets_go(nodes: Nodes, start: Start) -> Non
         assert low_s <= 0.06
         assert wait_until(lambda: nodes.drives[U].status != ENABLED, 0.01) is not None
         assert 0x02 in nodes.drives[U].controls
-        assert controller.tells("fault estop")
+        assert controller.reports("fault estop")
         pull(ESTOP_LINE, True)
         assert controller.command(RESET) == OK
         assert wait_until(lambda: not level(FAULT_LINE), 0.1) is not None
@@ -105,7 +105,7 @@ def test_silent_drive_drops_enable_at_once(nodes: Nodes, start: Start, node: int
     assert seconds is not None and seconds <= 0.1 + 0.003
     assert level(FAULT_LINE)
     for words in (f"bus: node {node} ", "no heartbeat", "fault bus", "fault drive"):
-        assert controller.tells(words)
+        assert controller.reports(words)
     nodes.silent.clear()
     time.sleep(0.2)
     assert level(FAULT_LINE), "it came back: the latch holds"
@@ -120,8 +120,8 @@ def test_encoder_without_frames_retracts(nodes: Nodes, start: Start) -> None:
     nodes.mute.add(ENCODER)
     seconds = wait_until(lambda: level(FAULT_LINE), 0.1)
     assert seconds is not None and 0.001 <= seconds <= 0.006
-    assert controller.tells("bus: node 1 (encoder): no measured values")
-    assert controller.tells("fault bus") and not controller.says("fault drive")
+    assert controller.reports("bus: node 1 (encoder): no measured values")
+    assert controller.reports("fault bus") and not controller.says("fault drive")
     assert wait_until(lambda: not level(ENABLE_LINE), 1.0)
 
 
@@ -183,7 +183,7 @@ def test_interface_down_and_up_again(nodes: Nodes, start: Start) -> None:
     assert fault_s is not None and fault_s <= 2 * TICK_S
     seconds = wait_until(lambda: not level(ENABLE_LINE), 0.1)
     assert seconds is not None and seconds + fault_s <= 0.005
-    assert controller.tells("bus: the interface is down")
+    assert controller.reports("bus: the interface is down")
     subprocess.run(["ip", "link", "set", CAN, "up"], check=True)
     time.sleep(0.3)
     assert level(FAULT_LINE) and controller.command(ENABLE) != OK
@@ -198,7 +198,7 @@ def test_another_controller_on_the_bus_is_noticed(nodes: Nodes, start: Start) ->
     other = raw_socket()
     other.send(pack((0x080, b"")))
     assert wait_until(lambda: level(FAULT_LINE), 0.01)
-    assert controller.tells("another controller sends on this bus")
+    assert controller.reports("another controller sends on this bus")
     end_s = time.monotonic() + 0.4
     while time.monotonic() < end_s:
         other.send(pack((0x080, b"")))

@@ -48,7 +48,7 @@ pytest_plugins = ["tests.linux.port_fixtures"]
 pytestmark = needs_kernel
 
 
-def test_systemd_is_told_ready_and_alive(
+def test_systemd_is_notified_ready_and_alive(
     nodes: Nodes, start: Start, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Ready once, alive four times per watchdog interval, silent while the tick stands still."""
@@ -100,7 +100,7 @@ def test_frames_that_the_kernel_drops_are_noticed(nodes: Nodes, start: Start) ->
         flood.send(pack((0x700 + Z, b"\x05")))
     controller.process.send_signal(signal.SIGCONT)
     flood.close()
-    assert controller.tells("bus: received frames were lost")
+    assert controller.reports("bus: received frames were lost")
     assert level(FAULT_LINE)
 
 
@@ -114,7 +114,7 @@ def refused(program: Path, config: Path) -> str:
     return done.stderr
 
 
-def test_lines_that_cannot_be_had_are_told(program: Path, tmp_path: Path, nodes: Nodes) -> None:
+def test_unavailable_lines_are_reported(program: Path, tmp_path: Path, nodes: Nodes) -> None:
     """No such chip, no such line, no such offset, line in use by somebody: one line, status 2."""
     config = tmp_path / "machine.toml"
 
@@ -134,9 +134,7 @@ def test_lines_that_cannot_be_had_are_told(program: Path, tmp_path: Path, nodes:
     assert f"gpio.enable: line {ENABLE_LINE} of /dev/{CHIP} is in use by gpioset" in words
 
 
-def test_interfaces_that_cannot_be_had_are_told(
-    program: Path, tmp_path: Path, nodes: Nodes
-) -> None:
+def test_unavailable_interfaces_are_reported(program: Path, tmp_path: Path, nodes: Nodes) -> None:
     """No such interface, one that is no CAN, one that is down."""
     config = tmp_path / "machine.toml"
     text = config_text(tmp_path / "none", {}, Setup()).replace("tick_hz = 1000", "tick_hz = 500")
@@ -164,7 +162,7 @@ def test_index_line_gives_the_angle(nodes: Nodes, start: Start) -> None:
     nodes.has_index_line = False
     seconds = wait_until(lambda: level(FAULT_LINE), 0.5)
     assert seconds is not None and seconds <= 0.2 * 1.125 + 0.003
-    assert controller.tells("fault index_missing")
+    assert controller.reports("fault index_missing")
 
 
 def test_interface_that_was_removed_is_used_again(start: Start) -> None:
@@ -179,7 +177,7 @@ def test_interface_that_was_removed_is_used_again(start: Start) -> None:
     enable(controller, nodes)
     subprocess.run(["ip", "link", "del", "vcan7"], check=True)
     assert wait_until(lambda: level(FAULT_LINE), 0.01)
-    assert controller.tells("bus: the interface is down")
+    assert controller.reports("bus: the interface is down")
     nodes.stop()
     subprocess.run(make, shell=True, check=True)
     nodes = Nodes("vcan7")
@@ -226,15 +224,15 @@ def test_chip_that_vanishes_is_an_emergency_stop(nodes: Nodes, start: Start) -> 
     enable(controller, nodes)
     (chip / "live").write_text("0")
     assert wait_until(lambda: nodes.drives[U].status != ENABLED, 0.1)
-    assert controller.tells("line lost")
+    assert controller.reports("line lost")
     assert level(FAULT_LINE)
-    assert controller.tells("fault estop")
+    assert controller.reports("fault estop")
     assert controller.end() == 0
     (chip / "bank0").rmdir()
     chip.rmdir()
 
 
-def test_short_queue_of_the_interface_is_told(nodes: Nodes, start: Start) -> None:
+def test_short_queue_of_the_interface_is_reported(nodes: Nodes, start: Start) -> None:
     """Ten frames, the default of a CAN interface, are less than a tick's."""
     subprocess.run(["ip", "link", "set", CAN, "txqueuelen", "10"], check=True)
     try:

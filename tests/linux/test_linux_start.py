@@ -49,7 +49,7 @@ def test_example_files_are_right(name: str) -> None:
         assert is_warned == (name == "desk.toml")
 
 
-def test_help_tells_options_and_exit_status() -> None:
+def test_help_lists_options_and_exit_status() -> None:
     """The help needs no configuration."""
     done = run("--help")
     assert done.returncode == 0

@@ -79,7 +79,7 @@ def panics(log: str = PANIC) -> str:
 def test_kernel_that_panics_has_the_last_word(
     fake_kernel: FakeKernel, log: str, last_words: str
 ) -> None:
-    """All that it said is shown, and the last line tells the panic and its cause."""
+    """All its output is shown, and the last line names the panic and its cause."""
     fake_kernel(script(panics(log)))
     done = uml("run", "true")
     assert done.returncode == BROKEN

@@ -49,8 +49,8 @@ def cut(table: Path, folder: Path, *words: str | Path) -> Cut:
     wanted = [name for name in rows[0] if name.startswith(("in_", "out_"))]
     columns = {name: np.array([int(row[name]) for row in rows], dtype=np.int64) for name in wanted}
     asked = [word for word in words if word in ("--machine", "--rpm", "--set")]
-    told = camsim("params", table, "--no-learning", *_pairs(words, asked)).stdout.splitlines()[1:]
-    pairs = [line.split(",") for line in told if not line.startswith("planned_")]
+    output = camsim("params", table, "--no-learning", *_pairs(words, asked)).stdout
+    pairs = [line.split(",") for line in output.splitlines()[1:] if not line.startswith("planned_")]
     params = {pair[0]: int(pair[1]) for pair in pairs}
     return Cut(table, params, columns, [row["state"] for row in rows])
 

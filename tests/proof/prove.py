@@ -122,9 +122,9 @@ def alarm_of(block: str) -> str | None:
     found = re.match(r"\[eva:alarm\] (\S+?):\d+: Warning: (.*)", block, re.DOTALL)
     if found is None:
         return None
-    told = " ".join(found[2].split())
-    told = re.sub(r"(function \w+?)_\d+:", r"\1:", told)
-    return f"{Path(found[1]).name}: {told}"
+    message = " ".join(found[2].split())
+    message = re.sub(r"(function \w+?)_\d+:", r"\1:", message)
+    return f"{Path(found[1]).name}: {message}"
 
 
 def is_open(alarm: str, shown: tuple[str, ...]) -> bool:

@@ -171,7 +171,7 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(change_off_nm, 0, INT32_MAX / 2)                                                             \
     X(u_retract_q10, -(INT64_C(1) << 35), INT64_C(1) << 35)
 
-#define TELL_CONFIG(X)                                                                             \
+#define COMMAND_CONFIG(X)                                                                          \
     X(configured.k1_q16, 0, Q30)                                                                   \
     X(configured.k2_q16, -INT32_MAX, INT32_MAX)                                                    \
     X(configured.friction_q14, 0, 16384 * 100000)                                                  \
@@ -181,7 +181,7 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(in_cut.chip_q32, -(1 << 29), 1 << 29)                                                        \
     X(in_cut.chip_q6, -64 * 30000, 64 * 30000)
 
-#define TELL_AXIS_CONFIG(X)                                                                        \
+#define COMMAND_AXIS_CONFIG(X)                                                                     \
     X(vel_q10[i], 0, INT32_MAX)                                                                    \
     X(change_q10[i], 0, INT32_MAX)                                                                 \
     X(jump_q10[i], 0, INT32_MAX)

@@ -72,12 +72,12 @@ static inline void walk_guard_config(cam_guard_config_t *guard)
     walk_limits(&guard->u);
 }
 
-static inline void walk_tell_config(cam_axis_command_config_t *tell)
+static inline void walk_command_config(cam_axis_command_config_t *command)
 {
-#define P (*tell)
-    TELL_CONFIG(EACH)
+#define P (*command)
+    COMMAND_CONFIG(EACH)
     for (int i = 0; i < hal_n_axes; i++) {
-        TELL_AXIS_CONFIG(EACH)
+        COMMAND_AXIS_CONFIG(EACH)
     }
 #undef P
 }
@@ -89,7 +89,7 @@ static inline void walk_config(cam_config_t *cfg)
 #undef P
     walk_play_config(&cfg->play);
     walk_guard_config(&cfg->guard);
-    walk_tell_config(&cfg->command);
+    walk_command_config(&cfg->command);
 #define P cfg->force
     FORCE_CONFIG(EACH)
 #undef P

@@ -120,7 +120,7 @@ def test_scenario(
     words: list[str],
     expect: Expect,
 ) -> None:
-    """The scenario happens as its prose tells."""
+    """The scenario happens as its prose describes."""
     table = table_of(scenario.get("part", "perkins240"))
     if "flip_table_byte" in scenario:
         table = damaged(table, scenario["flip_table_byte"], tmp_path)

@@ -139,7 +139,7 @@ class Remote:
         assert result == 0, f"command {command} ({index}, {value}): {result}"
 
     def wait_until_retracted(self, seconds: float) -> None:
-        """Wait until the controller tells that its axes have left the work."""
+        """Wait until the controller reports that its axes have left the work."""
 
         def is_retracted() -> bool:
             newest = [f.data for f in self.frames(DETAIL) if f.data[0] == 1][-1:]
@@ -213,7 +213,7 @@ class Remote:
         self.do(SET, PARAMS.index(name), value)
 
     def wait_for(self, state: str, seconds: float) -> None:
-        """Let time pass until the status tells a state."""
+        """Let time pass until the status reports a state."""
         n_seen = len(self.frames(STATE))
 
         def is_there() -> bool:

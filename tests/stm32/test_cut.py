@@ -86,7 +86,7 @@ def test_steps_are_the_set_points(cut: Session) -> None:
         assert off[-1] == 0
 
 
-def test_start_tells_what_the_scales_resolve(cut: Session) -> None:
+def test_start_reports_the_resolution_of_the_scales(cut: Session) -> None:
     """The lines have the numbers of board_config.h; half a step of U and of X is 0.040 um."""
     lines = cut.remote.lines()
     x = f"X 50.0 nm up to {MOST_UM_PER_S['X']} um/s"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A port whose sensors tell any numbers.
+// A port whose sensors report any numbers.
 #include "hal/hal.h"
 #include "world.h"
 

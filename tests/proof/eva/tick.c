@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// One whole tick of any controller, with anything that the sensors can tell. What lies behind it
-// must be a controller within the same ranges. Tables with and without a way, and with and without
-// angles, are analysed one by one, because each of them comes with parts of the plan.
+// One whole tick of any controller, with any values that the sensors can report. After it the
+// controller must be within the same ranges. Tables with and without a feed profile, and with and
+// without angles, are analysed separately, because each of them comes with parts of the plan.
 #include "world.h"
 
-/// Tell what may lie outside of its range: prove.py takes each for an alarm.
+/// Report a member that may be outside of its range: prove.py counts each report as an alarm.
 #define VISIT(name, member, low, high)                                                             \
     if ((long long)(member) < (low) || (long long)(member) > (high)) {                             \
         Frama_C_show_each_leaves(name, member);                                                    \

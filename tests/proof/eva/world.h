@@ -11,8 +11,8 @@
 long long Frama_C_long_long_interval(long long low, long long high);
 void Frama_C_make_unknown(char *bytes, size_t n);
 
-/// Tell that a member may leave its range, and that the end of a driver is reached: read by
-/// prove.py.
+/// Report that a member may leave its range, and that the end of a driver is reached: prove.py
+/// reads both.
 void Frama_C_show_each_leaves(const char *name, long long value);
 void Frama_C_show_each_end(void);
 
