@@ -287,8 +287,6 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
 {
     const cam_motion_limits_t *u = &c->u;
     c->overspeed_q32 = cam_build_speed_q32(speed_limit_mrpm, tick_hz);
-    c->stopped_q32 = cam_build_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
-    c->plan_ticks = (uint32_t)cam_plan_ticks(tick_hz);
     c->stopped_ticks = (uint32_t)cam_units_scale(p->stopped_ms, tick_hz, 1000);
     c->homing_ticks = c->stopped_ticks * homing_patience;
     c->u_vel_q6 = (u->speed_q10 + u->speed_q10 / 16 + CAM_BUILD_MARGIN_Q10) / 16;

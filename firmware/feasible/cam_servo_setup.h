@@ -19,9 +19,8 @@
 CAM_MUST_USE cam_refusal_t cam_servo_setup(const cam_params_t *params, uint32_t tick_hz,
                                            cam_servo_config_t *cfg);
 
-/// @return [mN] force that U needs at the limits of its acceleration, speed and stroke together,
-/// for
-///         mass, drag, friction and stiffness; rounded up
+/// @return [mN] force that U needs for mass, drag, friction and stiffness at the limits of its
+///         acceleration, speed and stroke together; rounded up
 int64_t cam_servo_needed_mn(const cam_params_t *params);
 
 #endif

@@ -55,7 +55,7 @@ static bool set_value(cam_ilc_t *t, uint32_t index, int32_t value)
     switch (index) {
     case cam_ilc_value_speed:
         t->speed_q32 = value;
-        return cam_is_within(value, 1 << 28) && value >= 0; // 16 ticks per turn;
+        return cam_is_within(value, 1 << 29) && value >= 0; // at least 8 ticks per turn
     case cam_ilc_value_k1:
         t->k1_q16 = value;
         return cam_is_within(value, most_q16);

@@ -176,7 +176,7 @@ typedef struct {
     int32_t z_origin_nm;    ///< [nm] Z at height 0 of the part, in port coordinates
     int32_t z_low_nm, z_high_nm; ///< [nm] accepted range of a measured Z, in port coordinates
     int32_t z_margin_nm;         ///< [nm] limit of the following error of a geared Z
-    int32_t turning_q32;         ///< [turn / 2^32 per tick] slower does not count as turning
+    int32_t turning_q32;         ///< [turn / 2^32 per tick] a slower spindle stands
     uint32_t agreeing_q16;       ///< [1] share by which the speeds of steady turns may differ
     uint32_t steady_turns; ///< turns before a cut that agree each with the one before; 0: no wait
     bool is_z_measured;
@@ -205,8 +205,6 @@ typedef struct {
 /// Configuration of cam_guard.h.
 typedef struct {
     int32_t overspeed_q32;      ///< [turn / 2^32 per tick]
-    int32_t stopped_q32;        ///< [turn / 2^32 per tick]
-    uint32_t plan_ticks;        ///< [ticks] from plan to plan
     uint32_t stopped_ticks;     ///< [ticks] in the cut
     uint32_t homing_ticks;      ///< [ticks] for the spindle to turn while homing
     uint32_t due_ticks;         ///< [ticks] whole ones of lead and latency of U's scale

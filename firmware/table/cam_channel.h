@@ -140,7 +140,6 @@ typedef struct {
     uint32_t x_bend_ppm_per_m;           ///< [1e-6 / m] largest |d2X/dZ2|, measured too
     uint32_t way_slope_ppm;              ///< [1e-6] largest feed over its mean; helix: 10^6
     uint32_t way_bend_ppm_per_m;         ///< [1e-6 / m] largest change of that with the height
-    uint32_t error_pm;                   ///< [pm] total error that the generator measured
     uint32_t crc32;                      ///< of the image's bytes from 24 on
     const void *image;                   ///< start of the image
     uint32_t image_size;                 ///< [bytes] of the whole image

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_lobes.h"
-#include "cam_fix.h" // cam_is_between
 #include <stdbool.h> // bool
 
 _Static_assert(sizeof(cam_lobe_t) == 20, "five words of the image");

@@ -9,7 +9,7 @@
 #ifndef CAM_LOBES_H
 #define CAM_LOBES_H
 
-#include "cam_channel.h" // cam_table_t, cam_lobe_t
+#include "cam_channel.h" // cam_table_t
 #include "cam_entry.h"   // cam_entry_t
 #include "cam_eval.h"    // cam_height_t
 #include <stdint.h>      // int32_t, uint32_t

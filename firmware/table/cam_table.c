@@ -140,7 +140,6 @@ static cam_err_t check_header(const uint8_t *image, cam_table_t *t)
         .u_max_nm = (int32_t)word_at(image, 108),
         .u1_peak_nm_per_rad = word_at(image, 112),
         .u2_peak_nm_per_rad2 = word_at(image, 116),
-        .error_pm = word_at(image, 120),
         .spindle_peak_ppm_per_rad = word_at(image, 124),
     };
     (void)memcpy(t->name, image + at_name, sizeof t->name);

@@ -44,17 +44,18 @@ uint32_t cam_guard_armed(cam_state_t state)
 }
 
 uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
-                            const cam_tick_record_t *r)
+                            const cam_play_config_t *play, const cam_tick_record_t *r)
 {
     const int32_t speed_q32 = r->angle.speed_q32;
+    const int32_t turning_q32 = play->turning_q32;
     const bool is_homing =
         r->want.state == cam_state_homing; // then reverse rotation counts as standstill
     const uint32_t most_ticks = is_homing ? cfg->homing_ticks : cfg->stopped_ticks;
     const bool is_watched = (cam_guard_armed(r->want.state) & CAM_FAULT_BIT(spindle_stopped)) != 0u;
     const bool is_standing =
-        is_watched && speed_q32 < cfg->stopped_q32 && (is_homing || speed_q32 > -cfg->stopped_q32);
-    g->n_stopped = is_standing ? g->n_stopped + cfg->plan_ticks : 0u;
-    return (speed_q32 < -cfg->stopped_q32 ? CAM_FAULT_BIT(reverse) : 0u) |
+        is_watched && speed_q32 < turning_q32 && (is_homing || speed_q32 > -turning_q32);
+    g->n_stopped = is_standing ? g->n_stopped + (uint32_t)play->plan_ticks : 0u;
+    return (speed_q32 < -turning_q32 ? CAM_FAULT_BIT(reverse) : 0u) |
            (g->n_stopped > most_ticks ? CAM_FAULT_BIT(spindle_stopped) : 0u) |
            (speed_q32 > cfg->overspeed_q32 ? CAM_FAULT_BIT(overspeed) : 0u);
 }

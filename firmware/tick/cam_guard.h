@@ -53,7 +53,7 @@ bool cam_guard_holds_isr(const cam_guard_t *g, const cam_motion_t *m);
 /// The part that runs once per plan: checks the speed of the spindle.
 /// @return faults for the next tick: reverse, spindle_stopped, overspeed
 uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
-                            const cam_tick_record_t *r);
+                            const cam_play_config_t *play, const cam_tick_record_t *r);
 
 /// @return mask of the faults armed in a state. Context: both sides.
 uint32_t cam_guard_armed(cam_state_t state);

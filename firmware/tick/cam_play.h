@@ -21,7 +21,7 @@
 
 #include "cam_config.h" // cam_play_config_t
 #include "cam_excite.h" // cam_excite_t
-#include "cam_record.h" // cam_sense_t, cam_motion_t
+#include "cam_record.h" // cam_tick_record_t, cam_motion_t
 #include <stdint.h>     // uint32_t
 
 /// State; zero-initialised: no request carried out.

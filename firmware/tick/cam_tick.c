@@ -110,7 +110,7 @@ static __attribute__((noinline)) void plan_isr(cam_t *c, const cam_config_t *cfg
     plan_by_state(c, cfg, r);
     m->was_off = false;
     faults |= cam_axis_command_plan_isr(&cfg->command, m, before);
-    faults |= cam_guard_plan_isr(&c->guard, &cfg->guard, r);
+    faults |= cam_guard_plan_isr(&c->guard, &cfg->guard, &cfg->play, r);
     cam_turn_bins_plan_isr(&c->bins, r, m);
     cam_acknowledge_isr(&c->acknowledge, &cfg->play.acknowledge, r, m);
     m->faults |= faults;

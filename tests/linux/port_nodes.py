@@ -213,7 +213,7 @@ class Controller:
         can.close()
 
     def says(self, words: str) -> bool:
-        """Return whether it has said that."""
+        """Return whether the log contains the words."""
         return words in self.log.read_text()
 
     def reports(self, words: str) -> bool:

@@ -155,7 +155,7 @@ def locked(path: Path) -> Iterator[None]:
         path.chmod(0o644)  # whatever the umask
     with path.open() as lock:
         while not _is_taken(lock):
-            print("another test has LinuxCNC", flush=True)  # no hang: that one is watched, too
+            print("another test has LinuxCNC", flush=True)  # output is progress to hang.py
             time.sleep(1.0)
         yield
 

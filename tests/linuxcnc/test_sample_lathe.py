@@ -30,7 +30,7 @@ SLOW = "K0.01"  # the program can be ended in the cut, which takes a minute
 README = ROOT / "hal" / "linuxcnc" / "README.md"
 # In place of the dwell of the printed program, which is by the clock: waits for camturn.ready.
 READY = "M66 P1 L3 Q600"
-# From F2 to M3 a loaded computer takes longer than an operator: camturn waits 300 s.
+# A loaded computer starts the spindle late after F2: 100 times stopped-ms are 300 s.
 PATIENT_HAL = "setp camturn.stopped-ms 3000\n"
 READY_HAL = "net panel-ready camturn.ready => motion.digital-in-01\n"
 BLOCKS = (

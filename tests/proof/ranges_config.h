@@ -154,8 +154,6 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
 
 #define GUARD_CONFIG(X)                                                                            \
     X(overspeed_q32, 0, INT32_MAX)                                                                 \
-    X(stopped_q32, 0, INT32_MAX)                                                                   \
-    X(plan_ticks, 1, 40)                                                                           \
     X(stopped_ticks, 0, 1000000)                                                                   \
     X(homing_ticks, 0, 100000000)                                                                  \
     X(following_nm, 0, INT32_MAX)                                                                  \

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Iterative learning of whatever the interrupt may measure: what is learned stays within its
-// limits, and a step of what is blended in is as small as cam_ilc.h promises.
+// limits, and no step of what is blended in is larger than cam_ilc.h allows.
 #include "cam_ilc.h"
 #include "fuzz_bytes.h"
 #include "fuzz_expect.h"
@@ -65,15 +65,16 @@ static void play(fuzz_bytes_t *b, uint32_t number, cam_state_t state)
                          (int32_t)((random >> 16) * noise >> 16);
         bin->angle_q24 += (int32_t)((random >> 8 & 0xFFu) * (flags >> 4));
     }
-    bins.closed[bank] = (cam_turn_t){.turn = number,
-                                     .state = state,
-                                     .is_steady = (flags & 3u) != 3u,
-                                     .is_level = (flags & 12u) != 12u,
-                                     .speed_q32 = (int32_t)(UINT32_MAX / n_ticks),
-                                     .scale_q30 = 1 << (30u - (flags & 1u)),
-                                     .phase_q32 = fuzz_i32(b) >> (flags & 31u),
-                                     .z_begin_nm = (int32_t)number * 100000,
-                                     .z_end_nm = (int32_t)number * 100000 + fuzz_u16(b)};
+    bins.closed[bank] = (cam_turn_t){
+        .turn = number,
+        .state = state,
+        .is_steady = (flags & 3u) != 3u,
+        .is_level = (flags & 12u) != 12u,
+        .speed_q32 = (int32_t)(UINT32_MAX / n_ticks / 1024u * (1020u + (flags >> 2 & 7u))),
+        .scale_q30 = 1 << (30u - (flags & 1u)),
+        .phase_q32 = fuzz_i32(b) >> (flags & 31u),
+        .z_begin_nm = (int32_t)number * 100000,
+        .z_end_nm = (int32_t)number * 100000 + fuzz_u16(b)};
     bins.closed_turn[bank] = number | 1u << 24;
     bins.at_q8 = (number + 1u) << 8 | 10u;
 }
@@ -84,11 +85,12 @@ static void expect_step(const char *name, uint32_t i, int32_t from, int32_t to, 
     FUZZ_EXPECT(step <= most, "%s %u goes from %d to %d", name, (unsigned)i, (int)from, (int)to);
 }
 
-/// In work each point moves by 1000 nm, in the cut by 50 nm at most.
+/// At most 1000 nm and 131 units of an angle in a rehearsal, 50 nm and 13 in any other work.
 static void blend(cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
     const cam_state_t state = (cam_state_t)t->state;
-    const int32_t most_nm = state == cam_state_rehearsing ? 1000 : 50;
+    const bool is_rehearsal = state == cam_state_rehearsing;
+    const bool is_free = state == cam_state_engaging && !s->is_u_moving; // the angles move nothing
     for (uint32_t i = 0; i < 30u; i++) {
         const uint32_t at_q8 = bins.at_q8 + 8u * i;
         const cam_learned_t before = in_force;
@@ -97,7 +99,10 @@ static void blend(cam_ilc_t *t, const cam_ilc_setup_t *s)
         }
         cam_ilc_blend(t, s, at_q8, &in_force);
         for (uint32_t j = 0; cam_state_is_in_work(state) && j < cam_learned_points + 2u; j++) {
-            expect_step("point", j, before.c[j], in_force.c[j], most_nm);
+            expect_step("point", j, before.c[j], in_force.c[j], is_rehearsal ? 1000 : 50);
+            const int32_t most_q23 = is_free ? INT16_MAX : is_rehearsal ? 131 : 13;
+            expect_step("angle", j, before.d[j], in_force.d[j], most_q23);
+            expect_step("shown angle", j, before.dm[j], in_force.dm[j], most_q23);
         }
     }
 }

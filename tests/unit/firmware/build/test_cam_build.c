@@ -261,8 +261,7 @@ static void test_guard(void)
     build();
     const cam_guard_config_t *c = &config.guard;
     TEST_ASSERT_EQUAL_INT32(cam_build_speed_q32(3000000, hz), c->overspeed_q32);
-    TEST_ASSERT_EQUAL_INT32(cam_build_speed_q32(7000, hz), c->stopped_q32);
-    TEST_ASSERT_EQUAL_UINT32(plan, c->plan_ticks);
+    TEST_ASSERT_EQUAL_INT32(cam_build_speed_q32(7000, hz), config.play.turning_q32);
     TEST_ASSERT_EQUAL_UINT32(800, c->stopped_ticks);
     TEST_ASSERT_EQUAL_UINT32(80000, c->homing_ticks);
     const double v_q6 = 64.0 * 400e6 / hz;

@@ -120,5 +120,5 @@ static void test_the_largest_numbers_fit(void)
     }
     const cam_drive_change_t by = cam_drive_solve(&sums, 1 << 18);
     TEST_ASSERT_TRUE(by.k1_q16 != 0 || by.k2_q16 != 0);
-    (void)cam_drive_gain(16, 1 << 28, INT32_MAX, INT32_MAX);
+    (void)cam_drive_gain(16, 1 << 29, INT32_MAX, INT32_MAX);
 }

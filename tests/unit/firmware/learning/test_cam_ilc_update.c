@@ -68,7 +68,7 @@ static void test_a_turn_counts_when_the_drive_has_settled(void)
     TEST_ASSERT_TRUE(counts());
 }
 
-/// The friction is found from the third harmonic, and a step takes its share of it.
+/// Friction shows in the third harmonic; a step learns half of it.
 static void test_friction_is_learned_by_the_gain(void)
 {
     setUp();

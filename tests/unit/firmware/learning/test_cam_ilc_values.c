@@ -48,7 +48,7 @@ static void test_each_value_has_its_range(void)
         uint32_t index;
         int32_t least, most;
     } ranges[] = {
-        {cam_ilc_value_speed, 0, 1 << 28},
+        {cam_ilc_value_speed, 0, 1 << 29},
         {cam_ilc_value_k1, -(1 << 30), 1 << 30},
         {cam_ilc_value_k2, -(1 << 30), 1 << 30},
         {cam_ilc_value_correction, -64 * 30000, 64 * 30000},

@@ -193,7 +193,7 @@ static void test_bank_hands_over_one_configuration_at_a_time(void)
     TEST_ASSERT_EQUAL_PTR(&bank.half[0], cam_config_free_half(&bank));
 }
 
-/// Speed, acceleration and jerk of U, the additions of the gains, and those of the learned values.
+/// Speed, acceleration and jerk of U, what the feed-forward adds, and what learned values add.
 static void test_limits_of_the_command_of_u_follow_from_gains_and_limits(void)
 {
     const double most_learned_nm = 1900.0; // when all learned values change at once

@@ -35,7 +35,7 @@ static void test_force_and_its_rate_are_limited(void)
     }
 }
 
-/// A limited loop that starts anew is one that never ran, but for the heat.
+/// Start clears all state of a limited loop except its heat.
 static void test_start_clears_all_but_the_heat(void)
 {
     const cam_servo_config_t c = bench_config(&p);

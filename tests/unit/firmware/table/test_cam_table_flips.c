@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A table that changes in memory while it is played: bit after bit of the rows around the tool is
-// flipped. Nothing undefined happens (the presets with sanitizers run this too), the command of U
-// stays within its limits, and the guard or the background check ends the cut.
+// flipped. Nothing undefined happens (the presets with sanitizers run this too), the
+// set-point of U stays within its limits, and the guard or the background check ends the cut.
 #include "fixture_random.h" // fixture_rarer
 #include "fixture_rig.h"
 #include "hal_host.h"
@@ -18,10 +18,10 @@ static fixture_part_t part;
 static fixture_rig_whole_t kept;
 static uint32_t n_by_guard, n_by_check;
 
-/// Set-points of U of the last ticks.
+/// Set-point of U of the last tick, and its step.
 static struct {
     int32_t u_q6, step_q6;
-} commanded;
+} last_set;
 
 static void begin(uint32_t spindle_mrpm)
 {
@@ -37,8 +37,8 @@ static void begin(uint32_t spindle_mrpm)
 static void go_back(void)
 {
     fixture_rig_put(&rig, &kept);
-    commanded.u_q6 = g_cam.motion.u.set_q6;
-    commanded.step_q6 = g_cam.motion.u.set_step_q6;
+    last_set.u_q6 = g_cam.motion.u.set_q6;
+    last_set.step_q6 = g_cam.motion.u.set_step_q6;
 }
 
 /// One tick, in which U moves and accelerates within the limits that the guard has.
@@ -46,12 +46,12 @@ static void tick(const char *what)
 {
     const cam_guard_config_t *most = &g_cam.config.in_use->guard;
     fixture_rig_tick(&rig);
-    const int32_t step_q6 = rig.last.want.u_set_q6 - commanded.u_q6;
+    const int32_t step_q6 = rig.last.want.u_set_q6 - last_set.u_q6;
     TEST_ASSERT_TRUE_MESSAGE(labs(rig.last.want.u_set_q6 / 64) <= most->range_nm, what);
     TEST_ASSERT_TRUE_MESSAGE(labs(step_q6) <= most->u_vel_q6, what);
-    TEST_ASSERT_TRUE_MESSAGE(labs(step_q6 - commanded.step_q6) <= most->u_acc_q6, what);
-    commanded.u_q6 = rig.last.want.u_set_q6;
-    commanded.step_q6 = step_q6;
+    TEST_ASSERT_TRUE_MESSAGE(labs(step_q6 - last_set.step_q6) <= most->u_acc_q6, what);
+    last_set.u_q6 = rig.last.want.u_set_q6;
+    last_set.step_q6 = step_q6;
 }
 
 static bool is_fault(void)

@@ -40,7 +40,7 @@ static cam_want_t tick(void)
 {
     cam_tick_record_t r = {.tick = n_ticks++, .in = in, .angle = angle, .want = want};
     const int32_t u_nm = (cam_sat_add(want.u_set_q6, 32) >> 6) + lead_nm;
-    motion.faults = want.faults | cam_guard_plan_isr(&guard, cfg, &r);
+    motion.faults = want.faults | cam_guard_plan_isr(&guard, cfg, &config.play, &r);
     cam_guard_step_isr(&guard, cfg, &r, u_nm, &motion);
     written = r.out[hal_axis_u];
     return r.want;
@@ -103,7 +103,7 @@ static void cause(cam_fault_t fault, int32_t beyond)
     case cam_fault_spindle_stopped:
         angle.speed_q32 = 17895;
         guard.n_stopped =
-            (want.state == cam_state_homing ? 200000u : 2000u) - cfg->plan_ticks + (uint32_t)beyond;
+            (want.state == cam_state_homing ? 200000u : 2000u) - (uint32_t)config.play.plan_ticks + (uint32_t)beyond;
         break;
     case cam_fault_overspeed:
         angle.speed_q32 = 10844792 + beyond; // 3030 r/min

@@ -134,9 +134,9 @@ static void test_command_through_faults_at_any_angle_keeps_the_limits_of_u(void)
     }
 }
 
-/// @return [nm] how far into the work an emergency stop moves U's command at most, of stops in
-/// every
-///         tick of half a turn, the tick before it late or not
+/// @return [nm] how far into the work an emergency stop in any tick of half a turn moves U's
+/// command
+///         at most, the tick before it late or not
 static int32_t deepest_nm(int32_t friction_nm, uint32_t late_percent)
 {
     static bench_t bench;
@@ -328,7 +328,7 @@ static bool is_enabled(void)
     return (hal_host.out.outputs & hal_out_enable) != 0u;
 }
 
-/// [nm] places and steps of the axes as they are written.
+/// [nm] positions and steps of the axes as they are written.
 typedef struct {
     double at[hal_n_axes], step[hal_n_axes];
     double ago[8][hal_n_axes]; ///< steps of the last 8 ticks
@@ -399,7 +399,7 @@ static void expect_retract(motion_t *m)
     TEST_ASSERT_EQUAL_HEX32(hal_out_fault, hal_host.out.outputs);
     TEST_ASSERT_TRUE(fixture_rig_status(&rig).is_retracted);
     TEST_ASSERT_EQUAL_DOUBLE(-500000.0, m->at[hal_axis_u]);
-    // from where X was led in the tick of the fault
+    // from X's position in the tick of the fault
     TEST_ASSERT_DOUBLE_WITHIN(1.0 + 1.01 * fabs(first.step[hal_axis_x]), first.at[hal_axis_x] + 1e6,
                               m->at[hal_axis_x]);
     const double brake = m->at[hal_axis_z] - first.at[hal_axis_z];
