@@ -120,9 +120,9 @@ static double search(sim_lobe_work_t *w, point_t c)
     int best = 0;
     double least_mm = HUGE_VAL;
     for (int i = 0; i < sim_lobe_dexels; i++) {
-        const double atravel_mm = hypot(c.x_mm - w->dexel[i].x_mm, c.y_mm - w->dexel[i].y_mm);
-        if (atravel_mm < least_mm) {
-            least_mm = atravel_mm;
+        const double distance_mm = hypot(c.x_mm - w->dexel[i].x_mm, c.y_mm - w->dexel[i].y_mm);
+        if (distance_mm < least_mm) {
+            least_mm = distance_mm;
             best = i;
         }
     }
