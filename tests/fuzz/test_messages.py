@@ -5,7 +5,6 @@ Random bytes of every message are unpacked by the generated C and by cantools; b
 numbers, and what both pack of them is the same again.
 """
 
-import os
 import random
 import subprocess
 from pathlib import Path
@@ -18,9 +17,8 @@ from cantools.database.can.c_source import camel_to_snake_case
 from tests.tools.cases.part_cases import ROOT
 
 N_EACH = 400
-BUILD = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host")
-GENERATED = BUILD / "_messages"
-DATABASE = cantools.database.load_file(ROOT / "firmware" / "remote" / "can" / "camturn.dbc")
+GENERATED = ROOT / "firmware" / "remote" / "can"
+DATABASE = cantools.database.load_file(GENERATED / "camturn.dbc")
 assert isinstance(DATABASE, Database)  # a DBC describes no diagnostics
 MESSAGES = DATABASE.messages
 

@@ -50,9 +50,9 @@ class Shop:
             shutil.rmtree(old) if old.is_dir() else old.unlink()
         words = ["cp", "-p", "--parents", "-t", str(folder), *tracked(tree)]
         subprocess.run(words, cwd=tree, check=True)
-        for made in (tree / "build" / name for name in ("_unity", "venv")):
-            if made.exists() and not (link := folder / "build" / made.name).exists():
-                link.symlink_to(made.resolve())
+        unity, link = tree / "build" / "_unity", folder / "build" / "_unity"
+        if unity.exists() and not link.exists():
+            link.symlink_to(unity.resolve())
         if self._clean.exists():  # the last run may have ended within a mutant
             self._restore()
         options = [f"-D{option}" for option in _OPTIONS]

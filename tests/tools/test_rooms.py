@@ -61,7 +61,7 @@ DESIGN = {
 # Ports that the host does not build: nobody there sees their headers.
 FOREIGN = ("hal/linux", "hal/mps2", "hal/stm32h743", "hal/template")
 # Sources of the room above them.
-PARTS = {"host_sim/bus/linux", "host_sim/bus/none", "hal/stm32h743/memory"}
+PARTS = {"host_sim/bus/linux", "host_sim/bus/none", "hal/stm32h743/memory", "firmware/remote/can"}
 WITHOUT_HEADERS = {"hal/defaults", "hal/template", "firmware"}
 WITHOUT_SOURCES = {"hal/include"}  # in the build of the host
 

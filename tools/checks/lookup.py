@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-r"""Make look-up pages and lists of camturn.dbc of their sources, or compare them.
+r"""Make look-up pages, lists of camturn.dbc and its C from their sources, or compare them.
 
 >>> print(table([("a", "b"), ("1", "2|3")]), end="")
 | a | b |
@@ -18,7 +18,7 @@ from cantools.database.can import Database, Message, Signal
 from camtools.base.project_paths import ROOT
 from camtools.link.messages import choices_of
 from camtools.link.parameters import INFOS, Info, group_of
-from checks.dbc_lists import DBC, dbc_text, errors, headers
+from checks.dbc import DBC, c_sources, dbc_text, errors, headers
 from checks.page_command import page_command
 
 _NOTE = "`build/venv/bin/python -m checks.lookup --write` (in tools/) generates the page.\n"
@@ -112,10 +112,8 @@ def _names_of_values(database: Database) -> str:
     return f"\n## Names of values\n\n{''.join(lines)}"
 
 
-def messages_page(dbc: str, text: str) -> str:
+def messages_page(database: Database, text: str) -> str:
     """Return the text of MESSAGES.md."""
-    database = Database()
-    database.add_dbc_string(dbc)
     results = [(number, f"`{name}`", what) for number, name, what in errors(text)]
     return (
         _MESSAGES
@@ -126,18 +124,21 @@ def messages_page(dbc: str, text: str) -> str:
 
 
 def pages() -> dict[str, str]:
-    """Return the texts of the DBC and of both pages by their paths in the project."""
+    """Return the texts of the DBC, both pages and the C by their paths in the project."""
     text = headers()
     dbc = dbc_text(text)
+    database = Database()
+    database.add_dbc_string(dbc)
     return {
         DBC: dbc,
         "firmware/PARAMETERS.md": parameters_page(),
-        "firmware/remote/can/MESSAGES.md": messages_page(dbc, text),
+        "firmware/remote/can/MESSAGES.md": messages_page(database, text),
+        **c_sources(database),
     }
 
 
 def main(words: list[str] | None = None) -> int:
-    """Compare the DBC and both pages with their sources, or write them anew."""
+    """Compare the DBC, both pages and the C with their sources, or write them anew."""
     return page_command("lookup", __doc__, ROOT, pages, words)
 
 

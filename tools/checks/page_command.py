@@ -47,7 +47,8 @@ def page_command(
         if options.write:
             write_all(folder, {path: text.encode("utf-8") for path, text in texts.items()})
         for path, text in texts.items():
-            if (folder / path).read_text("utf-8") != text:
+            file = folder / path
+            if not file.is_file() or file.read_text("utf-8") != text:
                 raise CamtoolsError([f"{path}: differs from its source; use --write"])
         return 0
 

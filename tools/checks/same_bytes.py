@@ -22,7 +22,6 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.project_paths import ROOT
 
 FAILED = 1
-VENV = ROOT / "build" / "venv"
 
 
 def difference(one: bytes, other: bytes) -> str | None:
@@ -47,7 +46,7 @@ def other_folder(temporary: Path, root: Path = ROOT) -> Path:
 
 
 def _copy(unity: Path, folder: Path) -> None:
-    """Copy sources, Unity and Python packages to where a build looks for them."""
+    """Copy sources and Unity to where a build looks for them."""
 
     def not_sources(inside: str, names: list[str]) -> set[str]:
         builds = {"build"} if Path(inside) == ROOT else set()
@@ -55,8 +54,6 @@ def _copy(unity: Path, folder: Path) -> None:
 
     shutil.copytree(ROOT, folder, ignore=not_sources, symlinks=True)
     shutil.copytree(unity, folder / "build" / "_unity")
-    if VENV.is_dir():
-        (folder / "build" / "venv").symlink_to(VENV)
 
 
 def _run(*words: str, folder: Path) -> None:
