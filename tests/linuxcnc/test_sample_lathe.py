@@ -40,7 +40,7 @@ BLOCKS = (
 
 
 def _settings(box: Halbox, table: Path, hal: Path = SIM / "lathe.hal") -> None:
-    """Copy the configuration; only places of files are others."""
+    """Copy the configuration with other places of files, and more time for motion to answer."""
     shutil.copy(table, box.folder / "part.camtab")
     for file in (hal, SIM / "lathe.tbl"):
         shutil.copy(file, box.folder)
@@ -51,6 +51,7 @@ def _settings(box: Halbox, table: Path, hal: Path = SIM / "lathe.hal") -> None:
         ("/tmp/perkins240.camtab", "./part.camtab"),
         ("/tmp/camturn-sim\n", f"{box.folder / 'recording'}\n"),
         ("/tmp/camturn-sim.var", str(box.folder / "sim.var")),
+        ("COMM_TIMEOUT = 1.0", "COMM_TIMEOUT = 600.0"),
     ):
         assert old in text
         text = text.replace(old, new, 1)
