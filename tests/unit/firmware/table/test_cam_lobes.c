@@ -163,6 +163,7 @@ static void test_middle_of_the_gap_belongs_to_the_upper_lobe_and_has_no_lift(voi
     TEST_ASSERT_EQUAL_UINT32(0, cam_lobes_find(&table, 299999));
     TEST_ASSERT_EQUAL_UINT32(1, cam_lobes_find(&table, 300000));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, cam_lobes_change_q31(&table, 1, 300000));
+    TEST_ASSERT_EQUAL_INT32(0, cam_lobes_change_q31(&table, 0, 200000)); // within the lobe
     TEST_ASSERT_EQUAL_INT32(0, cam_lobes_change_q31(&table, 0, 220000));
     TEST_ASSERT_EQUAL_INT32(0, cam_lobes_change_q31(&table, 1, 380000));
     TEST_ASSERT_GREATER_THAN_INT32(0, cam_lobes_change_q31(&table, 0, 220001));
