@@ -140,8 +140,9 @@ static void test_save_is_refused_when_the_port_does_not_return_the_text(void)
     hal_host.slow.forgets_params = false;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_save_params(m));
     hal_host.slow.forgets_params = true;
+    // Most of the texts are as long as the kept one: that depends on the digits of the CRC.
     for (int32_t lead_ns = 101000; lead_ns <= 108000; lead_ns += 1000) {
-        set(cam_param_lead_ns, lead_ns); // in most texts the CRC has as many digits as in the kept one
+        set(cam_param_lead_ns, lead_ns);
         TEST_ASSERT_EQUAL_INT(cam_err_params_keep, cam_machine_save_params(m));
         expect_kept(cam_kept_changed);
     }

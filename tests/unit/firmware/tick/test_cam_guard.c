@@ -102,8 +102,8 @@ static void cause(cam_fault_t fault, int32_t beyond)
         break;
     case cam_fault_spindle_stopped:
         angle.speed_q32 = 17895;
-        guard.n_stopped =
-            (want.state == cam_state_homing ? 200000u : 2000u) - (uint32_t)config.play.plan_ticks + (uint32_t)beyond;
+        guard.n_stopped = (want.state == cam_state_homing ? 200000u : 2000u) -
+                          (uint32_t)config.play.plan_ticks + (uint32_t)beyond;
         break;
     case cam_fault_overspeed:
         angle.speed_q32 = 10844792 + beyond; // 3030 r/min
