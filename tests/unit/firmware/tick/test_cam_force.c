@@ -83,6 +83,22 @@ static void let_settle(void)
     TEST_ASSERT_EQUAL_UINT32(2001, until_fault(0, 2000));
 }
 
+/// A reading outside the word of nm / 64 counts as its end: the force pulls U back.
+static void test_reading_beyond_the_word_pulls_u_back(void)
+{
+    static const int32_t readings_nm[] = {INT32_MAX, 1 << 25, -(1 << 25) - 1, INT32_MIN};
+    is_on = is_frozen = true;
+    for (size_t i = 0; i < sizeof readings_nm / sizeof readings_nm[0]; i++) {
+        force = (cam_force_t){0};
+        r = (cam_tick_record_t){.in.actual_nm[hal_axis_u] = readings_nm[i]};
+        for (int n = 0; n < 40; n++) {
+            (void)tick(0);
+        }
+        const int32_t most_q6 = cfg.force.servo.limit_q6;
+        TEST_ASSERT_EQUAL_INT32(readings_nm[i] > 0 ? -most_q6 : most_q6, r.force_q6);
+    }
+}
+
 static void test_off_there_is_no_force_and_no_fault(void)
 {
     pos_nm = 400000.0;
