@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_gains.h"
-#include "cam_cut.h"         // cam_cut_divided_up
+#include "cam_cut.h"         // cam_cut_divided_up, cam_cut_greater
 #include "cam_jerk_filter.h" // cam_jerk_filter_most_log2
 #include "cam_plan.h"        // cam_plan_ticks
 #include <stdbool.h>         // bool

@@ -46,7 +46,7 @@ static double estimate(double a, double b)
 
 cam_drive_change_t cam_drive_solve(const cam_drive_sums_t *sums, int32_t speed_q32)
 {
-    const double per_rad = 0x1p32 / (2.0 * CAM_PI * speed_q32); // [ticks]
+    const double per_rad = 1.0 / cam_drive_omega(1, speed_q32); // [ticks]
     const double k1 = estimate(sums->error1, sums->weight1) * per_rad;
     const double k2 = -estimate(sums->error2, sums->weight2) * per_rad * per_rad;
     // Smaller harmonics, below an eighth of a full reversal, do not determine the friction.

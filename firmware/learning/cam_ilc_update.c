@@ -81,8 +81,10 @@ static void adapt_responses(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t spee
     }
 }
 
-void cam_ilc_update_follow_speed(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t speed_q32,
-                                 bool is_even)
+/// At another speed than that of the learning a cut stops learning until two turns agree, and then
+/// continues from the values in force.
+/// @param is_even  the spindle does not accelerate
+static void follow_speed(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t speed_q32, bool is_even)
 {
     const bool is_other = t->correction.is_probed && cam_ilc_update_is_other_speed(t, speed_q32);
     const bool is_frozen = t->phase == (uint8_t)cam_ilc_frozen;
@@ -283,7 +285,7 @@ void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn
     t->scale_q30 = turn->scale_q30;
     t->k = 0;
     follow_phase(t, (uint32_t)turn->phase_q32);
-    cam_ilc_update_follow_speed(t, s, turn->speed_q32, is_even);
+    follow_speed(t, s, turn->speed_q32, is_even);
     bool is_full = false;
     const bool is_slow = turn->speed_q32 <= cam_turn_bins_least_q32;
     const uint32_t n_ticks = is_slow ? 0u : take_means(t->bin, &is_full);

@@ -24,11 +24,6 @@ void cam_ilc_update_restart_guards(cam_ilc_t *t);
 /// @return whether a speed differs from that of the learning by more than 2 %
 bool cam_ilc_update_is_other_speed(const cam_ilc_t *t, int32_t speed_q32);
 
-/// At another speed than that of the learning a cut stops learning, until two turns agree; then it
-/// goes on from what is in force. @param is_even  the spindle does not accelerate
-void cam_ilc_update_follow_speed(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t speed_q32,
-                                 bool is_even);
-
 /// @return [nm / 64] error of a harmonic below which the guard does not compare: 3 sigma, or 1/1024
 ///         of the initial error, in the cut 1/16, where the cutting conditions drift
 uint32_t cam_ilc_update_guarded_q6(const cam_ilc_t *t);
