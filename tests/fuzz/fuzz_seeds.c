@@ -6,6 +6,7 @@
 #include "fixture_image.h"
 #include "fixture_newer.h"
 #include "fixture_part.h"
+#include "fixture_random.h"
 #include "fixture_shaft.h"
 #include "fuzz_draw.h"
 #include "fuzz_expect.h"
@@ -335,13 +336,12 @@ static void put_texts(void)
 /// Bytes of every kind, for targets that take any.
 static void put_noise(const char *target)
 {
-    uint32_t random = 1;
+    fixture_random_t random = {1};
     for (uint32_t i = 0; i < 4u; i++) {
         char name[16];
         uint8_t bytes[1000];
         for (size_t j = 0; j < sizeof bytes; j++) {
-            random = random * 1664525u + 1013904223u;
-            bytes[j] = (uint8_t)(random >> 24);
+            bytes[j] = (uint8_t)fixture_random_u32(&random);
         }
         (void)snprintf(name, sizeof name, "noise_%u", (unsigned)i);
         put(target, name, bytes, sizeof bytes);

@@ -2,6 +2,7 @@
 // Iterative learning of whatever the interrupt may measure: what is learned stays within its
 // limits, and no step of what is blended in is larger than cam_ilc.h allows.
 #include "cam_ilc.h"
+#include "fixture_random.h"
 #include "fuzz_bytes.h"
 #include "fuzz_expect.h"
 #include <math.h>
@@ -54,16 +55,16 @@ static void play(fuzz_bytes_t *b, uint32_t number, cam_state_t state)
     const double set_nm = 20.0 * fuzz_u16(b), error_nm = fuzz_u16(b) * (fuzz_u8(b) & 7u);
     const uint32_t noise = fuzz_u16(b), flags = fuzz_u8(b);
     const uint32_t bank = number & 1u;
-    uint32_t random = number;
+    fixture_random_t random = {number};
     for (uint32_t i = 0; i < n_ticks; i++) {
-        random = random * 1664525u + 1013904223u;
+        const uint32_t dice = fixture_random_u32(&random);
         const double at = 6.283185307179586 * (i + 0.5) / n_ticks;
         cam_turn_bin_t *bin = &bins.bin[bank * cam_turn_bins_n + i * cam_turn_bins_n / n_ticks];
         bin->n++;
         bin->u_nm += (int32_t)lround(set_nm * cos(2.0 * at));
         bin->error_q6 += (int32_t)lround(64.0 * error_nm * sin(order * at)) +
-                         (int32_t)((random >> 16) * noise >> 16);
-        bin->angle_q24 += (int32_t)((random >> 8 & 0xFFu) * (flags >> 4));
+                         (int32_t)((dice >> 16) * noise >> 16);
+        bin->angle_q24 += (int32_t)((dice >> 8 & 0xFFu) * (flags >> 4));
     }
     bins.closed[bank] = (cam_turn_t){
         .turn = number,

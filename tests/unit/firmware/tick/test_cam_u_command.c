@@ -134,9 +134,8 @@ static void test_command_through_faults_at_any_angle_keeps_the_limits_of_u(void)
     }
 }
 
-/// @return [nm] how far into the work an emergency stop in any tick of half a turn moves U's
-/// command
-///         at most, the tick before it late or not
+/// Stop in each tick of half a turn, the tick before it late or not.
+/// @return [nm] how far into the work U's command moves at most
 static int32_t deepest_nm(int32_t friction_nm, uint32_t late_percent)
 {
     static bench_t bench;
