@@ -260,7 +260,8 @@ bool budget_session_hand(fixture_rig_t *rig, void (*isr)(void))
     cam_machine_t *m = &rig->machine;
     bool is_good = budget_session_open(rig, isr, &part);
     rig->lathe.home[hal_axis_u] = (ideal_home_t){.side = 1, .edge_nm = 50000};
-    rig->lathe.home[hal_axis_x] = (ideal_home_t){.side = 1, .edge_nm = 100000, .pitch_nm = 100000};
+    rig->lathe.home[hal_axis_x] =
+        (ideal_home_t){.side = 1, .edge_nm = ideal_machine_x_nm + 100000, .pitch_nm = 100000};
     is_good = is_good && set(rig, cam_param_u_home, 2) && set(rig, cam_param_x_home, 3) &&
               set(rig, cam_param_z_home, 1) && cam_machine_manual(m) == cam_ok;
     fixture_rig_ticks(rig, 20);

@@ -443,7 +443,7 @@ static void start_unsteady(void)
     bring(cam_state_ready);
     set(cam_param_ripple_turns, 0);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
-    turn(-0.006 / 480, 60000);
+    turn(-0.006 / 480, 23000);
 }
 
 static void test_cut_begins_once_the_spindle_is_steady(void)

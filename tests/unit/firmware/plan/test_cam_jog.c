@@ -39,7 +39,7 @@ static void test_jog_without_its_commander_stops_by_the_interrupt_alone(void)
 {
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         setUp();
-        to_manual();
+        to_manual_at_zero();
         const hal_axis_t axis = (hal_axis_t)i;
         jog(axis, 1000);
         fixture_rig_ticks(&rig, patience_ticks - 2u * 8u);
@@ -120,7 +120,7 @@ static void test_random_orders_stay_within_speed_acceleration_and_travel(void)
     set(cam_param_x_high_nm, limits[hal_axis_x].high_nm);
     set(cam_param_z_low_nm, limits[hal_axis_z].low_nm);
     set(cam_param_z_high_nm, limits[hal_axis_z].high_nm);
-    to_manual();
+    to_manual_at_zero();
     motion_t motion[hal_n_axes];
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         motion[i] = motion_of((hal_axis_t)i);
@@ -344,7 +344,7 @@ static void test_home_that_fails_ends_and_is_none(void)
         rig.lathe.home[rows[i].axis] = rows[i].home;
         set_home(rows[i].axis, rows[i].method, rows[i].sense, rows[i].place_nm);
         set(cam_param_x_home_travel_nm, 2 * mm);
-        to_manual();
+        to_manual_at_zero();
         TEST_ASSERT_EQUAL_INT(rows[i].end, home_end(rows[i].axis));
         TEST_ASSERT_TRUE(i > 0u || port_nm(hal_axis_x) == 2 * mm); // all of its travel
         TEST_ASSERT_EQUAL_HEX32(0, jog_state().homed);
@@ -358,7 +358,7 @@ static void test_home_switch_that_bounces_is_not_left_yet(void)
     const ideal_home_t home = {.side = 1, .edge_nm = 100000};
     rig.lathe.home[hal_axis_x] = home;
     set_home(hal_axis_x, 2, 1, 0);
-    to_manual();
+    to_manual_at_zero();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
     for (uint32_t i = 0; i < 4000u && jog_state().phase != cam_jog_release; i++) {
         fixture_rig_tick(&rig);
