@@ -15,7 +15,7 @@ DOCS = Path(__file__).resolve().parents[2] / "tools" / "docs"
 def main(url: str) -> None:
     """Take the picture when the preview is that of the text."""
     with chromium() as browser, browser.window(viewport={"width": 1400, "height": 1180}) as window:
-        window.page.goto(url.replace("/#", "/design#"))
+        window.page.goto(url + "design")
         window.page.get_by_text("preview of this text").wait_for()
         window.page.wait_for_timeout(1000)
         window.page.screenshot(path=DOCS / "design_page.png")

@@ -17,16 +17,14 @@ _ASKED = ("start", "measure_loop", "apply_loop")
 
 
 def look(page: Page, session: PanelSession) -> None:
-    """Open the operator's page without the token, and wait until it is alive."""
-    page.goto(session.origin)
+    """Open the operator's page, and wait until it is alive."""
+    page.goto(session.url)
     expect(page.get_by_test_id("state")).not_to_have_text("no connection", ignore_case=True)
-    expect(page.get_by_test_id("rights")).to_contain_text("viewing only")
+    expect(page.get_by_test_id("rights")).to_contain_text("take the command")
 
 
-def take_command(page: Page, session: PanelSession) -> None:
-    """Type the token, and take command, over from a page that is not given up yet."""
-    page.get_by_label("token").fill(session.token)
-    page.get_by_label("token").press("Enter")
+def take_command(page: Page) -> None:
+    """Take command, over from a page that is not given up yet."""
     page.get_by_role("button", name=re.compile("^Take (command|over)$")).click()
     has_it = page.get_by_role("button", name="Give command back")
     question = page.get_by_test_id("question-yes")
@@ -39,7 +37,7 @@ def take_command(page: Page, session: PanelSession) -> None:
 def command(page: Page, session: PanelSession) -> None:
     """Open the operator's page, with the right to command."""
     look(page, session)
-    take_command(page, session)
+    take_command(page)
 
 
 def order(page: Page, name: str) -> Locator:

@@ -26,7 +26,7 @@ from tests.tools.cases.live_cases import live_case
 
 _ENDS = {"fault": "reset", "homing": "disable", "ready": "disable", "manual": "disable"}
 _CALM_S = 0.1
-_ADDRESS = re.compile(r"(http://\S+)/#token=(\S+)")
+_ADDRESS = re.compile(r"http://\S+/")
 
 
 @dataclass
@@ -37,21 +37,15 @@ class Panel:
     ----------
     panel : Background
         tools/panel
-    origin, token : str
-        where it is served, without a path, and what its commands need
+    url : str
+        of the operator's page, with the token; those of other pages begin with it
     log : Path
         of its commands; beside it are the folders parts and runs
     """
 
     panel: Background
-    origin: str
-    token: str
+    url: str
     log: Path
-
-    @property
-    def url(self) -> str:
-        """The address that gives the token to the page."""
-        return f"{self.origin}/#token={self.token}"
 
     def logged(self) -> list[dict[str, Any]]:
         """Return the lines of the log of commands."""
@@ -116,9 +110,9 @@ def panel_alone(folder: Path, *words: str | Path) -> Iterator[Panel]:
     log = folder / "commands.jsonl"
     command = python("camtools.cli.panel", "--port", "0", "--log", log, "--keep", folder, *words)
     with background(*command, XDG_RUNTIME_DIR=str(folder)) as panel:
-        address = _ADDRESS.search(panel.wait_for("#token="))
+        address = _ADDRESS.search(panel.wait_for("http://"))
         assert address is not None, panel.text()
-        yield Panel(panel, address[1], address[2], log)
+        yield Panel(panel, address[0], log)
 
 
 @contextmanager
@@ -136,6 +130,4 @@ def panel_session(
     """
     with live_case(folder, *live_words) as case, panel_alone(folder, *panel_words) as one:
         (announced,) = live_lathes(folder / "camturn")
-        yield PanelSession(
-            one.panel, one.origin, one.token, one.log, case.lathe, case.link, announced
-        )
+        yield PanelSession(one.panel, one.url, one.log, case.lathe, case.link, announced)

@@ -22,8 +22,8 @@ _SECTION = """element => getElement(Number(element.id.slice(1))).chart.getOption
 
 
 def open_design(page: Page, session: PanelSession) -> None:
-    """Open the page with the token, and wait for the preview of its part."""
-    page.goto(session.url.replace("/#", "/design#"))
+    """Open the page, and wait for the preview of its part."""
+    page.goto(session.url + "design")
     expect(page.get_by_test_id("cut")).to_be_enabled()
     settled(page)
 
@@ -93,7 +93,7 @@ def test_part_is_edited_cut_and_compared(
     page.get_by_test_id("cut-machine").click()
     page.locator(".q-menu .q-item").get_by_text("real", exact=True).click()
     other = cut(page, session.log.parent, 2)
-    page.goto(session.origin + "/runs")
+    page.goto(session.url + "runs")
     rows = page.locator("[data-testid=runs-table] tbody tr")
     own = rows.filter(has_text=re.compile(r"-00\d"))  # tools/run may have left others in build/run
     boxes = own.locator("[role=checkbox]")

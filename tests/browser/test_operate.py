@@ -40,18 +40,17 @@ def expect_new_points_from_all_around(page: Page) -> None:
 
 
 def test_viewer_commands_nothing(session: PanelSession, open_window: OpenWindow) -> None:
-    """Without the token all buttons are off, keys do nothing, and taking is not offered."""
+    """Without command all buttons are off, and keys do nothing."""
     page = open_window().page
     look(page, session)
     expect_state(page, "off")
     n_logged = len(session.logged())
     for name in ("enable", "start", "hold", "resume", "disable", "reset", "home", "manual"):
         expect(order(page, name)).to_be_disabled()
-    expect(page.get_by_test_id("rights")).to_contain_text("token")
-    expect(page.get_by_role("button", name="Take command")).to_be_hidden()
+    expect(page.get_by_test_id("rights")).to_contain_text("take the command")
     for key in "esm":
         page.keyboard.press(key)
-    expect(page.get_by_test_id("last-order")).to_contain_text("token")
+    expect(page.get_by_test_id("last-order")).to_contain_text("take the command")
     assert session.status().state == "off"
     assert not any(line["is_done"] for line in session.logged()[n_logged:])
 
@@ -59,12 +58,12 @@ def test_viewer_commands_nothing(session: PanelSession, open_window: OpenWindow)
 def test_a_part_is_cut_and_a_fault_is_got_over(
     session: PanelSession, open_window: OpenWindow, keep: Keep
 ) -> None:
-    """The whole story of an operator, from the token to the second cut."""
+    """The whole story of an operator, from taking command to the second cut."""
     page = open_window().page
     n_logged = len(session.logged())
     look(page, session)
     keep(page, "Operate, viewing")
-    take_command(page, session)
+    take_command(page)
     give(page, session, "enable", "ready")
     expect_state(page, "ready")
     give(page, session, "start", "cutting")
@@ -134,10 +133,6 @@ def test_a_cut_by_the_keyboard_alone(session: PanelSession, open_window: OpenWin
     """Tab, Enter and the keys that stand on the buttons; Escape stops, whatever has the focus."""
     page = open_window().page
     look(page, session)
-    expect(page.get_by_label("token")).to_be_visible()
-    tab_to(page, page.get_by_label("token"))
-    page.keyboard.type(session.token)
-    page.keyboard.press("Enter")
     take = page.get_by_role("button", name="Take command")
     expect(take).to_be_visible()
     tab_to(page, take)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Token, command, open questions and names of strangers, as visitors meet them."""
+"""Command, open questions and names of strangers, as visitors meet them."""
 
 import struct
 import zlib
@@ -25,38 +25,13 @@ def press(page: Page, words: str) -> None:
     page.get_by_role("button", name=words).click()
 
 
-def test_the_token_leaves_the_address_and_stays_in_its_tab(
-    session: PanelSession, open_window: OpenWindow
-) -> None:
-    """It lets in, also after a reload; it is in no other tab, no storage that lasts, no cookie."""
-    page = open_window().page
-    page.goto(session.url)
-    expect(page.get_by_role("button", name="Take command")).to_be_visible()
-    assert session.token not in page.url and session.token not in page.content()
-    page.reload()
-    expect(page.get_by_role("button", name="Take command")).to_be_visible()
-    stored = page.evaluate("[JSON.stringify(localStorage), document.cookie]")
-    assert session.token not in "".join(stored)
-    other = page.context.new_page()
-    other.goto(session.origin)
-    expect(other.get_by_test_id("state")).to_have_text("off", ignore_case=True)  # it is alive
-    other.get_by_label("token").fill("wrong")
-    other.get_by_label("token").press("Enter")
-    expect(other.get_by_text("the token is wrong", exact=True)).to_be_visible()
-    other.get_by_label("token").fill(session.token)
-    other.get_by_label("token").press("Enter")
-    expect(other.get_by_role("button", name="Take command")).to_be_visible()
-    assert session.token not in session.log.read_text("utf-8")
-
-
 def test_the_command_is_taken_over_visibly_and_free_when_its_page_goes(
     session: PanelSession, open_window: OpenWindow
 ) -> None:
     """The loser reads who has it; when that one leaves, nobody does."""
     first, second, viewer = (open_window().page for _ in range(3))
-    for page in (first, second):
+    for page in (first, second, viewer):
         page.goto(session.url)
-    viewer.goto(session.origin)
     press(first, "Take command")
     expect(first.get_by_text("you command").first).to_be_visible()
     expect(viewer.get_by_text("commands", exact=False).first).to_be_visible()
@@ -104,7 +79,7 @@ def test_a_name_that_is_code_is_shown_as_text(
         select_table(session.witness)
         session.witness.rights.release()
         page = open_window().page
-        page.goto(session.origin)
+        page.goto(session.url)
         expect(page.get_by_text(HOSTILE, exact=False).first).to_be_visible()
         assert page.evaluate("window.hacked === undefined")
         assert page.locator("img[src='x']").count() == 0

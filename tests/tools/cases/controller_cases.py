@@ -9,11 +9,11 @@ import can
 
 from camtools.base.errors import CamtoolsError
 from camtools.link.controller import Link
-from camtools.panel.access.visitor import Visitor
 from camtools.panel.orders.command_log import CommandLog
 from camtools.panel.orders.commander import Commander
 from camtools.panel.orders.controller_service import ControllerService
 from camtools.panel.orders.order import Order, Outcome
+from camtools.panel.orders.visitor import Visitor
 from checks import patience
 
 
@@ -23,13 +23,13 @@ def until(is_true: Callable[[], object], what: str = "the condition in the trace
 
 
 class Seat:
-    """A service, one visitor who commands, one with the token and one without.
+    """A service, a visitor who commands, and another.
 
     Attributes
     ----------
     service, commander, log
         of the panel
-    boss, other, guest : Visitor
+    boss, other : Visitor
     is_bus_there : bool
         whether the bus can be opened
     """
@@ -38,9 +38,8 @@ class Seat:
         self.channel, self.is_bus_there = channel, True
         self.log = CommandLog(None)
         self.commander = Commander(self.log)
-        self.boss = Visitor("boss", "127.0.0.1", has_token=True)
-        self.other = Visitor("other", "127.0.0.1", has_token=True)
-        self.guest = Visitor("guest", "127.0.0.1")
+        self.boss = Visitor("boss")
+        self.other = Visitor("other")
         self.commander.take(self.boss)
         self.service = ControllerService(self._open, self.commander, self.log)
 

@@ -14,7 +14,7 @@ from camtools.cli.panel import main
 from camtools.link.live_lathes import announced
 from tests.tools.cases.background import background, python
 from tests.tools.cases.command_cases import complaint
-from tests.tools.cases.raw_page import RawPage, get
+from tests.tools.cases.raw_page import ask, hear_until, open_page
 
 
 @pytest.fixture(autouse=True)
@@ -40,9 +40,8 @@ def refused(capsys: pytest.CaptureFixture[str], folder: Path, *words: str | Path
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--listen", "nosuch"], "nosuch: give an IP address of this computer"),
-        (["--listen", "0.0.0.0"], "0.0.0.0: give the one address by which browsers"),
-        (["--listen", "192.0.2.1"], "192.0.2.1 port 0: Cannot assign requested address; give "),
+        (["--proxy-host", "*"], "*: give a name such as lathe.example, without port"),
+        (["--proxy-host", "lathe.example:80"], "lathe.example:80: give a name such as"),
         (["--port", "70000"], "70000: give 0 .. 65535"),
         (["-i", "slcn"], "interface slcn: unknown to python-can; did you mean slcan?"),
         (["-i", "socketcand"], "socketcand: needs channel, host, port"),
@@ -63,8 +62,9 @@ def test_what_is_wrong_is_one_line(
     ("mode", "text", "said"),
     [
         (0o644, "a" * 20, "others may read it; chmod 600"),
-        (0o600, "short", "give one line of 16 .. 200 characters without a space"),
-        (0o600, "two words, both too long", "without a space"),
+        (0o600, "short", "give 16 .. 200 letters, digits, - and _"),
+        (0o600, "two words, both too long", "give 16 .. 200 letters"),
+        (0o600, "a/path/of/a/token/", "give 16 .. 200 letters"),
         (0o600, "\u00e4" * 20, "not ASCII"),
     ],
 )
@@ -84,7 +84,7 @@ def test_a_port_in_use_is_told(folder: Path, capsys: pytest.CaptureFixture[str])
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         line = refused(capsys, folder, "--port", str(port))
-    assert line == f"127.0.0.1 port {port}: Address already in use; give another --port or --listen"
+    assert line == f"127.0.0.1 port {port}: Address already in use; give another --port"
 
 
 def test_of_two_live_lathes_one_must_be_named(
@@ -108,13 +108,12 @@ def test_its_end_leaves_nothing_behind(folder: Path) -> None:
     log = folder / "log" / "a.jsonl"
     words = python("camtools.cli.panel", "--port", "0", "--log", log, "--token-file", token)
     with background(*words, XDG_RUNTIME_DIR=str(folder / "run")) as panel:
-        line = panel.wait_for("#token=sixteen-letters-or-more")
-        origin = line.split()[1].split("/#")[0]
-        page = RawPage(origin)
-        with page.connected() as own:
-            own.hear_until("start tools/live")
+        line = panel.wait_for("/sixteen-letters-or-more/")
+        url = line.split()[1]
+        with open_page(url) as page:
+            hear_until(page, "start tools/live")
             assert panel.end(signal.SIGTERM) == 0, panel.text()
         assert "Traceback" not in panel.text()
     assert [path.name for path in log.parent.iterdir()] == ["a.jsonl"]
     with pytest.raises(OSError, match="refused"):
-        get(origin, "/")
+        ask(url, "/")

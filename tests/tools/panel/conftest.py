@@ -31,7 +31,7 @@ def seat(shared_seat: Seat) -> Seat:
     """Return the service with the boss in command and the controller off."""
     seat = shared_seat
     seat.commander.take_over(seat.boss)
-    for visitor in (seat.boss, seat.other, seat.guest):
+    for visitor in (seat.boss, seat.other):
         visitor.is_here, visitor.was_connected, visitor.back_at_s = True, False, -1e9
     if seat.state not in ("off", "ready"):
         seat.ask("stop")

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files of strangers that would keep the panel busy for hours; messages that would fill logs."""
+"""Files of strangers that would keep the panel busy for hours; questions that are out of date."""
 
 import asyncio
-import logging
 from collections.abc import Callable
 from dataclasses import replace
 from types import SimpleNamespace
@@ -14,7 +13,6 @@ from camtools.base.errors import CamtoolsError
 from camtools.link import learned_file, parameters
 from camtools.panel.design.document import edited
 from camtools.panel.design.key_lines import lines_of
-from camtools.panel.log_limit import WITHIN_S, LogLimit
 from camtools.panel.operate import command_card
 from camtools.panel.operate.command_card import CommandCard
 from camtools.panel.orders.snapshot import Snapshot
@@ -61,17 +59,6 @@ def test_lines_are_found_in_texts_that_are_none() -> None:
     """In time that rises with the length, not with its square or cube."""
     for text in ("[" + " " * 300_000, '"\\' * 300_000, '"""\\' * 100_000, "x " * 300_000):
         assert set(lines_of(text).values()) <= {1}
-
-
-def test_what_went_wrong_with_messages_is_told_ten_times_a_minute() -> None:
-    """So that nobody who may do nothing can fill the terminal or the journal."""
-    now_s = [0.0]
-    few = LogLimit(lambda: now_s[0])
-    records = [logging.makeLogRecord({"msg": "wrong"}) for _ in range(1000)]
-    told = [record for record in records if few.filter(record)]
-    assert len(told) == 10 and "left out" in told[-1].msg and told[0].msg == "wrong"
-    now_s[0] = WITHIN_S
-    assert few.filter(logging.makeLogRecord({"msg": "wrong"}))
 
 
 READY = Snapshot(is_connected=True, state="ready", table_name="a part", signals={"table_crc": 1.0})

@@ -6,9 +6,9 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.link.controller import Link
-from camtools.panel.access.visitor import Visitor
 from camtools.panel.orders.link_thread import Job, LinkThread
 from camtools.panel.orders.snapshot import Snapshot
+from camtools.panel.orders.visitor import Visitor
 from checks.patience import limit_s
 from tests.tools.cases.camctl_bench import Bench
 from tests.tools.cases.controller_cases import until
@@ -29,7 +29,7 @@ def test_what_was_given_as_a_connection_broke_is_not_carried_out_on_the_next(
     bench, thread = Bench(request.node.name), LinkThread(open_link)
     try:
         until(lambda: thread.snapshot().problem == "no bus")
-        job = Job("enable", {}, Visitor("v1", "a", True), is_urgent)
+        job = Job("enable", {}, Visitor("v1"), is_urgent)
         with monkeypatch.context() as patch:
             patch.setattr(thread, "snapshot", lambda: Snapshot(is_connected=True))
             thread.give(job)

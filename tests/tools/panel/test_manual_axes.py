@@ -85,7 +85,7 @@ def test_steps_homes_tools_and_zero(seat: Seat) -> None:
 
 
 def test_stop_brakes_a_step_at_once(seat: Seat) -> None:
-    """By anybody with the token; the axis is not where the step would have ended."""
+    """From any page; the axis is not where the step would have ended."""
     seat.do("manual")
     before = seat.place()
 

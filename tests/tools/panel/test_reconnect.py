@@ -15,12 +15,12 @@ from camtools.link.controller import Link
 from camtools.link.messages import Refused
 from camtools.link.scope import EXCITED
 from camtools.panel import dialogs
-from camtools.panel.access.visitor import Visitor
 from camtools.panel.orders import loop_tuner
 from camtools.panel.orders.command_log import CommandLog
 from camtools.panel.orders.commander import Commander
 from camtools.panel.orders.execute_order import ACTIONS
 from camtools.panel.orders.loop_tuner import LoopTuner, Tuned
+from camtools.panel.orders.visitor import Visitor
 from camtools.panel.reconnect import repeat_newest
 from tests.tools.cases.controller_cases import Seat
 
@@ -82,16 +82,14 @@ def test_a_question_stays_open_over_a_reconnect(
 
 
 def test_a_page_loaded_anew_keeps_command_and_asks_again() -> None:
-    """Only while the page before it is gone, and only with the token."""
+    """Only while the page before it is gone."""
     commander = Commander(CommandLog(None))
-    before, after = Visitor("v1", "a", has_token=True), Visitor("v2", "a")
+    before, after = Visitor("v1"), Visitor("v2")
     commander.take(before)
-    for is_here, has_token, holder in ((True, True, before), (False, False, before)):
-        before.is_here, after.has_token = is_here, has_token
-        commander.pass_on(before, after)
-        assert commander.holder is holder
-    after.has_token = True
-    commander.pass_on(Visitor("v3", "a", is_here=False), after)
+    commander.pass_on(before, after)
+    assert commander.holder is before
+    before.is_here = False
+    commander.pass_on(Visitor("v3", is_here=False), after)
     assert commander.holder is before
     commander.pass_on(before, after)
     assert commander.holder is after

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Token, presses of a jog button and the log, by themselves."""
+"""Command, presses of a jog button and the log, by themselves."""
 
 import errno
 import json
@@ -10,13 +10,12 @@ from pathlib import Path
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.panel.access.token import MOST_TRIES, TRIES_S, TokenGuard, new_token
-from camtools.panel.access.visitor import Visitor
 from camtools.panel.orders import command_log
 from camtools.panel.orders.command_log import CommandLog
 from camtools.panel.orders.commander import Commander
 from camtools.panel.orders.jog_press import LATE_S, SILENT_S, Presses
 from camtools.panel.orders.order import Outcome
+from camtools.panel.orders.visitor import Visitor
 from tests.tools.cases.command_cases import files_end_at
 
 DONE = Outcome(True, "done")
@@ -33,32 +32,10 @@ class Clock:
         return self.now_s
 
 
-def test_tries_of_the_token_are_limited_by_address() -> None:
-    """The right one is not heard either, until the oldest wrong one is a minute old."""
-    clock = Clock()
-    guard = TokenGuard("right-right-right", clock)
-    visitor, other = Visitor("v1", "10.0.0.1"), Visitor("v2", "10.0.0.2")
-    for text in ("", "right", None, 7, ["right-right-right"], "x" * 10_000, "\ud800", "Right"):
-        assert guard.shown(visitor, text) == "the token is wrong"
-    for _ in range(MOST_TRIES - 8):
-        guard.shown(visitor, "wrong")
-    assert "too many" in guard.shown(visitor, "right-right-right")
-    assert not visitor.has_token
-    assert guard.shown(other, "right-right-right") == "" and other.has_token
-    clock.now_s += TRIES_S
-    assert guard.shown(visitor, "right-right-right") == "" and visitor.has_token
-
-
-def test_tokens_are_not_to_be_guessed() -> None:
-    """192 bits each."""
-    assert len({new_token() for _ in range(1000)}) == 1000
-    assert min(len(new_token()) for _ in range(100)) == 32
-
-
 def test_a_press_lives_by_its_heartbeats() -> None:
     """Silence ends it for good, whatever comes then."""
     clock = Clock()
-    presses, visitor = Presses(clock), Visitor("v1", "a", True)
+    presses, visitor = Presses(clock), Visitor("v1")
     press = presses.begin(visitor, 1)
     for _ in range(20):
         clock.now_s += SILENT_S - 0.01
@@ -73,7 +50,7 @@ def test_a_press_lives_by_its_heartbeats() -> None:
 def test_a_heap_of_heartbeats_that_were_kept_back_moves_nothing() -> None:
     """They all tell when they were sent: the connection stood still for two seconds."""
     clock = Clock()
-    presses, visitor = Presses(clock), Visitor("v1", "a", True)
+    presses, visitor = Presses(clock), Visitor("v1")
     presses.synchronise(visitor, 0.0)
     begun_s = clock.now_s
     press = presses.begin(visitor, 1, 10.0)
@@ -90,7 +67,7 @@ def test_a_heap_of_heartbeats_that_were_kept_back_moves_nothing() -> None:
 def test_late_heartbeats_do_not_keep_a_press_alive() -> None:
     """Each comes 100 ms behind the other, but all of them half a second late."""
     clock = Clock()
-    presses, visitor = Presses(clock), Visitor("v1", "a", True)
+    presses, visitor = Presses(clock), Visitor("v1")
     start_s = clock.now_s
     presses.synchronise(visitor, 0.0)
     press = presses.begin(visitor, 1, 0.0)
@@ -103,7 +80,7 @@ def test_late_heartbeats_do_not_keep_a_press_alive() -> None:
 def test_a_browser_whose_clock_goes_slowly_is_heard_all_day() -> None:
     """By 1e-4 slower than ours, for ten hours."""
     clock = Clock()
-    presses, visitor = Presses(clock), Visitor("v1", "a", True)
+    presses, visitor = Presses(clock), Visitor("v1")
     start_s = clock.now_s
     for number in range(600):
         clock.now_s += 60.0
@@ -114,7 +91,7 @@ def test_a_browser_whose_clock_goes_slowly_is_heard_all_day() -> None:
 
 def test_numbers_of_presses_rise() -> None:
     """What is duplicated on the way begins nothing; another's press is not held or ended."""
-    presses, one, other = Presses(Clock()), Visitor("v1", "a", True), Visitor("v2", "a", True)
+    presses, one, other = Presses(Clock()), Visitor("v1"), Visitor("v2")
     press = presses.begin(one, 5)
     with pytest.raises(CamtoolsError, match="another button is held"):
         presses.begin(other, 1)
@@ -130,7 +107,7 @@ def test_numbers_of_presses_rise() -> None:
 def test_of_many_who_take_the_command_at_once_one_has_it() -> None:
     """Each from a thread of its own."""
     commander = Commander(CommandLog(None))
-    visitors = [Visitor(f"v{i}", "a", True) for i in range(32)]
+    visitors = [Visitor(f"v{i}") for i in range(32)]
     results: list[bool] = []
     threads = [
         threading.Thread(target=lambda v=v: results.append(commander.take(v).is_done))
@@ -141,15 +118,15 @@ def test_of_many_who_take_the_command_at_once_one_has_it() -> None:
     for thread in threads:
         thread.join()
     assert sum(results) == 1
-    guest = Visitor("g", "a")
-    assert not commander.take(guest).is_done and not commander.take_over(guest).is_done
-    assert not commander.release(guest).is_done and commander.holder in visitors
+    guest = Visitor("g")
+    assert not commander.take(guest).is_done and not commander.release(guest).is_done
+    assert commander.holder in visitors
 
 
 def test_the_log_is_its_owners_alone_and_bounded(tmp_path: Path) -> None:
     """JSON lines; a second panel is refused; a full file gets another name."""
     path = tmp_path / "deep" / "commands.jsonl"
-    log, visitor = CommandLog(path, 4000), Visitor("v1", "127.0.0.1", True)
+    log, visitor = CommandLog(path, 4000), Visitor("v1")
     assert path.stat().st_mode & 0o777 == 0o600
     with pytest.raises(CamtoolsError, match="another panel writes it; give another --log"):
         CommandLog(path)
@@ -162,16 +139,14 @@ def test_the_log_is_its_owners_alone_and_bounded(tmp_path: Path) -> None:
         assert one.stat().st_size <= 4000 and one.stat().st_mode & 0o777 == 0o600
     rows = [json.loads(line) for line in path.read_text("ascii").splitlines()]
     assert rows[-1]["arguments"] == {"percent": 99, "name": "a\nb\u2028<c>"}
-    assert set(rows[-1]) == {
-        *("time", "visitor", "address", "order", "arguments", "is_done", "outcome")
-    }
+    assert set(rows[-1]) == {*("time", "visitor", "order", "arguments", "is_done", "outcome")}
     CommandLog(path).close()
 
 
 def test_a_full_disc_is_told_and_spoils_no_line_but_its_own(tmp_path: Path) -> None:
     """The half of a line that found room stands alone when there is room again."""
     path = tmp_path / "a.jsonl"
-    log, visitor = CommandLog(path), Visitor("v1", "127.0.0.1", True)
+    log, visitor = CommandLog(path), Visitor("v1")
     log.add(visitor, "first", {}, DONE)
     with files_end_at(path.stat().st_size + 20):
         log.add(visitor, "second", {}, DONE)
@@ -191,7 +166,7 @@ def test_a_log_that_could_not_begin_anew_goes_on_when_it_can(
 ) -> None:
     """The old one has its new name already, and is not lost."""
     path = tmp_path / "a.jsonl"
-    log, visitor = CommandLog(path, 300), Visitor("v1", "127.0.0.1", True)
+    log, visitor = CommandLog(path, 300), Visitor("v1")
     log.add(visitor, "first", {}, DONE)
 
     def no_room(_path: Path) -> FileIO:
@@ -207,16 +182,6 @@ def test_a_log_that_could_not_begin_anew_goes_on_when_it_can(
     log.close()
     assert json.loads(path.read_text("ascii"))["order"] == "last"
     assert json.loads(path.with_name("a.jsonl.1").read_text("ascii"))["order"] == "first"
-
-
-def test_who_may_do_nothing_cannot_fill_the_log(tmp_path: Path) -> None:
-    """A line a second of one address, which tells how many were left out."""
-    path = tmp_path / "a.jsonl"
-    log = CommandLog(path)
-    for i in range(1000):
-        log.add_refused(Visitor(f"v{i}", "10.0.0.1"), "stop", Outcome(False, "no"))
-    assert len(path.read_text("ascii").splitlines()) < 20
-    log.close()
 
 
 @pytest.mark.parametrize("make", ["folder", "unwritable"])

@@ -11,7 +11,9 @@ camtools.base.errors.CamtoolsError: --token-file nosuch: No such file or directo
 from __future__ import annotations
 
 import argparse
-import ipaddress
+import re
+import secrets
+import socket
 import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -26,18 +28,19 @@ from camtools.link.bus import configured
 from camtools.link.controller import Link
 from camtools.link.live_lathes import live_lathes, only_lathe
 from camtools.link.rights import secret_of
-from camtools.panel.access.listening_socket import hosts_of, open_socket
-from camtools.panel.access.token import LEAST_CHARS, MOST_CHARS, TokenGuard, new_token
 from camtools.panel.context import AppContext
 from camtools.panel.orders.command_log import CommandLog
 from camtools.panel.orders.commander import Commander
 from camtools.panel.orders.controller_service import ControllerService
 
-_PORT = 8417
+_LOOPBACK, _PORT = "127.0.0.1", 8417
+_HOST = re.compile(r"[A-Za-z0-9.-]+")
+_TOKEN_BYTES = 24
+_TOKEN = re.compile(r"[A-Za-z0-9_-]{16,200}")
 _EPILOG = """\
-Everybody who opens the page can look; only those with the token can command. The printed address
-has the token after its #, which browsers send to no server. Without options for the bus, the panel
-uses the live lathe of tools/live. While there is no controller, the page says how to start one.
+The panel serves this computer only, and only those who have the printed address: it begins with the
+token. Without options for the bus, the panel uses the live lathe of tools/live. While there is no
+controller, the page says how to start one.
 From another computer: ssh -L 8417:127.0.0.1:8417 THIS-COMPUTER, then open the address as printed.
 Exit status: 0 ended by control-C or SIGTERM, 2 wrong usage or bad input."""
 
@@ -52,16 +55,10 @@ def _port(text: str) -> int:
     return value
 
 
-def _address(text: str) -> str:
-    try:
-        address = ipaddress.ip_address(text)
-    except ValueError as error:
-        problem = f"{text}: give an IP address of this computer, such as 192.168.1.7"
-        raise argparse.ArgumentTypeError(problem) from error
-    if address.is_unspecified:
-        problem = f"{text}: give the one address by which browsers reach this computer"
-        raise argparse.ArgumentTypeError(problem)
-    return str(address)
+def _host(text: str) -> str:
+    if not _HOST.fullmatch(text):
+        raise argparse.ArgumentTypeError(f"{text}: give a name such as lathe.example, without port")
+    return text
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -77,12 +74,12 @@ def _parser() -> argparse.ArgumentParser:
         "--port", type=_port, default=_PORT, help=f"TCP port, 0 for any free one (default: {_PORT})"
     )
     parser.add_argument(
-        "--listen",
-        type=_address,
-        default="127.0.0.1",
-        metavar="ADDRESS",
-        help="IP address to serve; connections are not encrypted (default: 127.0.0.1, this "
-        "computer only)",
+        "--proxy-host",
+        type=_host,
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="name by which browsers reach a reverse proxy on this computer; may be repeated",
     )
     parser.add_argument(
         "--token-file", type=Path, metavar="FILE", help="file with the token (default: a new token)"
@@ -119,7 +116,7 @@ def token_of(path: Path | None) -> str:
         The file cannot be read, others may read it, or it has no fair token.
     """
     if path is None:
-        return new_token()
+        return secrets.token_urlsafe(_TOKEN_BYTES)
     try:
         data = read_limited(path, 1024)
         is_private = not path.stat().st_mode & 0o077
@@ -131,10 +128,17 @@ def token_of(path: Path | None) -> str:
         raise CamtoolsError([f"--token-file {path}: not ASCII; give letters and digits"]) from error
     if not is_private:
         raise CamtoolsError([f"--token-file {path}: others may read it; chmod 600 {path}"])
-    if not LEAST_CHARS <= len(token) <= MOST_CHARS or not token.isprintable() or " " in token:
-        span = f"{LEAST_CHARS} .. {MOST_CHARS} characters without a space"
-        raise CamtoolsError([f"--token-file {path}: give one line of {span}"])
+    if not _TOKEN.fullmatch(token):
+        raise CamtoolsError([f"--token-file {path}: give 16 .. 200 letters, digits, - and _"])
     return token
+
+
+def _open_socket(port: int) -> socket.socket:
+    try:
+        return socket.create_server((_LOOPBACK, port))
+    except OSError as error:
+        problem = f"{_LOOPBACK} port {port}: {error.strerror}; give another --port"
+        raise CamtoolsError([problem]) from error
 
 
 def _check_bus(arguments: argparse.Namespace) -> None:
@@ -167,7 +171,7 @@ def _run(arguments: argparse.Namespace) -> int:
     secret = secret_of(arguments.secret) if arguments.secret is not None else None
     _check_bus(arguments)
     with ExitStack() as stack:
-        sock = stack.enter_context(open_socket(arguments.listen, arguments.port))
+        sock = stack.enter_context(_open_socket(arguments.port))
         log = CommandLog(arguments.log)
         stack.callback(log.close)
         from camtools.panel.server import application, serve  # it takes a second
@@ -175,12 +179,9 @@ def _run(arguments: argparse.Namespace) -> int:
         commander = Commander(log)
         service = ControllerService(open_link, commander, log, secret)
         stack.callback(service.close)
-        hosts = hosts_of(sock)
         own = arguments.keep / "parts", arguments.keep / "runs"
-        app = application(AppContext(service, commander, log, TokenGuard(token), *own), hosts)
-        if not ipaddress.ip_address(arguments.listen).is_loopback:
-            _say("warning: not encrypted: anybody on the network can read the token; use ssh -L")
-        _say(f"http://{hosts[0]}/#token={token}")
+        app = application(AppContext(service, commander, log, *own), token, arguments.proxy_host)
+        _say(f"http://{_LOOPBACK}:{sock.getsockname()[1]}/{token}/")
         _say("control-C ends")
         try:
             serve(app, sock)

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from camtools.base.project_paths import RESULTS
-from camtools.panel.access.token import TokenGuard
 from camtools.panel.orders.command_log import CommandLog
 from camtools.panel.orders.commander import Commander
 from camtools.panel.orders.controller_service import ControllerService
@@ -19,7 +18,7 @@ from camtools.panel.orders.controller_service import ControllerService
 
 @dataclass(frozen=True)
 class AppContext:
-    """The one controller of a panel and who may do what with it.
+    """The controller of a panel, who commands it, and where parts and runs are.
 
     Attributes
     ----------
@@ -32,6 +31,5 @@ class AppContext:
     service: ControllerService
     commander: Commander  # who commands
     log: CommandLog  # of commands, also of edits and runs of the design page
-    guard: TokenGuard  # sets `visitor.has_token`; pages only look at that
     parts: Path = RESULTS / "panel" / "parts"
     runs: Path = RESULTS / "panel" / "runs"  # folder of the runs that are kept

@@ -8,6 +8,7 @@
 from __future__ import annotations
 
 import asyncio
+import secrets
 import time
 from functools import cache
 from pathlib import Path
@@ -16,15 +17,15 @@ from nicegui import app
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
-from camtools.panel.access.visitor import Visitor
 from camtools.panel.context import AppContext
 from camtools.panel.design.part_library import EXAMPLE, PartLibrary
 from camtools.panel.design.part_library import OWN as OWN_PARTS
 from camtools.panel.design.preview_engine import Engine
 from camtools.panel.orders.order import Outcome
+from camtools.panel.orders.visitor import Visitor
 from camtools.panel.runs.options import RunOptions
 from camtools.panel.runs.run_queue import RunQueue
-from camtools.panel.runs.store import DONE, OWN, RunStore
+from camtools.panel.runs.store import DONE, OWN, REPORT, RunStore
 from camtools.part.file import read_tree
 from camtools.pipeline.job import RUNS
 from camtools.pipeline.load import parse
@@ -42,6 +43,7 @@ class DesignService:
         self.machines = context.parts.parent / "machines"
         self.store = RunStore(context.runs, RUNS)
         self.queue = RunQueue(self.store)
+        self.report_key = secrets.token_urlsafe()  # shows reports, and opens nothing else
         self._log = context.log
 
     def start(self) -> None:
@@ -53,13 +55,9 @@ class DesignService:
         await self.queue.close()
         await self.engine.close()
 
-    def may(self, visitor: Visitor, what: str) -> str:
-        """Return why a visitor may not change or cut anything, "" where he may; it is logged."""
-        if visitor.has_token:
-            return ""
-        problem = f"{what} needs the token"
-        self._log.add_refused(visitor, what, Outcome(False, problem))
-        return problem
+    def report_address(self, run: str) -> str:
+        """Return where the report of a run is served; the run's key is `Run.key`."""
+        return f"/{self.report_key}/{run}/{REPORT}"
 
     def note(self, visitor: Visitor, what: str, arguments: dict[str, object], told: str) -> None:
         """Log what a visitor did."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The frame of every page: navigation, token, who commands, theme, and the page's visitor.
+"""The frame of every page: navigation, who commands, theme, and the page's visitor.
 
 A page is a function that NiceGUI calls for each browser that asks; `framed()` makes its frame:
 
@@ -9,16 +9,14 @@ A page is a function that NiceGUI calls for each browser that asks; `framed()` m
             ui.label(...)
 
 Classes: those of Quasar (row, column, q-pa-md, full-width, ..) and of static/panel.css; Tailwind is
-off, since it watches every change of the page in the browser. The policy of the pages lets no
-script run that stands in the page itself: what a page adds lies as a file in static/ (ui.add_css
-would be such a script). All text of strangers goes through ui.label or props, never through ui.html
-or ui.markdown.
+off, since it watches every change of the page in the browser. What a page adds is a file in
+static/, by a relative address, since the address of a page begins with the token. All text of
+strangers goes through ui.label or props, never through ui.html or ui.markdown.
 """
 
 from __future__ import annotations
 
 import asyncio
-import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -26,11 +24,10 @@ from pathlib import Path
 from nicegui import Client, events, ui
 
 from camtools.link.rights import sender_text
-from camtools.panel.access.visitor import Visitor, new_visitor
 from camtools.panel.context import AppContext
 from camtools.panel.dialogs import ask_again, confirmed
 from camtools.panel.orders.commander import Commander
-from camtools.panel.orders.order import Outcome
+from camtools.panel.orders.visitor import Visitor, new_visitor
 from camtools.panel.page_cleanup import forget_routes
 from camtools.panel.reconnect import repeat_newest
 from camtools.panel.stop_button import FrameStop
@@ -39,7 +36,7 @@ from camtools.panel.views.state_style import IN_WORK
 
 OPERATE = "/"
 PAGES = {OPERATE: "Operate", "/design": "Design", "/runs": "Runs"}
-STATIC, STATIC_FOLDER = "/panel", Path(__file__).parent / "static"
+STATIC, STATIC_FOLDER = "panel", Path(__file__).parent / "static"
 _PRIMARY = "#1a5a96"  # white on it has a contrast of 7, where 4.5 is needed (WCAG 2.2, 1.4.3)
 _POSITIVE = "#1b7a37"  # 5.4
 _HEAD = f'<link rel="stylesheet" href="{STATIC}/panel.css">'
@@ -50,15 +47,9 @@ _ENDS = "Then nobody has command, and the cut ends as with STOP."
 _visitors: dict[str, Visitor] = {}  # by the identifier of their page, while it is there
 
 
-def may_upload(client_id: str) -> bool:
-    """Return whether the page with an identifier has shown the token."""
-    visitor = _visitors.get(client_id)
-    return visitor is not None and visitor.has_token
-
-
 def _admit(context: AppContext, client: Client) -> Visitor:
     """Return the visitor of a page, who is known until the page goes."""
-    visitor = new_visitor(client.ip)
+    visitor = new_visitor()
     _visitors[client.id] = visitor
 
     def on_connect() -> None:
@@ -128,20 +119,11 @@ def _theme_button() -> None:
 
 
 class _CommandBar:
-    """Who commands, and how to: the token's field, take, take over, give back."""
+    """Who commands, and how to: take, take over, give back."""
 
     def __init__(self, context: AppContext, visitor: Visitor) -> None:
         self._context, self._visitor = context, visitor
         self._who = ui.label().props('role="status"').mark("commander")
-        self._token = (
-            ui.input("token")
-            .props("dense dark outlined label-color=white")
-            .props('aria-label="token, printed by tools/panel at its start"')
-            .props("autocomplete=off spellcheck=false")
-            .classes("panel-token")
-            .on("keydown.enter", self._enter_token)
-            .mark("token")
-        )
         self._take = ui.button("Take command", on_click=self._on_take).props("color=white outline")
         self._news = ""
         ui.on("panel_hello", self._on_hello)
@@ -153,8 +135,6 @@ class _CommandBar:
         commander, visitor = self._context.commander, self._visitor
         holder, other = commander.holder, other_sender(self._context.service.snapshot())
         self._who.text = _who(commander, visitor, other)
-        self._token.set_visibility(not visitor.has_token)
-        self._take.set_visibility(visitor.has_token)
         is_free = holder is None and not other
         is_mine = holder is visitor and not other
         mine = "Give command back" if is_mine else "Take over"
@@ -165,34 +145,16 @@ class _CommandBar:
         self._news = news
 
     async def _on_hello(self, event: events.GenericEventArguments) -> None:
-        """Take the token and the clock of a page that has connected, and what it continues."""
+        """Take the clock of a page that has connected, and what it continues."""
         told = event.args if isinstance(event.args, dict) else {}
         sent_ms = told.get("sent_ms")
         if isinstance(sent_ms, int | float):
             self._context.service.page_clock(self._visitor, float(sent_ms))
-        if told.get("token") and not self._visitor.has_token:
-            self._try(told["token"])
         before = _visitors.get(str(told.get("before")))
         if before is not None and before is not self._visitor:
             self._context.commander.pass_on(before, self._visitor)
             self.show()
             await ask_again(event.client, str(told.get("asks")))
-
-    def _enter_token(self) -> None:
-        text = str(self._token.value or "").strip()
-        self._token.value = ""
-        if text and self._try(text):
-            key = json.dumps(text)
-            ui.run_javascript(f'sessionStorage.setItem("camturn.token", {key})')
-
-    def _try(self, token: object) -> bool:
-        problem = self._context.guard.shown(self._visitor, token)
-        if problem:
-            self._context.log.add_refused(self._visitor, "token", Outcome(False, problem))
-            ui.run_javascript('sessionStorage.removeItem("camturn.token")')
-            ui.notify(problem, type="negative")
-        self.show()
-        return not problem
 
     async def _on_take(self) -> None:
         commander, visitor, service = self._context.commander, self._visitor, self._context.service

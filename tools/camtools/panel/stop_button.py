@@ -13,10 +13,10 @@ from __future__ import annotations
 
 from nicegui import ui
 
-from camtools.panel.access.visitor import Visitor
 from camtools.panel.context import AppContext
 from camtools.panel.dialogs import withdraw
 from camtools.panel.orders.order import Order
+from camtools.panel.orders.visitor import Visitor
 from camtools.panel.views.availability import stop_order
 
 

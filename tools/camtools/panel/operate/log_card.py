@@ -17,14 +17,14 @@ _SHOWN = 30
 def line_of(record: Mapping[str, Any]) -> str:
     """Return a record of the log as a line.
 
-    >>> line_of({"time": "12:00", "visitor": "v1", "address": "::1", "order": "feed",
+    >>> line_of({"time": "12:00", "visitor": "v1", "order": "feed",
     ...          "arguments": {"percent": 90.0}, "is_done": True, "outcome": "feed = 90 %"})
-    '12:00  v1 at ::1  feed percent=90.0: done - feed = 90 %'
+    '12:00  v1  feed percent=90.0: done - feed = 90 %'
     """
     told = "".join(f" {name}={value}" for name, value in record["arguments"].items())
     mark = "done" if record["is_done"] else "not done"
-    who = f"{record['visitor']} at {record['address']}"
-    return f"{record['time']}  {who}  {record['order']}{told}: {mark} - {record['outcome']}"
+    what = f"{record['order']}{told}: {mark} - {record['outcome']}"
+    return f"{record['time']}  {record['visitor']}  {what}"
 
 
 class LogCard:

@@ -1,11 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a page gives orders: buttons that say why they are off, and the last order with its outcome.
-
->>> rights_text(has_token=False, is_commander=False)
-'viewing only; enter the token, top right'
->>> rights_text(has_token=True, is_commander=True)
-''
-"""
+"""How a page gives orders: buttons that state why they are off; the last order and its outcome."""
 
 from __future__ import annotations
 
@@ -15,21 +9,14 @@ from dataclasses import dataclass, field
 from nicegui import ui
 from nicegui.elements.mixins.disableable_element import DisableableElement
 
-from camtools.panel.access.visitor import Visitor
 from camtools.panel.context import AppContext
 from camtools.panel.orders.order import Order, Outcome
 from camtools.panel.orders.snapshot import Snapshot
+from camtools.panel.orders.visitor import Visitor
 from camtools.panel.views.availability import why_not
 from camtools.panel.views.bus_commander import held_text
 
 Press = Callable[[], Awaitable[object]]
-
-
-def rights_text(*, has_token: bool, is_commander: bool) -> str:
-    """Return why a visitor may give no orders, a clause; "" when he may."""
-    if not has_token:
-        return "viewing only; enter the token, top right"
-    return "" if is_commander else "take the command, top right"
 
 
 @dataclass
@@ -68,7 +55,7 @@ class Orders:
     def why_no_rights(self) -> str:
         """Why this visitor may give no orders now; "" when he may."""
         is_commander = self.context.commander.holder is self.visitor
-        return rights_text(has_token=self.visitor.has_token, is_commander=is_commander)
+        return "" if is_commander else "take the command, top right"
 
     async def give(self, name: str, /, words: str = "", **arguments: object) -> Outcome:
         """Give an order, and show what came of it."""

@@ -2,11 +2,11 @@
 """The log of commands: JSON lines that tell when, who, what, and what came of it.
 
 The file is its owner's alone. At 4 MB it gets the name FILE.1, that one FILE.2, and what was before
-is gone. The token is never in it.
+is gone.
 
->>> from camtools.panel.access.visitor import Visitor
+>>> from camtools.panel.orders.visitor import Visitor
 >>> log = CommandLog(None)
->>> log.add(Visitor("v1", "127.0.0.1"), "start", {}, Outcome(False, "refused: state off"))
+>>> log.add(Visitor("v1"), "start", {}, Outcome(False, "refused: state off"))
 >>> log.newest(1)[0]["order"], log.newest(1)[0]["is_done"]
 ('start', False)
 """
@@ -19,7 +19,7 @@ import json
 import os
 import threading
 import time
-from collections import OrderedDict, deque
+from collections import deque
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from io import FileIO
@@ -27,14 +27,12 @@ from pathlib import Path
 from typing import Any
 
 from camtools.base.errors import CamtoolsError
-from camtools.panel.access.visitor import Visitor
 from camtools.panel.orders.order import Outcome
+from camtools.panel.orders.visitor import Visitor
 
 KEPT = 200
 MOST_BYTES = 4 << 20
 _OWN = 0o600
-_REFUSED_S = 1.0  # between two lines of one address that has no token
-_MOST_ADDRESSES = 100
 
 
 def utc(seconds: float) -> str:
@@ -73,7 +71,6 @@ class CommandLog:
         self._path, self._most_bytes = path, most_bytes
         self._lock = threading.Lock()
         self._newest: deque[dict[str, Any]] = deque(maxlen=KEPT)
-        self._refused: OrderedDict[str, tuple[float, int]] = OrderedDict()
         self._stream: FileIO | None = None
         self.problem, self._is_broken = "", False
         if path is not None:
@@ -92,7 +89,6 @@ class CommandLog:
         record = {
             "time": utc(time.time()),
             "visitor": visitor.id,
-            "address": visitor.address,
             "order": str(order)[:40],
             "arguments": dict(arguments),
             "is_done": outcome.is_done,
@@ -101,21 +97,6 @@ class CommandLog:
         with self._lock:
             self._newest.append(record)
             self._write(record)
-
-    def add_refused(self, visitor: Visitor, order: str, outcome: Outcome) -> None:
-        """Log what a visitor without the token tried, a line a second of one address at most.
-
-        So nobody who may do nothing can fill the log; how many were left out is told.
-        """
-        now_s = time.monotonic()
-        with self._lock:
-            last_s, omitted = self._refused.pop(visitor.address, (-1e9, 0))
-            is_due = now_s - last_s >= _REFUSED_S
-            self._refused[visitor.address] = (now_s, 0) if is_due else (last_s, omitted + 1)
-            while len(self._refused) > _MOST_ADDRESSES:
-                self._refused.popitem(last=False)
-        if is_due:
-            self.add(visitor, order, {"left_out": omitted} if omitted else {}, outcome)
 
     def newest(self, n: int) -> list[dict[str, Any]]:
         """Return the newest records, the newest first."""

@@ -20,7 +20,6 @@ from typing import Any
 from camtools.base.errors import CamtoolsError, shown
 from camtools.link.convergence import Lessons
 from camtools.link.strobe import Samples
-from camtools.panel.access.visitor import Visitor
 from camtools.panel.orders.command_log import CommandLog
 from camtools.panel.orders.commander import Commander
 from camtools.panel.orders.jog_press import Presses
@@ -30,9 +29,9 @@ from camtools.panel.orders.order import Order, Outcome
 from camtools.panel.orders.order_rules import ATTENDED, RULES, URGENT, checked
 from camtools.panel.orders.parameter_set import ParameterSet
 from camtools.panel.orders.snapshot import Snapshot
+from camtools.panel.orders.visitor import Visitor
 
 BACK_S = 0.5  # what comes so soon behind a lost connection may have been pressed long ago
-NO_TOKEN = "orders need the token; enter it above"
 NOT_YOU = "you do not command; take the command first"
 BACK = "the connection was lost meanwhile; look, and press again"
 
@@ -100,16 +99,13 @@ class ControllerService:
             outcome = await self._done(order, visitor)
         except CamtoolsError as error:
             outcome = Outcome(False, str(error))
-        if not visitor.has_token:
-            self._log.add_refused(visitor, order.name, outcome)
-        else:
-            self._log.add(visitor, order.name, _told(order.arguments), outcome)
+        self._log.add(visitor, order.name, _told(order.arguments), outcome)
         return outcome
 
     async def take_over(self, visitor: Visitor) -> Outcome:
         """Let a visitor command, here and over the controller, whoever has that now."""
         outcome = self._commander.take_over(visitor)
-        if not outcome.is_done or self.snapshot().has_command:
+        if self.snapshot().has_command:
             return outcome
         taken = await self._give(Order("take_over"), {}, visitor)
         self._log.add(visitor, "take_over", {}, taken)
@@ -139,8 +135,6 @@ class ControllerService:
 
     def _refusal(self, name: str, visitor: Visitor) -> str:
         """Return why a visitor may not give an order, "" when he may."""
-        if not visitor.has_token:
-            return NO_TOKEN
         if name in URGENT:
             return ""
         if self._commander.holder is not visitor:

@@ -6,10 +6,10 @@ let go, a page that is gone or no longer commands: each ends the press for good,
 which were kept back on the way and come in one heap move nothing. What was under way for longer
 than 250 ms is known by the browser's own clock, and counts as nothing.
 
->>> from camtools.panel.access.visitor import Visitor
+>>> from camtools.panel.orders.visitor import Visitor
 >>> now = [0.0]
 >>> presses = Presses(clock=lambda: now[0])
->>> visitor = Visitor("v1", "127.0.0.1", True)
+>>> visitor = Visitor("v1")
 >>> press = presses.begin(visitor, 1, 5000.0)
 >>> press.is_alive()
 True
@@ -26,7 +26,7 @@ from collections.abc import Callable
 from weakref import WeakKeyDictionary
 
 from camtools.base.errors import CamtoolsError
-from camtools.panel.access.visitor import Visitor
+from camtools.panel.orders.visitor import Visitor
 
 SILENT_S = 0.25
 LATE_S = 0.25

@@ -5,7 +5,7 @@ An urgent job breaks off the one that runs, wherever it waits for a frame, and t
 dropped. A job that is attended ends likewise when its visitor may not give it any more.
 While no controller is heard the bus is closed and opened again, once a second.
 
->>> job = Job("start", {}, Visitor("v1", "127.0.0.1"))
+>>> job = Job("start", {}, Visitor("v1"))
 >>> job.tell(False, "busy")
 >>> job.tell(True, "start: engaging")
 >>> job.told.result()
@@ -32,11 +32,11 @@ from camtools.link.parameters import INFOS
 from camtools.link.refusal_text import ask_done
 from camtools.link.rights import CommandHeld, May, sender_of
 from camtools.link.strobe import Samples, Strobe
-from camtools.panel.access.visitor import Visitor
 from camtools.panel.orders.execute_order import ACTIONS
 from camtools.panel.orders.order import Outcome
 from camtools.panel.orders.parameter_set import ParameterSet, parameter_set
 from camtools.panel.orders.snapshot import NO_SAMPLES, SILENT, Snapshot, snapshot_of
+from camtools.panel.orders.visitor import Visitor
 
 LOOK_S = 0.02  # longest wait before the next job is looked for
 SHOW_S = 0.05  # between two snapshots

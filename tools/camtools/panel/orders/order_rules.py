@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The orders that the panel knows: their arguments, and what right each needs.
 
-Every order needs the token, and all but those of `URGENT` the command: whoever may command at all
-may end what moves, at once. Numbers are in the unit of their name.
+All but those of `URGENT` need the command: every page may end what moves, at once. Numbers are in
+the unit of their name.
 
 >>> RULES["step"].arguments["mm"] is float
 True

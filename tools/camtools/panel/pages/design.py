@@ -15,7 +15,6 @@ from typing import Any
 from nicegui import background_tasks, events, ui
 
 from camtools.base.errors import CamtoolsError
-from camtools.panel.access.visitor import Visitor
 from camtools.panel.context import AppContext
 from camtools.panel.design.draft import Draft
 from camtools.panel.design.fields import FormField
@@ -23,14 +22,14 @@ from camtools.panel.design.part_library import EXAMPLE, OWN
 from camtools.panel.design_service import DesignService, design_service_of
 from camtools.panel.dialogs import confirmed
 from camtools.panel.operate.file_button import file_button
+from camtools.panel.orders.visitor import Visitor
 from camtools.panel.page_frame import framed
 from camtools.panel.pages.design_cut import CutView
 from camtools.panel.pages.design_form import FormView
 from camtools.panel.pages.design_preview import PreviewView
-from camtools.panel.pages.reports import add_reports
 from camtools.panel.runs.options import RunOptions
 
-STYLE = '<link rel="stylesheet" href="/panel/design.css">'
+STYLE = '<link rel="stylesheet" href="panel/design.css">'
 _FIRST = "perkins240"
 # CodeMirror's own elements have no name and take no focus of those who only look.
 _NAME_EDITOR = """(async () => {
@@ -89,28 +88,23 @@ class DesignPage:
             self._name = ui.input("save as").props("data-testid=save-name")
             for one in (self._sources, self._parts, self._name):
                 one.props("dense outlined options-dense").classes("bar-field")
-            save = ui.button("Save", icon="save", on_click=self._save).props("data-testid=save")
+            ui.button("Save", icon="save", on_click=self._save).props("data-testid=save")
             undo = ui.button(icon="undo", on_click=lambda: self._step(self._draft.undo))
             redo = ui.button(icon="redo", on_click=lambda: self._step(self._draft.redo))
             undo.props('aria-label="undo" data-testid=undo')
             redo.props('aria-label="redo" data-testid=redo')
             download = ui.button("Download", icon="download", on_click=self._download)
             download.props("flat data-testid=download")
-            with ui.row() as upload:
+            with ui.row():
                 file_button(
                     "Upload", ".toml,.csv", _MAX_UPLOAD_BYTES, "part-upload", self._upload_later
                 )
-            upload.bind_visibility_from(self._visitor, "has_token")
-            for button in (save, undo, redo):
-                button.bind_enabled_from(self._visitor, "has_token")
-            self._name.bind_enabled_from(self._visitor, "has_token")
         self._list_parts()
 
     def _editors(self) -> None:
         with ui.tabs().props("dense align=left") as tabs:
             text = ui.tab("text").props("data-testid=tab-text")
             form = ui.tab("form").props("data-testid=tab-form")
-            form.bind_visibility_from(self._visitor, "has_token")  # who looks reads the text
         with ui.tab_panels(tabs, value=text, animated=False, keep_alive=True).classes("full-width"):
             with ui.tab_panel(text).classes("q-pa-none"):
                 self._editor = (
@@ -119,7 +113,6 @@ class DesignPage:
                     .classes("part-editor")
                     .props("data-testid=editor")
                 )
-                self._editor.bind_enabled_from(self._visitor, "has_token")
                 name = _NAME_EDITOR % self._editor.id
                 ui.context.client.on_connect(lambda client: client.run_javascript(name))
             with ui.tab_panel(form).classes("q-pa-sm form-panel"):
@@ -130,8 +123,6 @@ class DesignPage:
             .props('role="status"')
             .props("data-testid=problems")
         )
-        note = ui.label("viewing only: changes, saving and cutting need the token").classes("note")
-        note.bind_visibility_from(self._visitor, "has_token", backward=lambda has: not has)
 
     def _list_parts(self) -> None:
         library, source = self._designs.library, str(self._sources.value)
@@ -175,16 +166,10 @@ class DesignPage:
         self._seat.preview(self._draft.text, folder, self._height_mm)
 
     def _typed(self, event: events.ValueChangeEventArguments[str]) -> None:
-        if self._is_showing or self._refused("edit"):
+        if self._is_showing:
             return
         self._draft.change(event.value or "", time.monotonic())
         self._ask()
-
-    def _refused(self, what: str) -> bool:
-        problem = self._designs.may(self._visitor, what)
-        if problem:
-            ui.notify(problem, type="negative")
-        return bool(problem)
 
     async def _form_changed_now(self, field: FormField, value: Any) -> None:  # noqa: ANN401
         async with self._changes:  # each change begins with the text of the one before
@@ -199,13 +184,11 @@ class DesignPage:
                 self._show_text()
 
     def _form_changed(self, field: FormField, value: Any) -> None:  # noqa: ANN401 (of TOML)
-        if not self._refused("edit"):
-            background_tasks.create(self._form_changed_now(field, value))
+        background_tasks.create(self._form_changed_now(field, value))
 
     def _step(self, step: Any) -> None:  # noqa: ANN401 (undo or redo)
-        if not self._refused("edit"):
-            step()
-            self._show_text()
+        step()
+        self._show_text()
 
     def _height_chosen(self, height_mm: float) -> None:
         self._height_mm = height_mm
@@ -240,8 +223,6 @@ class DesignPage:
 
     async def _save(self) -> None:
         """Save the text under a name; a part that is there is replaced when that is confirmed."""
-        if self._refused("save"):
-            return
         library, name = self._designs.library, str(self._name.value or "").strip()
         try:
             replaces = library.has(name)
@@ -274,8 +255,7 @@ class DesignPage:
         ui.download.content(self._draft.text.encode("utf-8"), f"{name}.toml")
 
     def _upload_later(self, data: bytes, file: str) -> None:
-        if not self._refused("upload"):
-            background_tasks.create(self._uploaded(data, file))
+        background_tasks.create(self._uploaded(data, file))
 
     async def _uploaded(self, data: bytes, file: str) -> None:
         """Keep a file that somebody brings, and open it when it is a part."""
@@ -319,7 +299,6 @@ class DesignPage:
 def add(context: AppContext) -> None:
     """Register the page."""
     designs = design_service_of(context)
-    add_reports(designs)
 
     @ui.page("/design", title="camturn: design")
     def design() -> None:

@@ -17,12 +17,12 @@ from nicegui import ui
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.readable import duration_text
-from camtools.panel.access.visitor import Visitor
 from camtools.panel.design.part_library import checked_name
 from camtools.panel.design_service import DesignService
 from camtools.panel.operate.file_button import file_button
+from camtools.panel.orders.visitor import Visitor
 from camtools.panel.runs.options import OF_THE_PART, RunOptions
-from camtools.panel.runs.store import DONE, OWN, RUNNING, WAITING, Run
+from camtools.panel.runs.store import DONE, OWN, RUNNING, WAITING
 
 _SHOW_S = 0.25
 _MAX_MACHINE_BYTES = 100_000
@@ -34,11 +34,6 @@ def time_left_text(gone_s: float, whole_s: float | None) -> str:
     if whole_s is None:
         return gone
     return f"{gone}, about {duration_text(max(1.0, round(whole_s - gone_s)))} left"
-
-
-def report_url(run: Run) -> str:
-    """Return where the report of a run is served."""
-    return f"/reports/{run.place}/{run.name}/report.html"
 
 
 class CutView:
@@ -64,8 +59,6 @@ class CutView:
             self._stop = ui.button(
                 "End the simulation", icon="cancel", on_click=self._stop_run
             ).props('data-testid="cut-stop"')
-            for one in (self._button, self._stop):
-                one.bind_enabled_from(visitor, "has_token")
         self._bar = (
             ui.linear_progress(value=0, show_value=False)
             .props('aria-label="progress of the cut"')
@@ -101,7 +94,7 @@ class CutView:
         self._learns = ui.switch("learning", value=True).props("data-testid=cut-learns")
         with self._learns:
             ui.tooltip("off: the controller does not learn, even if it measures U")
-        with ui.row() as upload:
+        with ui.row():
             file_button(
                 "Machine file",
                 ".toml",
@@ -109,7 +102,6 @@ class CutView:
                 "cut-machine-upload",
                 self._take_machine,
             )
-        upload.bind_visibility_from(self._visitor, "has_token")
 
     def _machines(self) -> dict[str, str]:
         names = self._designs.machine_names()
@@ -117,9 +109,6 @@ class CutView:
 
     def _take_machine(self, data: bytes, file: str) -> None:
         """Keep a machine file of one's own."""
-        if problem := self._designs.may(self._visitor, "machine upload"):
-            ui.notify(problem, type="negative")
-            return
         try:
             name = checked_name(file.removesuffix(".toml"))
             self._designs.keep_machine(name, data)
@@ -140,9 +129,6 @@ class CutView:
         )
 
     async def _start(self) -> None:
-        if problem := self._designs.may(self._visitor, "cut"):
-            ui.notify(problem, type="negative")
-            return
         try:
             options = self._options()
             self._mine = await self._cut(options)
@@ -154,9 +140,6 @@ class CutView:
         self.show()
 
     def _stop_run(self) -> None:
-        if problem := self._designs.may(self._visitor, "stop a run"):
-            ui.notify(problem, type="negative")
-            return
         queue = self._designs.queue
         running = queue.running.name if queue.running else ""
         name = self._mine if self._mine in (running, *queue.waiting) else running
@@ -202,7 +185,7 @@ class CutView:
             return
         if run.status == DONE:
             self._state.text = f"{run.name}: {run.verdict}, {run.options.text()}"
-            self._frame.props["src"] = report_url(run)
+            self._frame.props["src"] = self._designs.report_address(run.key)
             self._frame.update()
             self._frame.set_visibility(run.has_report)
         else:

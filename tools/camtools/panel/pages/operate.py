@@ -18,7 +18,7 @@ Marks for tests are attributes `data-testid`:
   `drive-report`, `drive-picture`, `drive-problem`
 - rights: `level`, `do-unlock`, `do-lock`
 - parameters: `params`, `params-search`, `param-value`, `param-set`, `params-file`, `params-load` ..
-- `log`, `help`, `help-open`, `help-close`, `keys-on`; token and command are in the frame
+- `log`, `help`, `help-open`, `help-close`, `keys-on`; command is in the frame
 
 >>> FAST_S, SLOW_S, UNSEEN_S
 (0.08, 0.5, 2.0)
@@ -29,7 +29,6 @@ from __future__ import annotations
 from nicegui import ui
 from nicegui.events import GenericEventArguments, KeyEventArguments
 
-from camtools.panel.access.visitor import Visitor
 from camtools.panel.context import AppContext
 from camtools.panel.operate.command_card import AdjustCard, CommandCard
 from camtools.panel.operate.error_card import ErrorCard
@@ -45,6 +44,7 @@ from camtools.panel.operate.params_card import ParamsCard
 from camtools.panel.operate.progress_card import ProgressCard
 from camtools.panel.operate.state_bar import StateBar
 from camtools.panel.operate.table_card import TableCard
+from camtools.panel.orders.visitor import Visitor
 from camtools.panel.page_frame import STATIC, framed
 from camtools.panel.views.missing import way_on
 

@@ -15,10 +15,10 @@ from typing import Any
 from nicegui import ui
 
 from camtools.base.errors import CamtoolsError
-from camtools.panel.access.visitor import Visitor
 from camtools.panel.context import AppContext
 from camtools.panel.design_service import DesignService, design_service_of
 from camtools.panel.dialogs import confirmed
+from camtools.panel.orders.visitor import Visitor
 from camtools.panel.page_frame import framed
 from camtools.panel.pages.design import STYLE
 from camtools.panel.pages.runs_comparison import MOST_COMPARED, ComparisonView
@@ -70,14 +70,12 @@ class RunsPage:
             ui.button("Compare", icon="compare_arrows", on_click=self._compare).props(
                 'data-testid="compare"'
             )
-            stop = ui.button("End the simulation", icon="cancel", on_click=self._stop).props(
+            ui.button("End the simulation", icon="cancel", on_click=self._stop).props(
                 'data-testid="stop-run"'
             )
-            remove = ui.button("Remove", icon="delete", on_click=self._remove).props(
+            ui.button("Remove", icon="delete", on_click=self._remove).props(
                 'data-testid="remove-runs"'
             )
-            for one in (stop, remove):
-                one.bind_enabled_from(visitor, "has_token")
             self._state = ui.label("").props('role="status"')
         self._table = (
             ui.table(columns=columns, rows=[], row_key="key", selection="multiple", pagination=12)
@@ -124,16 +122,13 @@ class RunsPage:
         self._comparison.clear()
         with self._comparison:
             waits = ui.spinner(size="lg")
-        view = ComparisonView(runs)
+        view = ComparisonView(runs, self._designs.report_address)
         await asyncio.to_thread(view.read)
         waits.delete()
         with self._comparison:
             view.show()
 
     def _stop(self) -> None:
-        if problem := self._designs.may(self._visitor, "stop a run"):
-            ui.notify(problem, type="negative")
-            return
         queue = self._designs.queue
         running = [] if queue.running is None else [queue.running.name]
         picked = [key.removeprefix("own/") for key in self._picked()]
@@ -143,9 +138,6 @@ class RunsPage:
             self._designs.note(self._visitor, "stop a run", {"run": name}, "asked to stop")
 
     async def _remove(self) -> None:
-        if problem := self._designs.may(self._visitor, "remove runs"):
-            ui.notify(problem, type="negative")
-            return
         keys = self._picked()
         if not keys:
             ui.notify("pick the runs in the table", type="warning")

@@ -7,7 +7,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from nicegui import run as background
 from nicegui import ui
@@ -40,10 +40,12 @@ class ComparisonView:
     ----------
     runs : sequence of Run
         The first one is what the others are compared with.
+    report_address : callable
+        returns where the report of a run with a key is served
     """
 
-    def __init__(self, runs: Sequence[Run]) -> None:
-        self._runs = list(runs)
+    def __init__(self, runs: Sequence[Run], report_address: Callable[[str], str]) -> None:
+        self._runs, self._report_address = list(runs), report_address
         self._names = [run.name for run in runs]
         self._curves: list[ErrorCurves | None] = []
         self._ends_mm = (0.0, 1.0)
@@ -148,7 +150,7 @@ class ComparisonView:
 
         def chosen(event: ValueChangeEventArguments[str | None]) -> None:
             frame.set_visibility(bool(event.value))
-            frame.props["src"] = f"/reports/{event.value}/report.html" if event.value else ""
+            frame.props["src"] = self._report_address(event.value) if event.value else ""
 
         ui.toggle(there, clearable=True, on_change=chosen).props("no-caps data-testid=reports")
         frame = ui.element("iframe").classes("report-frame").props("data-testid=report")

@@ -1,1 +1,0 @@
-"""Who may see the panel and command it: token, connections, requests, pages."""
