@@ -115,12 +115,12 @@ def check_reports(page: Page) -> None:
     """Look at the reports one after the other: never more than the chosen one is loaded."""
     asked: list[str] = []
     page.on("request", lambda one: asked.append(one.url))
-    frame, loaded = page.get_by_test_id("report"), page.locator("iframe[src^='/reports']")
+    frame, loaded = page.get_by_test_id("report"), page.locator("iframe[src*='/own/']")
     expect(frame).to_be_hidden()
     expect(loaded).to_have_count(0)
     for i, button in enumerate(page.get_by_test_id("reports").get_by_role("button").all()):
         button.click()
-        expect(frame).to_have_attribute("src", re.compile(rf"/reports/own/.*-00{i + 1}/"))
+        expect(frame).to_have_attribute("src", re.compile(rf"/own/.*-00{i + 1}/"))
         expect(frame.content_frame.locator("#error-map .main-svg").first).to_be_visible()
         expect(loaded).to_have_count(1)
-    assert len([url for url in asked if "/reports/" in url]) == 2
+    assert len([url for url in asked if "/own/" in url]) == 2

@@ -76,7 +76,7 @@ def test_everything_tried_is_in_the_log(seat: Seat) -> None:
     assert "not a cam table" in newest["outcome"] and newest["time"].endswith(" UTC")
     seat.commander.take_over(seat.other)
     assert last(seat) == ("other", "take_over", True)
-    assert seat.commander.news(seat.boss).startswith("other at 127.0.0.1 took over command at")
+    assert seat.commander.news(seat.boss).startswith("page other took over command at")
     assert "do not command" in seat.refused("enable")
     seat.commander.lose(seat.other)
     assert last(seat) == ("other", "lose", True) and seat.commander.holder is None

@@ -11,6 +11,7 @@ camtools.base.errors.CamtoolsError: --token-file nosuch: No such file or directo
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import secrets
 import socket
@@ -58,7 +59,7 @@ def _port(text: str) -> int:
 def _host(text: str) -> str:
     if not _HOST.fullmatch(text):
         raise argparse.ArgumentTypeError(f"{text}: give a name such as lathe.example, without port")
-    return text
+    return text.lower()
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -137,7 +138,8 @@ def _open_socket(port: int) -> socket.socket:
     try:
         return socket.create_server((_LOOPBACK, port))
     except OSError as error:
-        problem = f"{_LOOPBACK} port {port}: {error.strerror}; give another --port"
+        reason = os.strerror(error.errno or 0)  # create_server() adds the address to strerror
+        problem = f"{_LOOPBACK} port {port}: {reason}; give another --port"
         raise CamtoolsError([problem]) from error
 
 

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who reaches the panel: pages of its own in browsers that have the token, and nobody else.
+"""Access to the panel: only its own pages, in browsers that have the token.
 
-Every path begins with the token, or with the key by which reports are shown, which opens nothing
-else. A page of another site knows neither; should it learn the token, the header Origin gives it
-away. Starlette's TrustedHostMiddleware refuses names that were made to point at this computer (DNS
-rebinding).
+Every path begins with the token, or with the key that opens reports and nothing else. A page of
+another site knows neither; if it learns the token, its Origin is refused. Starlette's
+TrustedHostMiddleware refuses names that were made to point at this computer (DNS rebinding).
 
->>> [one.cls.__name__ for one in middleware(["token"], [])]
+>>> [layer.cls.__name__ for layer in middleware(["token"], [])]
 ['TrustedHostMiddleware', 'KeyGate']
 """
 
@@ -23,12 +22,12 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 
 def middleware(keys: Collection[str], proxy_hosts: Collection[str]) -> list[Middleware]:
-    """Return what every request and websocket passes first.
+    """Return the middleware that checks every request and websocket.
 
     Parameters
     ----------
     keys : collection of str
-        with which a path may begin
+        a path begins with a key
     proxy_hosts : collection of str
         names by which browsers reach the panel through reverse proxies
     """
@@ -40,7 +39,7 @@ def middleware(keys: Collection[str], proxy_hosts: Collection[str]) -> list[Midd
 
 
 class KeyGate:
-    """Refuses paths without a key, and what pages of other origins send."""
+    """Refuses paths without a key, and requests from pages of other origins."""
 
     def __init__(self, app: ASGIApp, keys: Collection[str]) -> None:
         self._app, self._keys = app, [key.encode() for key in keys]
@@ -79,9 +78,9 @@ class KeyGate:
 
 
 def _policy(host: str) -> str:
-    """Return the content security policy of a page: it loads from here, and sends to here only.
+    """Return the content security policy of a page: it loads from and sends to the panel only.
 
-    NiceGUI has scripts in the page and compiles templates in the browser.
+    NiceGUI puts scripts into the page and compiles templates in the browser.
     """
     return (
         "default-src 'none'; script-src 'self' 'unsafe-inline' 'unsafe-eval'; "

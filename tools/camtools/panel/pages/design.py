@@ -31,7 +31,7 @@ from camtools.panel.runs.options import RunOptions
 
 STYLE = '<link rel="stylesheet" href="panel/design.css">'
 _FIRST = "perkins240"
-# CodeMirror's own elements have no name and take no focus of those who only look.
+# CodeMirror's own elements have no name, and its frame scrolls but takes no focus.
 _NAME_EDITOR = """(async () => {
     const frame = getElement(%d);
     await frame.editorPromise;
