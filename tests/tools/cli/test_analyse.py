@@ -9,9 +9,8 @@ from pathlib import Path
 import pytest
 
 from camtools.cli.analyse import main, skirt_products
+from camtools.papers.section import AnalysisWishes, make_analysis, notes, summary
 from camtools.skirt.part.part_file import SkirtPart
-from camtools.study.section import AnalysisWishes, make_analysis
-from camtools.study.section_text import notes, summary
 from tests.tools.cases.maths_tables import TABLE_1, TABLE_4
 from tests.tools.cases.part_cases import PERKINS, ROOT, load_part
 

@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from camtools.cli.scallop import main
 from camtools.cut.path import ToolPath, ramp_of
+from camtools.papers.paths import PathCut, PathStudy, cut_paths
 from camtools.part.common import MachineLimits
 from camtools.skirt.geometry.skirt_geometry import make_geometry
-from camtools.study.path import PathStudy
-from camtools.study.path_cut import PathCut, cut_paths, predicted_scallop_um, read_scallop
 from tests.tools.cases.camsim_cases import camsim, columns_of, only_error
 from tests.tools.cases.part_cases import ROOT, load_part
 
@@ -101,9 +100,9 @@ def short(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def measured(short: Path, tmp_path_factory: pytest.TempPathFactory) -> Measured:
+def measured(short: Path) -> Measured:
     """Cut the part along all three paths at its own 500 r/min."""
-    return cut_paths(load_part(short), NOSE_MM, tmp_path_factory.mktemp("paths"))
+    return cut_paths(load_part(short), NOSE_MM)
 
 
 # Half a spacing d of tracks that are e off leaves d e / nose more or less; the form error is added
@@ -119,7 +118,7 @@ def test_scallops_are_the_predicted_ones(measured: Measured) -> None:
     """At every angle, within what Z's error, the form error and the map's spacing come to."""
     _, (ring, half, same) = measured
     for one, z_um in ((ring, z_error_um(500, ring.row.path)), (half, 0.0), (same, 0.0)):
-        off_um = np.abs(one.scallop_um - predicted_scallop_um(one.row))
+        off_um = np.abs(one.scallop_um - one.predicted_um)
         assert off_um.max() <= scallop_error_um(one, z_um)
     assert scallop_error_um(ring, z_error_um(500, ring.row.path)) < 0.19
     assert scallop_error_um(half, 0.0) < 0.04
@@ -151,7 +150,7 @@ def test_map_is_that_of_the_exact_tracks(table_of: Callable[[str], Path], tmp_pa
     assert camsim("run", table_of("perkins240"), *words).returncode == 0
     geometry = make_geometry(load_part(PART))
     first = np.genfromtxt(out, delimiter=",", names=True, max_rows=401)
-    z_mm, proud_um = first["z_mm"], read_scallop(out)[0]
+    z_mm, proud_um = first["z_mm"], first["proud_um"]
     assert (z_mm[0], z_mm[-1]) == pytest.approx((30.8, 31.2))
     # Ramped up over two turns, the helix lags by one: at the long axis the tracks are whole feeds.
     tracks = np.arange(28.0, 34.0, 0.1)

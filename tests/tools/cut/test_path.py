@@ -6,12 +6,12 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.cut.path import LEAST_RAMP, ToolPath, highest_rpm, largest_feed_mm, ramp_of, step_of
+from camtools.papers.paths import make_study, study_csv
 from camtools.part.common import MachineLimits
 from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import generate
 from camtools.skirt.tool.turning import path_of
-from camtools.study.path import csv, make_study
 from camtools.table.image import pack, unpack
 from tests.tools.cases.cut_cases import geometry_of_part
 from tests.tools.cases.part_cases import PERKINS, parse_part
@@ -240,8 +240,8 @@ def test_step_is_the_quickest_within_the_limits() -> None:
 def test_analysis_has_the_steps_beside_the_paths() -> None:
     """Time, speed and acceleration of Z, scallop and edge of the Perkins skirt at 500 r/min."""
     study = make_study(0.0, 62.0, 0.1, 500.0, 0.8, MachineLimits())
-    *_, row = csv(study, 0.0062619048).splitlines()
-    words = dict(zip(csv(study, 0.0).splitlines()[0].split(","), row.split(","), strict=True))
+    *_, row = study_csv(study, 0.0062619048).splitlines()
+    words = dict(zip(study_csv(study, 0.0).splitlines()[0].split(","), row.split(","), strict=True))
     assert words["path"] == '"stepped"'
     assert float(words["turns"]) == 621
     assert float(words["time_s"]) == pytest.approx(621 * 60 / 500)

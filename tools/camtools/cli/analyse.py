@@ -14,19 +14,17 @@ from pathlib import Path
 import numpy as np
 
 from camtools.base.command import Parser, run_command
+from camtools.base.csv_text import csv_text
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import emit_json
 from camtools.base.output import write_all
 from camtools.lobe.part import LobePart
+from camtools.papers import lobe, paths, refit, section
+from camtools.papers.lobe import LobeWishes
+from camtools.papers.section import Analysis, AnalysisWishes, make_analysis
 from camtools.pipeline.load import load_able
+from camtools.plots.panels import Drawers, pictures
 from camtools.skirt.part.part_file import SkirtPart
-from camtools.study.lobe import LobeWishes, lobe_figures, lobe_table, lobe_text, study_lobes
-from camtools.study.path import csv, make_study
-from camtools.study.refit import candidates_csv, comparison_csv, study
-from camtools.study.refit import notes as refit_notes
-from camtools.study.section import Analysis, AnalysisWishes, make_analysis
-from camtools.study.section_tables import all_tables
-from camtools.study.section_text import figures, notes, summary
 
 _DRAWN_DEG = 0.25  # step of the curves of a cam
 
@@ -120,30 +118,26 @@ def _wishes(arguments: argparse.Namespace) -> AnalysisWishes:
 
 
 def _files(found: Analysis, nose_mm: float, *, with_pictures: bool) -> dict[str, bytes]:
-    texts = all_tables(found) | {"notes.md": notes(found)}
-    texts["analysis.json"] = emit_json(figures(found))
+    texts = section.table_files(found) | {"notes.md": section.notes(found)}
+    texts["analysis.json"] = emit_json(section.figures(found))
     ends = found.geometry.z_first_mm, found.geometry.z_last_mm
     limits = found.part.machine.limits
-    paths = make_study(*ends, found.feed_mm, found.rpm, nose_mm, limits)
+    study = paths.make_study(*ends, found.feed_mm, found.rpm, nose_mm, limits)
     slope = np.abs(found.geometry.radius_mm(np.linspace(*ends, 2001), 1)).max()
-    texts["paths.csv"] = csv(paths, float(slope))
-    pictures: dict[str, bytes] = {}
-    if with_pictures:
-        from camtools.study.path_plots import draw_all as draw_paths
-        from camtools.study.section_plots import draw_all  # matplotlib is slow to load
-
-        pictures = draw_all(found) | draw_paths(found.name, paths)
+    texts["paths.csv"] = paths.study_csv(study, float(slope))
+    drawers = section.drawers(found) | paths.drawers(found.name, study)
     if found.geometry.corner is not None:
-        corner = study(found.geometry.corner, found.height_mm, found.rpm)
-        texts["refit_comparison.csv"] = comparison_csv(corner)
-        texts["refit_candidates.csv"] = candidates_csv(corner)
-        texts["refit_notes.md"] = refit_notes(corner)
-        if with_pictures:
-            from camtools.study.refit_plots import draw_all as draw_refit
-
-            pictures |= draw_refit(corner)
+        joint = found.geometry.corner.joint(found.height_mm)
+        corner = refit.study(joint, found.height_mm, found.rpm)
+        texts |= {f"{key}.csv": csv_text(table) for key, table in refit.tables(corner).items()}
+        texts["refit_notes.md"] = refit.notes(corner)
+        drawers |= refit.drawers(corner)
     files = {name: text.encode("utf-8") for name, text in texts.items()}
-    return files | {f"{topic}.png": png for topic, png in pictures.items()}
+    return files | (_drawn(drawers) if with_pictures else {})
+
+
+def _drawn(drawers: Drawers) -> dict[str, bytes]:
+    return {f"{topic}.png": png for topic, png in pictures(drawers).items()}
 
 
 def lobe_products(
@@ -156,16 +150,14 @@ def lobe_products(
     CamtoolsError
         A wish is out of range, or the part impossible.
     """
-    studies = study_lobes(part, wishes)
-    figures = lobe_figures(part, studies)
-    files = {f"lobe_{one.number}.csv": lobe_table(one).encode("utf-8") for one in studies}
+    studies = lobe.study_lobes(part, wishes)
+    figures = lobe.lobe_figures(part, studies)
+    files = {f"lobe_{one.number}.csv": csv_text(lobe.lobe_columns(one)).encode() for one in studies}
     files["analysis.json"] = emit_json(figures).encode()
     if with_pictures:
-        from camtools.study.lobe_plots import draw_all as draw_lobes
-
-        fine = study_lobes(part, wishes._replace(step_deg=_DRAWN_DEG))
-        files |= {f"{key}.png": png for key, png in draw_lobes(part.part.name, fine).items()}
-    return lobe_text(figures), files
+        fine = lobe.study_lobes(part, wishes._replace(step_deg=_DRAWN_DEG))
+        files |= _drawn(lobe.drawers(part.part.name, fine))
+    return lobe.lobe_text(figures), files
 
 
 def _lobe_wishes(arguments: argparse.Namespace) -> LobeWishes:
@@ -191,7 +183,7 @@ def skirt_products(
     """
     found = make_analysis(part, wishes)
     files = _files(found, wishes.nose_mm, with_pictures=with_pictures)
-    told = summary(found)
+    told = section.summary(found)
     if "refit_notes.md" in files:
         told += "\n" + files["refit_notes.md"].decode("utf-8")
     return told, files

@@ -12,10 +12,11 @@ from pathlib import Path
 
 from camtools.base.command import Parser, run_command
 from camtools.base.output import write_all
-from camtools.papers import corner, helix, lobes, removal
-from camtools.papers.rows import Chapter, page
+from camtools.papers import corner, helix, lobe, removal
+from camtools.papers.comparison import filled, page
 
 PAGE = "papers.md"
+MODULES = (removal, corner, helix, lobe)
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
@@ -30,16 +31,11 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-def chapters() -> list[Chapter]:
-    """Return all papers."""
-    return [removal.chapter(), corner.chapter(), helix.chapter(), lobes.chapter()]
-
-
 def _run(arguments: argparse.Namespace) -> int:
-    found = chapters()
-    files = {name: make() for chapter in found for name, make in chapter.files.items()}
-    write_all(arguments.output, files | {PAGE: page(found).encode("utf-8")})
-    n = sum(len(chapter.rows) for chapter in found)
+    papers = [filled(one.KEY, one.quantities()) for one in MODULES]
+    files = {name: make() for one in MODULES for name, make in one.files().items()}
+    write_all(arguments.output, files | {PAGE: page(papers).encode("utf-8")})
+    n = sum(len(paper.rows) for paper in papers)
     sys.stdout.write(f"{n} figures and tables, {len(files)} files; {PAGE} compares them\n")
     return 0
 

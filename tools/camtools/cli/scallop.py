@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import argparse
 import sys
-import tempfile
 from pathlib import Path
 
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
+from camtools.papers.paths import cut_paths, cuts_csv, cuts_text, draw_scallop
 from camtools.pipeline.load import load_for
+from camtools.plots.panels import pictures
 from camtools.skirt.part.part_file import SkirtPart
-from camtools.study.path_cut import csv, cut_paths, text
 
 _NOSE_MM = (0.01, 100.0)
 _RPM = (1.0, 60_000.0)
@@ -66,20 +66,14 @@ def _part(arguments: argparse.Namespace) -> SkirtPart:
 
 def _run(arguments: argparse.Namespace) -> int:
     part = _part(arguments)
-    with tempfile.TemporaryDirectory(prefix="camturn-scallop.") as folder:
-        try:
-            study, cuts = cut_paths(part, arguments.nose_mm, Path(folder))
-        except CamtoolsError as error:
-            raise CamtoolsError([f"{arguments.part}: {line}" for line in error.lines]) from error
-    from camtools.study.path_cut_plots import draw_measured  # matplotlib is slow to load
-
-    name = part.part.name
-    files = {
-        "scallop.csv": csv(cuts).encode("utf-8"),
-        "scallop.png": draw_measured(name, study, cuts),
-    }
+    try:
+        study, cuts = cut_paths(part, arguments.nose_mm)
+    except CamtoolsError as error:
+        raise CamtoolsError([f"{arguments.part}: {line}" for line in error.lines]) from error
+    drawn = pictures({"scallop.png": lambda: draw_scallop(part.part.name, study, cuts)})
+    files = {"scallop.csv": cuts_csv(cuts).encode("utf-8")} | drawn
     write_all(arguments.output, files)
-    sys.stdout.write(text(cuts))
+    sys.stdout.write(cuts_text(cuts))
     return 0
 
 

@@ -60,6 +60,9 @@ class Result:
         Tick by tick, fields as in `host_sim/results/sim_tables.c`; `state` is the number of the
         controller's state in `firmware/base/cam_state.h`, masks are numbers. Empty if none was
         asked for.
+    scallop : ndarray, shape (n,)
+        Map of the surface between the tracks, fields turn, z_mm and proud_um. Empty if none was
+        asked for.
     summary_text : str
         The summary file of `camsim run`.
     """
@@ -68,6 +71,7 @@ class Result:
     message: str
     surface: Rows
     trace: Rows
+    scallop: Rows
     summary_text: str
 
     def __repr__(self) -> str:
@@ -128,6 +132,7 @@ def simulate(
     set: Mapping[str, int] | None = None,
     seed: int = 1,
     trace: bool = False,
+    scallop: bool = False,
     options: Sequence[str] = (),
     progress: Callable[[float], None] | None = None,
 ) -> Result:
@@ -150,6 +155,8 @@ def simulate(
         Parameters of the controller, by their names in `firmware/param/cam_param.h`.
     trace : bool
         Keep every tick: 300 bytes each.
+    scallop : bool
+        Map the surface between the tracks; `options` then hold `--nose-mm`.
     options : list of str
         Any others of `camsim run --help`, such as `["--inject", "estop@0.5"]`.
     progress : callable, optional
@@ -170,6 +177,7 @@ def simulate(
     ]
     words = [str(table), *_words(rpm, feed, turns), "--seed", str(seed), *settings, *options]
     words += ["--surface", "surface", *(["--trace", "trace"] if trace else [])]
+    words += ["--scallop", "scallop"] if scallop else []
     begin_s = time.monotonic()
     with _in_own_words(options), ONE_AT_A_TIME, SimSession() as session:
         chosen = _machine(machine)
@@ -179,5 +187,7 @@ def simulate(
             if progress is not None:
                 progress(session.progress())
         ending = session.finish(time.monotonic() - begin_s)
-        surface, rows = (session.take(name).rows() for name in ("surface", "trace"))
-    return Result(ending.status, ending.message, surface, rows, ending.summary_text)
+        surface, rows, left = (
+            session.take(name).rows() for name in ("surface", "trace", "scallop")
+        )
+    return Result(ending.status, ending.message, surface, rows, left, ending.summary_text)

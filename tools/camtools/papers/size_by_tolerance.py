@@ -40,7 +40,7 @@ def row(part: SkirtPart, tolerance_nm: float) -> str:
 def main(argv: list[str]) -> int:
     """Print the table for the part file given; return the exit status."""
     if len(argv) != 1:
-        sys.stderr.write("usage: python -m camtools.study.size_by_tolerance PART.toml\n")
+        sys.stderr.write("usage: python -m camtools.papers.size_by_tolerance PART.toml\n")
         return 2
     try:
         part = load_for("trade", SkirtPart, Path(argv[0]))

@@ -1,0 +1,222 @@
+"""The refit of a corner: cubic, quintic, points left out, beside the paper's own numbers.
+
+The numbers of the paper stand beside ours only for the section it is about, MATHS.md (14) .. (17).
+
+>>> from camtools.skirt.geometry.composite import Joint
+>>> found = study(Joint(45.46, 0.38, 0.4, np.radians(48.0)), 40.0, 800.0)
+>>> found.is_papers, quantities(found)["within"]
+(True, '[(1, 1), (2, 2), (3, 3)]')
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.interpolate import PPoly
+
+from camtools.base.csv_text import Columns
+from camtools.base.quantities import Floats, omega_rad_s
+from camtools.papers.chart import draw_table
+from camtools.papers.comparison import notes as declared_notes
+from camtools.papers.comparison import printed
+from camtools.plots.panels import around, plane, side_by_side
+from camtools.plots.style import BLUE, GREEN, GREY, ORANGE
+from camtools.skirt.geometry.composite import Joint
+from camtools.skirt.geometry.refit import (
+    PAPER_JERK_LIMIT_MM_S3,
+    Recipe,
+    RefitCandidate,
+    ellipse_steps,
+    judge,
+    judge_all,
+    refit,
+)
+
+CUBIC, QUINTIC = Recipe("cubic", 0, 0, "as-paper"), Recipe("quintic", 0, 0, "as-paper")
+DELETED, MIRRORED = Recipe("quintic", 3, 3, "as-paper"), Recipe("quintic", 3, 3, "mirror")
+VARIANTS = {
+    "cubic": CUBIC,
+    "quintic": QUINTIC,
+    "quintic, (3, 3) deleted": DELETED,
+    "quintic, (3, 3) deleted, mirror ends": MIRRORED,
+}
+_PAPER = (0.38, 0.4, 48.0, 800.0)  # ovality, trim [mm], joint [degrees], speed [r/min]
+_PAPER_DIAMETER_MM, _NEAR_MM = 90.929096914, 0.2
+_ROOM_DEG, _ENLARGED = 12.0, 60.0  # beside the joint; of the reduction in the section
+
+
+class Study(NamedTuple):
+    """The refits of a section at a speed."""
+
+    joint: Joint
+    height_mm: float
+    spindle_rpm: float
+    is_papers: bool  # the paper calculates with this section
+    variants: tuple[RefitCandidate, ...]  # as VARIANTS
+    as_paper: tuple[RefitCandidate, ...]  # as CANDIDATES
+    mirror: tuple[RefitCandidate, ...]
+
+    @property
+    def tail_jerk_mm_s3(self) -> Floats:
+        """Return the largest jerk beyond the corner of the 16 deletions."""
+        return np.array([one.tail_jerk_mm_s3 for one in self.as_paper])
+
+
+def study(joint: Joint, height_mm: float, spindle_rpm: float) -> Study:
+    """Return the study of a section at a speed [r/min]."""
+    joint_deg = float(np.degrees(joint.joint_rad))
+    ours = float(joint.ovality_mm), float(joint.trim_mm), joint_deg, spindle_rpm
+    is_papers = abs(2 * float(joint.a_mm) - _PAPER_DIAMETER_MM) < _NEAR_MM and np.allclose(
+        ours, _PAPER, rtol=0, atol=1e-9
+    )
+    variants = tuple(judge(joint, recipe, spindle_rpm) for recipe in VARIANTS.values())
+    as_paper, mirror = (
+        tuple(judge_all(joint, "quintic", ends, spindle_rpm)) for ends in ("as-paper", "mirror")
+    )
+    return Study(joint, height_mm, spindle_rpm, is_papers, variants, as_paper, mirror)
+
+
+def tables(found: Study) -> dict[str, Columns]:
+    """Return the splines of the paper with the production variant, and all 16 deletions."""
+    ours, paper, mirrored = found.variants, found.as_paper, found.mirror
+    peaks: list[float | None] = [None] * len(ours)
+    jerks: list[float | None] = [None] * len(paper)
+    if found.is_papers:
+        peaks[:2] = printed("S2", "cubic_mm_s2"), printed("S2", "quintic_mm_s2")
+        jerks = printed("S2", "table_1_mm_s3")
+    tail = found.tail_jerk_mm_s3
+    ratios = [a.acceleration_mm_s2 / b if b else None for a, b in zip(ours, peaks, strict=True)]
+    return {
+        "refit_comparison": {
+            "variant": ([f'"{name}"' for name in VARIANTS], ""),
+            "peak_acceleration_mm_s2": ([one.acceleration_mm_s2 for one in ours], ".1f"),
+            "peak_deg": ([one.peak_deg for one in ours], ".2f"),
+            "undershoot_mm_s2": ([one.undershoot_mm_s2 for one in ours], ".1f"),
+            "largest_jerk_mm_s3": ([one.jerk_mm_s3 for one in ours], ".4e"),
+            "deviation_um": ([one.deviation_um for one in ours], ".2f"),
+            "paper_peak_acceleration_mm_s2": (peaks, ".3g"),
+            "ratio_to_paper": (ratios, ".3f"),
+        },
+        "refit_candidates": {
+            "s1": ([one.s1 for one in paper], "d"),
+            "s2": ([one.s2 for one in paper], "d"),
+            "paper_construction_peak_mm_s2": ([one.acceleration_mm_s2 for one in paper], ".0f"),
+            "peak_deg": ([one.peak_deg for one in paper], ".2f"),
+            "jerk_behind_corner_mm_s3": (tail, ".3e"),
+            "deviation_um": ([one.deviation_um for one in paper], ".2f"),
+            "paper_jerk_mm_s3": (jerks, ".3g"),
+            "ratio_to_paper": (
+                [a / b if b else None for a, b in zip(tail, jerks, strict=True)],
+                ".2f",
+            ),
+            "mirror_peak_mm_s2": ([one.acceleration_mm_s2 for one in mirrored], ".0f"),
+            "mirror_deviation_um": ([one.deviation_um for one in mirrored], ".2f"),
+        },
+    }
+
+
+def quantities(found: Study) -> dict[str, Any]:
+    """Return the quantities of the notes and of the paper's rows."""
+    cubic, quintic, deleted, mirrored = found.variants
+    jerks, table = found.tail_jerk_mm_s3, printed("S2", "table_1_mm_s3")
+    ratios = jerks / table
+    peaks = {(one.s1, one.s2): one.acceleration_mm_s2 for one in found.as_paper}
+    is_within = jerks <= PAPER_JERK_LIMIT_MM_S3
+    return {
+        "height_mm": found.height_mm,
+        "rpm": found.spindle_rpm,
+        "corner_mm_rad": float(found.joint.corner_mm_rad()),
+        "cubic_mm_s2": cubic.acceleration_mm_s2,
+        "cubic_deg": cubic.peak_deg,
+        "quintic_mm_s2": quintic.acceleration_mm_s2,
+        "quintic_deg": quintic.peak_deg,
+        "ratio": quintic.acceleration_mm_s2 / cubic.acceleration_mm_s2,
+        "deleted_mm_s2": deleted.acceleration_mm_s2,
+        "deleted_um": deleted.deviation_um,
+        "mirrored_mm_s2": mirrored.acceleration_mm_s2,
+        "mirrored_um": mirrored.deviation_um,
+        "peak_01": peaks[0, 1],
+        "peak_32": peaks[3, 2],
+        "table_1_mm_s3": jerks,
+        "jerk_mm_s3": deleted.tail_jerk_mm_s3,
+        "optimum": str(min(found.as_paper, key=lambda one: one.tail_jerk_mm_s3)[:2]),
+        "factors": (ratios.min(), ratios.max()),
+        "correlation": float(np.corrcoef(np.log10(jerks), np.log10(table))[0, 1]),
+        "within": str([pair for pair, is_in in zip(peaks, is_within, strict=True) if is_in]),
+    }
+
+
+def notes(found: Study) -> str:
+    """Return the results of the study in words and numbers (Markdown)."""
+    return declared_notes("refit", quantities(found), is_papers=found.is_papers)
+
+
+def curve_of(joint: Joint, recipe: Recipe) -> PPoly:
+    """Return the refit of a section."""
+    return refit(joint, recipe, ellipse_steps(float(joint.joint_rad)))
+
+
+def draw_section(joint: Joint, title: str) -> Figure:
+    """Return the section all round, its reduction enlarged, and the reduction over a quarter."""
+    figure, (left, right) = side_by_side(2, title, (10.5, 5))
+    phi, a, corner = np.linspace(0, 2 * np.pi, 2881), float(joint.a_mm), float(joint.joint_rad)
+    quarter = np.abs(np.mod(phi + np.pi / 2, np.pi) - np.pi / 2)
+    drawn = joint.reduction(quarter).delta
+    oval = joint.law.evaluate(quarter, joint.a_mm, joint.ovality_mm).delta
+    circle = joint.arc().reduction(quarter, joint.a_mm).delta
+    left.plot(*around(np.full(phi.size, a), phi), color=GREY, ls=":", label="long half axis")
+    for values, some, colour, name in (
+        (oval, quarter <= corner, BLUE, "oval"),
+        (circle, quarter >= corner, ORANGE, "eccentric circle"),
+    ):
+        for shown, width, dash, label in ((some, 2.0, "-", name), (~some, 0.8, ":", "_")):
+            radius = np.where(shown, a - _ENLARGED * values, np.nan)
+            left.plot(*around(radius, phi), color=colour, lw=width, ls=dash, label=label)
+    for angle in (corner, -corner, np.pi - corner, np.pi + corner):
+        left.plot(*around(np.array([0.0, a]), np.full(2, angle)), color=GREY, lw=0.7)
+    left.legend(frameon=False, loc="center")
+    left.set_title(f"reduction enlarged {_ENLARGED:.0f} times")
+    plane(left)
+    first = phi <= np.pi / 2
+    right.plot(np.degrees(phi[first]), drawn[first] * 1000, color=GREEN)
+    right.axvline(float(np.degrees(corner)), color=GREY, ls=":")
+    right.set(xlabel="angle from the long axis, degrees", ylabel="reduction of the radius, µm")
+    return figure
+
+
+def motion(
+    found: Study, recipes: Mapping[str, Recipe], low_deg: float, high_deg: float
+) -> dict[str, Columns]:
+    """Return the motion of U along refits, by their names, and their distance from the drawing."""
+    deg, omega = np.linspace(low_deg, high_deg, 4001), omega_rad_s(found.spindle_rpm)
+    phi = np.radians(deg)
+    tables: dict[str, Columns] = {}
+    for name, recipe in recipes.items():
+        curve = curve_of(found.joint, recipe)
+        off_mm = curve(phi) - found.joint.reduction(phi).delta
+        tables[name] = {
+            "angle_deg": (deg, 3),
+            "deeper_than_drawn_um": (1000 * off_mm, 3),
+            "u_mm": (curve(phi), 6),
+            "u_speed_mm_s": (curve(phi, 1) * omega, 3),
+            "u_acceleration_mm_s2": (curve(phi, 2) * omega**2, 1),
+            "u_jerk_mm_s3": (curve(phi, 3) * omega**3, 1),
+        }
+    return tables
+
+
+def drawers(found: Study) -> dict[str, Callable[[], Figure]]:
+    """Return the makers of the pictures of a study by topic."""
+    title = f"height {found.height_mm:g} mm, {found.spindle_rpm:g} r/min"
+    joint_deg = float(np.degrees(found.joint.joint_rad))
+    near = motion(found, VARIANTS, joint_deg - _ROOM_DEG, joint_deg + _ROOM_DEG)
+    names = [f"{one.s1}, {one.s2}" for one in found.as_paper]
+    bars = {**tables(found)["refit_candidates"], "points_left_out_on_both_sides": (names, "")}
+    return {
+        "refit_motion": partial(draw_table, "corner", title, near),
+        "refit_deletions": partial(draw_table, "deletions", title, {"": bars}),
+    }

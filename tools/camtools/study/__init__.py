@@ -1,1 +1,0 @@
-"""Studies beside the table: one section, paths, the refit of a corner, the size of tables."""
