@@ -46,7 +46,7 @@ VARIANTS = {
 }
 _PAPER = (0.38, 0.4, 48.0, 800.0)  # ovality, trim [mm], joint [degrees], speed [r/min]
 _PAPER_DIAMETER_MM, _NEAR_MM = 90.929096914, 0.2
-_ROOM_DEG, _ENLARGED = 12.0, 60.0  # beside the joint; of the reduction in the section
+_ROOM_DEG, _ENLARGED = 12.0, 25.0  # beside the joint; of the reduction in the section
 
 
 class Study(NamedTuple):
