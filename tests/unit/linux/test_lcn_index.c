@@ -8,19 +8,6 @@ enum { turn = 1000 };
 static lcn_index_t x;
 static lcn_counters_t now;
 
-static void begin(bool is_shared)
-{
-    x = (lcn_index_t){0};
-    now = (lcn_counters_t){.raw = 250, .counts = 250, .is_shared = is_shared};
-    lcn_index_step(&x, &now, turn, true);
-    now.is_armed = x.arms;
-}
-
-void setUp(void)
-{
-    begin(false);
-}
-
 /// The spindle turns by some counts; an edge that is passed and waited for resets the counter.
 static void turn_by(int32_t by, int32_t edge_at)
 {
@@ -34,79 +21,71 @@ static void turn_by(int32_t by, int32_t edge_at)
     now.is_armed = now.is_armed || x.arms;
 }
 
-static void test_step_an_edge_that_was_waited_for_is_reported_at_its_place(void)
+static void expect(uint32_t n, int32_t counts)
 {
-    turn_by(100, 700); // from now on the encoder waits
+    TEST_ASSERT_EQUAL_UINT32(n, x.n);
+    TEST_ASSERT_EQUAL_INT32(counts, (int32_t)x.counts);
+}
+
+/// Start at 250 counts and turn to 750; the encoder waits for the edge at 700 from 350 on.
+static void pass_an_edge(bool is_shared)
+{
+    x = (lcn_index_t){0};
+    now = (lcn_counters_t){.raw = 250, .counts = 250, .is_shared = is_shared};
+    lcn_index_step(&x, &now, turn, true);
+    now.is_armed = x.arms;
+    turn_by(100, 700);
     TEST_ASSERT_TRUE(x.arms);
     TEST_ASSERT_EQUAL_UINT32(0, x.n);
     turn_by(400, 700);
-    TEST_ASSERT_EQUAL_UINT32(1, x.n);
-    TEST_ASSERT_EQUAL_UINT32(700, x.counts);
+    expect(1, 700);
+    TEST_ASSERT_EQUAL(!is_shared, x.arms);
 }
 
 static void test_step_alone_every_edge_is_waited_for(void)
 {
-    for (int32_t i = 0; i < 40; i++) {
-        turn_by(100, 700 + 1000 * (i / 10));
+    pass_an_edge(false);
+    for (int32_t i = 0; i < 35; i++) {
+        turn_by(100, 1700 + 1000 * (i / 10));
     }
-    TEST_ASSERT_EQUAL_UINT32(4, x.n);
-    TEST_ASSERT_EQUAL_UINT32(3700, x.counts);
+    expect(4, 3700);
 }
 
 /// The same edge passed backwards leaves the difference of the counters as it was.
 static void test_step_an_edge_at_the_same_place_is_an_edge(void)
 {
-    turn_by(100, 700);
-    turn_by(400, 700);
+    pass_an_edge(false);
     now.is_armed = false;
     lcn_index_step(&x, &now, turn, false);
-    TEST_ASSERT_EQUAL_UINT32(2, x.n);
-    TEST_ASSERT_EQUAL_UINT32(700, x.counts);
+    expect(2, 700);
 }
 
 static void test_step_shared_one_edge_is_waited_for_and_the_others_are_due(void)
 {
-    begin(true);
-    turn_by(100, 700);
-    TEST_ASSERT_TRUE(x.arms);
-    turn_by(400, 700);
-    TEST_ASSERT_FALSE(x.arms);
+    pass_an_edge(true);
     for (int32_t i = 0; i < 30; i++) {
         turn_by(100, INT32_MAX);
     }
-    TEST_ASSERT_EQUAL_UINT32(3, x.n);
-    TEST_ASSERT_EQUAL_UINT32(2700, x.counts);
+    expect(3, 2700);
+    pass_an_edge(true);
+    for (int32_t i = 0; i < 12; i++) {
+        turn_by(-100, INT32_MAX);
+    }
+    expect(2, -300);
 }
 
 /// An edge that LinuxCNC waited for, three counts off its place: the firmware sees them as lost.
 static void test_step_shared_a_foreign_edge_is_reported_where_it_was(void)
 {
-    begin(true);
-    turn_by(100, 700);
-    turn_by(400, 700);
+    pass_an_edge(true);
     now.is_armed = true; // by G33
     turn_by(960, 1703);
-    TEST_ASSERT_EQUAL_UINT32(2, x.n);
-    TEST_ASSERT_EQUAL_UINT32(1703, x.counts);
-}
-
-static void test_step_shared_backwards_the_edges_are_due_as_well(void)
-{
-    begin(true);
-    turn_by(100, 700);
-    turn_by(400, 700);
-    for (int32_t i = 0; i < 12; i++) {
-        turn_by(-100, INT32_MAX);
-    }
-    TEST_ASSERT_EQUAL_UINT32(2, x.n);
-    TEST_ASSERT_EQUAL_INT32(-300, (int32_t)x.counts);
+    expect(2, 1703);
 }
 
 static void test_step_off_forgets_the_index(void)
 {
-    begin(true);
-    turn_by(100, 700);
-    turn_by(400, 700);
+    pass_an_edge(true);
     lcn_index_step(&x, &now, turn, true);
     TEST_ASSERT_FALSE(x.is_known);
     TEST_ASSERT_FALSE(x.arms);

@@ -4,30 +4,17 @@
 #include "lin_disk_bench.h"
 
 static char file[120];
-static common_error_t e;
-
-void suiteSetUp(void)
-{
-    disk_open();
-    (void)snprintf(file, sizeof file, "%s.blackbox", path);
-}
-
-int suiteTearDown(int n_failures)
-{
-    (void)unlink(file);
-    disk_close();
-    return n_failures;
-}
 
 void setUp(void)
 {
+    (void)snprintf(file, sizeof file, "%s.blackbox", path);
     (void)unlink(file);
-    lin_blackbox_open(path, &e);
+    lin_blackbox_open(path, &error);
 }
 
 static void test_without_a_file_there_is_memory_and_nothing_kept(void)
 {
-    TEST_ASSERT_EQUAL_STRING("", e.text);
+    TEST_ASSERT_EQUAL_STRING("", error.text);
     TEST_ASSERT_EQUAL_UINT32(0, lin_blackbox_memory().n_kept);
     TEST_ASSERT_EQUAL_UINT32(lin_blackbox_words, lin_blackbox_memory().n_words);
 }
@@ -38,11 +25,11 @@ static void test_words_that_are_kept_are_at_the_begin_after_a_restart(void)
     for (int32_t i = 0; i < 3000; i++) {
         words[1000 + i] = 7 * i - 9;
     }
-    lin_blackbox_keep(&words[1000], 3000, &e);
-    TEST_ASSERT_EQUAL_STRING("", e.text);
+    lin_blackbox_keep(&words[1000], 3000, &error);
+    TEST_ASSERT_EQUAL_STRING("", error.text);
     memset(words, 0, 5000 * sizeof *words);
-    lin_blackbox_open(path, &e);
-    TEST_ASSERT_EQUAL_STRING("", e.text);
+    lin_blackbox_open(path, &error);
+    TEST_ASSERT_EQUAL_STRING("", error.text);
     TEST_ASSERT_EQUAL_UINT32(3000, lin_blackbox_memory().n_kept);
     for (int32_t i = 0; i < 3000; i++) {
         TEST_ASSERT_EQUAL_INT32(7 * i - 9, words[i]);
@@ -51,11 +38,11 @@ static void test_words_that_are_kept_are_at_the_begin_after_a_restart(void)
 
 static void test_what_is_forgotten_is_not_found_again(void)
 {
-    lin_blackbox_keep(lin_blackbox_memory().words, 10, &e);
-    lin_blackbox_keep(lin_blackbox_memory().words, 0, &e);
-    TEST_ASSERT_EQUAL_STRING("", e.text);
-    lin_blackbox_keep(lin_blackbox_memory().words, 0, &e); // again: nothing is there
-    TEST_ASSERT_EQUAL_STRING("", e.text);
+    lin_blackbox_keep(lin_blackbox_memory().words, 10, &error);
+    lin_blackbox_keep(lin_blackbox_memory().words, 0, &error);
+    TEST_ASSERT_EQUAL_STRING("", error.text);
+    lin_blackbox_keep(lin_blackbox_memory().words, 0, &error); // again: nothing is there
+    TEST_ASSERT_EQUAL_STRING("", error.text);
     TEST_ASSERT_NOT_EQUAL(0, access(file, F_OK));
 }
 
@@ -67,8 +54,8 @@ static void test_a_file_of_another_kind_is_reported_and_not_used(void)
         TEST_ASSERT_NOT_NULL(f);
         (void)fclose(f);
         TEST_ASSERT_EQUAL_INT(0, truncate(file, sizes[i]));
-        lin_blackbox_open(path, &e);
-        TEST_ASSERT_NOT_NULL(strstr(e.text, "not a black box; remove it"));
+        lin_blackbox_open(path, &error);
+        expect_error("not a black box; remove it");
         TEST_ASSERT_EQUAL_UINT32(0, lin_blackbox_memory().n_kept);
     }
 }
@@ -76,7 +63,7 @@ static void test_a_file_of_another_kind_is_reported_and_not_used(void)
 static void test_a_folder_that_is_gone_is_reported(void)
 {
     TEST_ASSERT_EQUAL_INT(0, rmdir(folder));
-    lin_blackbox_keep(lin_blackbox_memory().words, 10, &e);
-    TEST_ASSERT_NOT_NULL(strstr(e.text, file));
+    lin_blackbox_keep(lin_blackbox_memory().words, 10, &error);
+    expect_error(file);
     TEST_ASSERT_EQUAL_INT(0, mkdir(folder, 0700));
 }

@@ -33,10 +33,11 @@ static void emcy(uint16_t code)
     TEST_ASSERT_TRUE(lin_drive_receive(&d, &frame, 0));
 }
 
-static bool is_ready(int64_t now_ns)
+static void expect(bool is_ready, lin_loss_t loss, int64_t now_ns)
 {
     lin_drive_judge(&d, now_ns, &timeouts);
-    return d.is_ready;
+    TEST_ASSERT_EQUAL(is_ready, d.is_ready);
+    TEST_ASSERT_EQUAL_INT(loss, d.loss);
 }
 
 /// All status words are compared with the table of the standard.
@@ -65,37 +66,35 @@ static void test_states_are_those_of_the_standard(void)
 
 static void test_control_words_lead_to_the_goal(void)
 {
+    static const lin_cia402_goal_t goals[] = {lin_cia402_rest, lin_cia402_enabled, lin_cia402_off,
+                                              lin_cia402_reset};
     static const struct {
         cia402_state_t state;
-        uint16_t rest, enabled, off, reset;
-    } rows[] = {{cia402_not_ready_to_switch_on, 0x06, 0x00, 0x00, 0x06},
-                {cia402_switch_on_disabled, 0x06, 0x06, 0x00, 0x06},
-                {cia402_ready_to_switch_on, 0x06, 0x07, 0x00, 0x06},
-                {cia402_switched_on, 0x06, 0x0F, 0x00, 0x06},
-                {cia402_operation_enabled, 0x02, 0x0F, 0x02, 0x02},
-                {cia402_quick_stop_active, 0x02, 0x02, 0x02, 0x02},
-                {cia402_fault_reaction_active, 0x06, 0x00, 0x00, 0x06},
-                {cia402_fault, 0x06, 0x00, 0x00, 0x80}};
+        uint16_t word[4];
+    } rows[] = {{cia402_not_ready_to_switch_on, {0x06, 0x00, 0x00, 0x06}},
+                {cia402_switch_on_disabled, {0x06, 0x06, 0x00, 0x06}},
+                {cia402_ready_to_switch_on, {0x06, 0x07, 0x00, 0x06}},
+                {cia402_switched_on, {0x06, 0x0F, 0x00, 0x06}},
+                {cia402_operation_enabled, {0x02, 0x0F, 0x02, 0x02}},
+                {cia402_quick_stop_active, {0x02, 0x02, 0x02, 0x02}},
+                {cia402_fault_reaction_active, {0x06, 0x00, 0x00, 0x06}},
+                {cia402_fault, {0x06, 0x00, 0x00, 0x80}}};
     for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        TEST_ASSERT_EQUAL_HEX16(rows[i].rest, lin_cia402_control(rows[i].state, lin_cia402_rest));
-        TEST_ASSERT_EQUAL_HEX16(rows[i].enabled,
-                                lin_cia402_control(rows[i].state, lin_cia402_enabled));
-        TEST_ASSERT_EQUAL_HEX16(rows[i].off, lin_cia402_control(rows[i].state, lin_cia402_off));
-        TEST_ASSERT_EQUAL_HEX16(rows[i].reset, lin_cia402_control(rows[i].state, lin_cia402_reset));
+        for (uint32_t k = 0; k < 4u; k++) {
+            TEST_ASSERT_EQUAL_HEX16(rows[i].word[k], lin_cia402_control(rows[i].state, goals[k]));
+        }
     }
 }
 
 static void test_drive_that_is_heard_is_ready_until_it_is_silent(void)
 {
-    TEST_ASSERT_FALSE(is_ready(0));
-    TEST_ASSERT_EQUAL_INT(lin_loss_heartbeat, d.loss);
+    expect(false, lin_loss_heartbeat, 0);
     hear(0x250, 7, 10 * ms);
-    TEST_ASSERT_TRUE(is_ready(30 * ms));
+    expect(true, lin_loss_none, 30 * ms);
     TEST_ASSERT_EQUAL_INT32(7, lin_drive_actual_nm(&d));
-    TEST_ASSERT_FALSE(is_ready(30 * ms + 1));
-    TEST_ASSERT_EQUAL_INT(lin_loss_pdo, d.loss);
-    TEST_ASSERT_FALSE(is_ready(110 * ms + 1));
-    TEST_ASSERT_EQUAL_INT(lin_loss_heartbeat, d.loss);
+    expect(false, lin_loss_pdo, 30 * ms + 1);
+    expect(false, lin_loss_pdo, 110 * ms);
+    expect(false, lin_loss_heartbeat, 110 * ms + 1);
 }
 
 static void test_drive_with_an_error_is_not_ready(void)
@@ -103,38 +102,35 @@ static void test_drive_with_an_error_is_not_ready(void)
     static const uint16_t bad[] = {0x200, 0x21F, 0x218}; // not ready, fault reaction, fault
     for (uint32_t i = 0; i < 3u; i++) {
         hear(bad[i], 0, 10 * ms);
-        TEST_ASSERT_FALSE(is_ready(10 * ms));
-        TEST_ASSERT_EQUAL_INT(lin_loss_none, d.loss);
+        expect(false, lin_loss_none, 10 * ms);
     }
     hear(0x250, 0, 10 * ms);
     emcy(0x8611);
-    TEST_ASSERT_FALSE(is_ready(10 * ms));
+    expect(false, lin_loss_none, 10 * ms);
     emcy(0);
-    TEST_ASSERT_TRUE(is_ready(10 * ms));
+    expect(true, lin_loss_none, 10 * ms);
     emcy(0x8611);
     lin_drive_forget(&d);
-    TEST_ASSERT_TRUE(is_ready(10 * ms));
+    expect(true, lin_loss_none, 10 * ms);
 }
 
 static void test_enabled_drive_must_follow_in_time_and_stay(void)
 {
-    hear(0x231, 0, 0);
     lin_drive_enable(&d, true, 0);
-    TEST_ASSERT_TRUE(is_ready(0));
     for (int64_t t = 0; t < 500; t++) {
         hear(0x231, 0, t * ms);
-        TEST_ASSERT_TRUE(is_ready(t * ms));
+        expect(true, lin_loss_none, t * ms);
     }
     hear(0x231, 0, 500 * ms);
-    TEST_ASSERT_FALSE(is_ready(500 * ms));
+    expect(false, lin_loss_none, 500 * ms);
     lin_drive_enable(&d, false, 500 * ms);
-    TEST_ASSERT_TRUE(is_ready(500 * ms));
-    lin_drive_enable(&d, true, 501 * ms); // a new timeouts
-    TEST_ASSERT_TRUE(is_ready(501 * ms));
+    expect(true, lin_loss_none, 500 * ms);
+    lin_drive_enable(&d, true, 501 * ms); // the time begins anew
+    expect(true, lin_loss_none, 501 * ms);
     hear(0x237, 0, 502 * ms);
-    TEST_ASSERT_TRUE(is_ready(502 * ms));
+    expect(true, lin_loss_none, 502 * ms);
     hear(0x231, 0, 503 * ms); // fell out
-    TEST_ASSERT_FALSE(is_ready(503 * ms));
+    expect(false, lin_loss_none, 503 * ms);
 }
 
 static void test_fault_is_reset_once_a_second_where_it_may(void)
@@ -169,13 +165,11 @@ static void test_node_that_boots_or_stops_is_lost_and_commanded_to_start(void)
     (void)lin_drive_receive(&d, &beat, 1);
     beat.data[0] = 5;
     (void)lin_drive_receive(&d, &beat, 2); // as quick as that: still noticed
-    TEST_ASSERT_FALSE(is_ready(2));
-    TEST_ASSERT_EQUAL_INT(lin_loss_restarted, d.loss);
-    TEST_ASSERT_TRUE(is_ready(3));
+    expect(false, lin_loss_restarted, 2);
+    expect(true, lin_loss_none, 3);
     beat.data[0] = 0x7F;
     (void)lin_drive_receive(&d, &beat, 4);
-    TEST_ASSERT_FALSE(is_ready(5));
-    TEST_ASSERT_EQUAL_INT(lin_loss_not_operational, d.loss);
+    expect(false, lin_loss_not_operational, 5);
     TEST_ASSERT_TRUE(lin_node_start(&d.node, 200 * ms, &frame));
     TEST_ASSERT_EQUAL_UINT32(0, frame.id);
     TEST_ASSERT_EQUAL_UINT32(2, frame.n);
@@ -199,28 +193,23 @@ static void test_foreign_and_malformed_frames_are_left_alone(void)
     lin_drive_init(&d, 0, 1, 1);
     frame.id = canopen_id_tpdo1;
     TEST_ASSERT_FALSE(lin_drive_receive(&d, &frame, 1));
-    TEST_ASSERT_TRUE(is_ready(0)); // a drive that does not exist is ready
+    expect(true, lin_loss_none, 0); // a drive that does not exist is ready
 }
 
 static void test_scales_round_clamp_and_turn_round(void)
 {
     TEST_ASSERT_EQUAL_INT32(-123, lin_drive_units(&d, -123));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, lin_drive_units(&d, INT64_C(5000000000)));
+    TEST_ASSERT_EQUAL_UINT32(1000, lin_drive_unit_pm(&d));
     lin_drive_init(&d, node, 4096, -5000000); // 5 mm screw, 12 bits, turned round
     TEST_ASSERT_EQUAL_INT32(-4096, lin_drive_units(&d, 5000000));
     TEST_ASSERT_EQUAL_INT32(1, lin_drive_units(&d, -611));
     TEST_ASSERT_EQUAL_INT32(0, lin_drive_units(&d, -610));
+    TEST_ASSERT_EQUAL_UINT32(1220703, lin_drive_unit_pm(&d));
     hear(0x237, 2, 0);
     TEST_ASSERT_EQUAL_INT32(-2441, lin_drive_actual_nm(&d));
     hear(0x237, INT32_MIN, 0);
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, lin_drive_actual_nm(&d));
-}
-
-static void test_unit_is_that_of_the_scale_and_none_without_a_drive(void)
-{
-    TEST_ASSERT_EQUAL_UINT32(1000, lin_drive_unit_pm(&d));
-    lin_drive_init(&d, node, 131072, -5000000); // 5 mm screw, 17 bits
-    TEST_ASSERT_EQUAL_UINT32(38147, lin_drive_unit_pm(&d));
-    lin_drive_init(&d, 0, 131072, 5000000);
+    lin_drive_init(&d, 0, 131072, 5000000); // no drive, no unit
     TEST_ASSERT_EQUAL_UINT32(0, lin_drive_unit_pm(&d));
 }

@@ -27,6 +27,13 @@ static uint32_t at(int64_t ns)
     return lin_encoder_at(&e, ns).counts;
 }
 
+static void expect_index(uint32_t n, uint32_t counts, int64_t ns)
+{
+    const hal_encoder_t now = lin_encoder_at(&e, ns);
+    TEST_ASSERT_EQUAL_UINT32(n, now.n_index);
+    TEST_ASSERT_EQUAL_UINT32(counts, now.index_counts);
+}
+
 static void test_counts_are_brought_to_the_instant_by_the_last_two_frames(void)
 {
     lin_encoder_receive(&e, 1000, 10 * ms);
@@ -37,35 +44,29 @@ static void test_counts_are_brought_to_the_instant_by_the_last_two_frames(void)
     TEST_ASSERT_EQUAL_UINT32(1025, at(10 * ms + 500 * us));
     lin_encoder_receive(&e, 1020, 12 * ms); // turns back
     TEST_ASSERT_EQUAL_UINT32(1005, at(12 * ms + 500 * us));
+    e.config.delay_ns = 100 * us; // of the frame, taken off
+    lin_encoder_receive(&e, 1110, 13 * ms);
+    TEST_ASSERT_EQUAL_UINT32(1120, at(13 * ms));
 }
 
+static void expect_fresh_until(int64_t ns)
+{
+    TEST_ASSERT_TRUE(lin_encoder_is_fresh(&e, ns));
+    TEST_ASSERT_FALSE(lin_encoder_is_fresh(&e, ns + 1));
+}
+
+/// The greatest age is three ticks unless it is given.
 static void test_extrapolation_ends_at_the_greatest_age(void)
 {
+    TEST_ASSERT_FALSE(lin_encoder_is_fresh(&e, 0)); // nothing heard is not fresh
     lin_encoder_receive(&e, 0, 10 * ms);
     lin_encoder_receive(&e, 100, 11 * ms);
-    TEST_ASSERT_TRUE(lin_encoder_is_fresh(&e, 14 * ms));
-    TEST_ASSERT_FALSE(lin_encoder_is_fresh(&e, 14 * ms + 1));
+    expect_fresh_until(14 * ms);
     TEST_ASSERT_EQUAL_UINT32(400, at(14 * ms));
     TEST_ASSERT_EQUAL_UINT32(400, at(99 * ms));
-    begin(0, lin_index_line);
-    TEST_ASSERT_FALSE(lin_encoder_is_fresh(&e, 0)); // nothing heard is not fresh
-}
-
-static void test_greatest_age_is_three_ticks_unless_given(void)
-{
-    const lin_encoder_config_t config = {.counts_per_turn = 1000};
-    lin_encoder_init(&e, &config, 500);
+    lin_encoder_init(&e, &(lin_encoder_config_t){.counts_per_turn = 1000}, 500);
     lin_encoder_receive(&e, 0, 10 * ms);
-    TEST_ASSERT_TRUE(lin_encoder_is_fresh(&e, 16 * ms));
-    TEST_ASSERT_FALSE(lin_encoder_is_fresh(&e, 16 * ms + 1));
-}
-
-static void test_delay_of_the_frame_is_taken_off(void)
-{
-    e.config.delay_ns = 100 * us;
-    lin_encoder_receive(&e, 0, 10 * ms);
-    lin_encoder_receive(&e, 100, 11 * ms);
-    TEST_ASSERT_EQUAL_UINT32(110, at(11 * ms));
+    expect_fresh_until(16 * ms);
 }
 
 /// A frame that waited in a queue arrives close behind its neighbour: no speed is measured by it.
@@ -111,17 +112,15 @@ static void test_position_unwraps_at_its_modulus(void)
 
 static void test_edge_is_brought_to_counts_between_its_frames(void)
 {
+    lin_encoder_edge(&e, 10 * ms, true); // no frame was received: ignored
     lin_encoder_receive(&e, 1000, 10 * ms);
     lin_encoder_receive(&e, 1050, 11 * ms);
     lin_encoder_edge(&e, 11 * ms + 400 * us, true);
-    TEST_ASSERT_EQUAL_UINT32(0, lin_encoder_at(&e, 11 * ms + 500 * us).n_index); // not yet known
+    expect_index(0, 0, 11 * ms + 500 * us); // not yet known
     lin_encoder_receive(&e, 1110, 12 * ms);
-    const hal_encoder_t now = lin_encoder_at(&e, 12 * ms);
-    TEST_ASSERT_EQUAL_UINT32(1, now.n_index);
-    TEST_ASSERT_EQUAL_UINT32(1074, now.index_counts); // 1050 + 0.4 * 60
-    lin_encoder_edge(&e, 11 * ms + 900 * us, true);   // reported late: between frames that arrived
-    TEST_ASSERT_EQUAL_UINT32(2, lin_encoder_at(&e, 12 * ms).n_index);
-    TEST_ASSERT_EQUAL_UINT32(1104, lin_encoder_at(&e, 12 * ms).index_counts);
+    expect_index(1, 1074, 12 * ms);                 // 1050 + 0.4 * 60
+    lin_encoder_edge(&e, 11 * ms + 900 * us, true); // reported late: between frames that arrived
+    expect_index(2, 1104, 12 * ms);
 }
 
 /// The pulse lies between 500 and 520: its lower edge counts in both senses.
@@ -132,39 +131,25 @@ static void test_edge_is_the_same_for_both_senses(void)
     lin_encoder_edge(&e, 11 * ms + 250 * us, true);
     lin_encoder_edge(&e, 11 * ms + 500 * us, false);
     lin_encoder_receive(&e, 560, 12 * ms);
-    TEST_ASSERT_EQUAL_UINT32(1, lin_encoder_at(&e, 12 * ms).n_index);
-    TEST_ASSERT_EQUAL_UINT32(500, lin_encoder_at(&e, 12 * ms).index_counts);
+    expect_index(1, 500, 12 * ms);
     lin_encoder_receive(&e, 540, 13 * ms);
     lin_encoder_edge(&e, 13 * ms + 250 * us, true);  // at 520
     lin_encoder_edge(&e, 13 * ms + 500 * us, false); // at 500
     lin_encoder_receive(&e, 460, 14 * ms);
-    TEST_ASSERT_EQUAL_UINT32(2, lin_encoder_at(&e, 14 * ms).n_index);
-    TEST_ASSERT_EQUAL_UINT32(500, lin_encoder_at(&e, 14 * ms).index_counts);
-}
-
-static void test_edges_without_a_frame_or_with_a_place_are_ignored(void)
-{
-    lin_encoder_edge(&e, 10 * ms, true);
-    TEST_ASSERT_EQUAL_UINT32(0, lin_encoder_at(&e, 10 * ms).n_index);
-    begin(0, lin_index_position);
-    lin_encoder_receive(&e, 10, 10 * ms);
-    lin_encoder_edge(&e, 10 * ms, true);
-    TEST_ASSERT_EQUAL_UINT32(0, lin_encoder_at(&e, 10 * ms).n_index);
+    expect_index(2, 500, 14 * ms);
 }
 
 static void test_place_of_the_position_is_an_index_for_both_senses(void)
 {
-    static const struct {
-        uint32_t raw, n_index, index_counts;
-    } steps[] = {{150, 0, 0},     {199, 0, 0},     {200, 1, 200}, {1199, 1, 200}, {1201, 2, 1200},
-                 {1200, 2, 1200}, {1199, 3, 1200}, {150, 4, 200}, {1250, 6, 1200}};
-    begin(2000, lin_index_position);
+    static const uint32_t steps[][3] = {// raw, index edges, counts of the last
+                                        {150, 0, 0},     {199, 0, 0},     {200, 1, 200},
+                                        {1199, 1, 200},  {1201, 2, 1200}, {1200, 2, 1200},
+                                        {1199, 3, 1200}, {150, 4, 200},   {1250, 6, 1200}};
+    begin(0, lin_index_position);
     for (uint32_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
-        e.config.modulus_counts = 0; // so that long increments are not wrapped
-        lin_encoder_receive(&e, steps[i].raw, (10 + (int64_t)i) * ms);
-        const hal_encoder_t now = lin_encoder_at(&e, (10 + (int64_t)i) * ms);
-        TEST_ASSERT_EQUAL_UINT32(steps[i].n_index, now.n_index);
-        TEST_ASSERT_EQUAL_UINT32(steps[i].index_counts, now.index_counts);
+        lin_encoder_receive(&e, steps[i][0], (10 + (int64_t)i) * ms);
+        lin_encoder_edge(&e, (10 + (int64_t)i) * ms, true); // of no interest
+        expect_index(steps[i][1], steps[i][2], (10 + (int64_t)i) * ms);
     }
 }
 

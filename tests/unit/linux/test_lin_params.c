@@ -1,25 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's kept parameters: their file, and a disk or a folder that does not take it.
 #include "lin_setup.h"
-#include "common_error.h"
 #include "lin_disk_bench.h"
 #include <errno.h>       // EROFS
 #include <sys/syscall.h> // SYS_access
 
 static bool is_read_only;
-
-static common_error_t error;
-
-void suiteSetUp(void)
-{
-    disk_open();
-}
-
-int suiteTearDown(int n_failures)
-{
-    disk_close();
-    return n_failures;
-}
 
 void setUp(void)
 {
@@ -73,7 +59,7 @@ static void test_keep_cut_off_leaves_the_old_ones(void)
     expect_kept("first");
     n_good_syncs = 0;
     TEST_ASSERT_FALSE(lin_params_keep("second", 6, &error));
-    TEST_ASSERT_NOT_NULL(strstr(error.text, "not written: Input/output error"));
+    expect_error("not written: Input/output error");
     expect_kept("first");
     lin_params_open(path, &error);
     expect_kept("first");
@@ -83,7 +69,7 @@ static void test_folder_that_is_not_confirmed_is_reported(void)
 {
     n_good_syncs = 1;
     TEST_ASSERT_TRUE(lin_params_keep("first", 5, &error));
-    TEST_ASSERT_NOT_NULL(strstr(error.text, "a power failure may restore the old one"));
+    expect_error("a power failure may restore the old one");
     expect_kept("first");
 }
 
@@ -93,7 +79,7 @@ static void test_read_only_folder_is_reported_at_the_start(void)
     keep_first();
     is_read_only = true;
     lin_params_open(path, &error);
-    TEST_ASSERT_NOT_NULL(strstr(error.text, "parameters cannot be saved: folder: Read-only"));
+    expect_error("parameters cannot be saved: folder: Read-only");
     expect_kept("first");
     TEST_ASSERT_EQUAL_INT(0, mkdir(fresh, 0700)); // a folder blocks the path, also for root
     TEST_ASSERT_FALSE(lin_params_keep("second", 6, &error));
@@ -110,12 +96,12 @@ static void test_file_that_cannot_be_read_is_damage(void)
     TEST_ASSERT_EQUAL_size_t(sizeof large, fwrite(large, 1, sizeof large, file));
     (void)fclose(file);
     lin_params_open(path, &error);
-    TEST_ASSERT_NOT_NULL(strstr(error.text, "more than 16384 bytes; remove it"));
+    expect_error("more than 16384 bytes; remove it");
     TEST_ASSERT_TRUE(lin_params_kept().is_damaged);
     TEST_ASSERT_EQUAL_UINT32(0, lin_params_kept().size);
     TEST_ASSERT_FALSE(lin_params_keep(large, sizeof large, &error));
     lin_params_open(folder, &error);
-    TEST_ASSERT_NOT_NULL(strstr(error.text, "cannot be read: Is a directory"));
+    expect_error("cannot be read: Is a directory");
     TEST_ASSERT_TRUE(lin_params_kept().is_damaged);
 }
 
@@ -124,5 +110,5 @@ static void test_empty_path_keeps_nothing(void)
     lin_params_open("", &error);
     TEST_ASSERT_EQUAL_STRING("", error.text);
     TEST_ASSERT_FALSE(lin_params_keep("first", 5, &error));
-    TEST_ASSERT_NOT_NULL(strstr(error.text, "parameters.file is empty"));
+    expect_error("parameters.file is empty");
 }

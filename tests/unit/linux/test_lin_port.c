@@ -7,21 +7,9 @@
 #include "lin_tick.h"
 #include <errno.h> // EBUSY
 
-static common_error_t error;
-void suiteSetUp(void)
-{
-    disk_open();
-}
-
 void setUp(void)
 {
     disk_begin();
-}
-
-int suiteTearDown(int n_failures)
-{
-    disk_close();
-    return n_failures;
 }
 
 static void test_due_times_do_not_drift(void)
@@ -64,7 +52,7 @@ static void test_place_is_a_name_or_chip_and_offset(void)
                                         "a:3x",       "a:70000",     "a:-1"};
     for (uint32_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         TEST_ASSERT_FALSE_MESSAGE(lin_place_parse(&p, "c", wrong[i], &error), wrong[i]);
-        TEST_ASSERT_NOT_NULL(strstr(error.text, "CHIP:OFFSET"));
+        expect_error("CHIP:OFFSET");
     }
 }
 
@@ -89,50 +77,51 @@ static void test_unavailable_line_is_reported_with_a_remedy(void)
     }
 }
 
+/// A terminal that is closed and its shell send a signal each, some milliseconds apart: only a
+/// later one hurries. Retract takes 2 s at most, release 1 s.
 static void test_end_waits_for_the_retract_and_for_the_drives(void)
 {
+    enum { on = hal_out_enable };
+    static const struct {
+        uint32_t n_signals, outputs;
+        bool is_at_rest;
+        int64_t ms;
+        lin_stop_phase_t phase;
+    } steps[] = {{0, on, false, 0, lin_stop_run}, // a row without a signal begins anew
+                 {1, on, false, 0, lin_stop_retract},
+                 {1, on, false, 2000, lin_stop_retract},
+                 {1, 0, false, 2000, lin_stop_release},
+                 {1, 0, false, 2001, lin_stop_release},
+                 {1, 0, false, 3000, lin_stop_release},
+                 {1, 0, true, 3000, lin_stop_over},
+                 {9, 0, false, 3001, lin_stop_over},
+                 {0, 0, true, 0, lin_stop_run}, // off: the drives are commanded three times
+                 {1, 0, true, 0, lin_stop_release},
+                 {1, 0, true, 1, lin_stop_release},
+                 {1, 0, true, 2, lin_stop_release},
+                 {1, 0, true, 3, lin_stop_over},
+                 {0, on, false, 0, lin_stop_run}, // neither retract nor drives end
+                 {1, on, false, 0, lin_stop_retract},
+                 {1, on, false, 2001, lin_stop_release},
+                 {1, 0, false, 3001, lin_stop_release},
+                 {1, 0, false, 3002, lin_stop_over},
+                 {0, on, false, 0, lin_stop_run}, // a signal after 999 ms hurries
+                 {2, on, false, 7, lin_stop_retract},
+                 {3, on, false, 306, lin_stop_retract},
+                 {3, on, false, 999, lin_stop_retract},
+                 {4, on, false, 999, lin_stop_release},
+                 {0, on, false, 0, lin_stop_run}, // and one after 300 ms
+                 {1, on, false, 7, lin_stop_retract},
+                 {2, on, false, 307, lin_stop_release}};
     lin_stop_t s = {.phase = lin_stop_run};
-    TEST_ASSERT_EQUAL_INT(lin_stop_run, lin_stop_step(&s, 0, hal_out_enable, false, 0));
-    for (int64_t t = 0; t < 100; t++) {
-        TEST_ASSERT_EQUAL_INT(lin_stop_retract, lin_stop_step(&s, 1, hal_out_enable, false, t));
+    for (uint32_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
+        if (steps[i].n_signals == 0u) {
+            s = (lin_stop_t){.phase = lin_stop_run};
+        }
+        const lin_stop_phase_t phase = lin_stop_step(&s, steps[i].n_signals, steps[i].outputs,
+                                                     steps[i].is_at_rest, steps[i].ms * 1000000);
+        TEST_ASSERT_EQUAL_INT(steps[i].phase, phase);
     }
-    for (int64_t t = 100; t < 200; t++) {
-        TEST_ASSERT_EQUAL_INT(lin_stop_release, lin_stop_step(&s, 1, hal_out_fault, false, t));
-    }
-    TEST_ASSERT_EQUAL_INT(lin_stop_over, lin_stop_step(&s, 1, 0, true, 200));
-    TEST_ASSERT_EQUAL_INT(lin_stop_over, lin_stop_step(&s, 9, 0, false, 201));
-}
-
-static void test_end_while_off_commands_the_drives_three_times(void)
-{
-    lin_stop_t s = {.phase = lin_stop_run};
-    for (int i = 0; i < 3; i++) {
-        TEST_ASSERT_EQUAL_INT(lin_stop_release, lin_stop_step(&s, 1, 0, true, i));
-    }
-    TEST_ASSERT_EQUAL_INT(lin_stop_over, lin_stop_step(&s, 1, 0, true, 3));
-}
-
-static void test_end_does_not_wait_for_ever(void)
-{
-    const int64_t second = INT64_C(1000000000);
-    lin_stop_t s = {.phase = lin_stop_run};
-    (void)lin_stop_step(&s, 1, hal_out_enable, false, 0);
-    TEST_ASSERT_EQUAL_INT(lin_stop_retract,
-                          lin_stop_step(&s, 1, hal_out_enable, false, 2 * second));
-    TEST_ASSERT_EQUAL_INT(lin_stop_release,
-                          lin_stop_step(&s, 1, hal_out_enable, false, 2 * second + 1));
-    TEST_ASSERT_EQUAL_INT(lin_stop_over, lin_stop_step(&s, 1, 0, false, 4 * second));
-}
-
-/// A terminal that is closed and its shell send a signal each, some milliseconds apart.
-static void test_second_signal_hurries_and_one_that_is_doubled_does_not(void)
-{
-    const int64_t ms = 1000000;
-    lin_stop_t s = {.phase = lin_stop_run};
-    TEST_ASSERT_EQUAL_INT(lin_stop_retract, lin_stop_step(&s, 2, hal_out_enable, false, 7 * ms));
-    TEST_ASSERT_EQUAL_INT(lin_stop_retract, lin_stop_step(&s, 3, hal_out_enable, false, 12 * ms));
-    TEST_ASSERT_EQUAL_INT(lin_stop_retract, lin_stop_step(&s, 3, hal_out_enable, false, 999 * ms));
-    TEST_ASSERT_EQUAL_INT(lin_stop_release, lin_stop_step(&s, 4, hal_out_enable, false, 999 * ms));
 }
 
 static void test_reason_of_a_halt_is_reported_at_the_next_start_once(void)
