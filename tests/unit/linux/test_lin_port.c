@@ -90,7 +90,7 @@ static void test_end_waits_for_the_retract_and_for_the_drives(void)
     } steps[] = {{0, on, false, 0, lin_stop_run}, // a row without a signal begins anew
                  {1, on, false, 0, lin_stop_retract},
                  {1, on, false, 2000, lin_stop_retract},
-                 {1, 0, false, 2000, lin_stop_release},
+                 {1, hal_out_fault, false, 2000, lin_stop_release},
                  {1, 0, false, 2001, lin_stop_release},
                  {1, 0, false, 3000, lin_stop_release},
                  {1, 0, true, 3000, lin_stop_over},

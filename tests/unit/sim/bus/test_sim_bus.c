@@ -28,12 +28,6 @@ static void send(uint32_t id, uint32_t control_word, int32_t target)
     sim_bus_receive(&bus, &frame);
 }
 
-static void start_nodes(void)
-{
-    const sim_frame_t start = {.n = 2, .data = {1, 0}};
-    sim_bus_receive(&bus, &start);
-}
-
 /// Run one tick of a controller that commands positions of the axes and a speed.
 static void tick(uint32_t control_word, int32_t u_nm, int32_t spindle_mrpm)
 {
@@ -47,7 +41,7 @@ static void tick(uint32_t control_word, int32_t u_nm, int32_t spindle_mrpm)
 
 static void enable(void)
 {
-    start_nodes();
+    sim_bus_receive(&bus, &(sim_frame_t){.n = 2, .data = {1, 0}}); // start all nodes
     sim_bus_step(&bus);
     tick(0x06, 0, 0);
     tick(0x07, 0, 0);
@@ -77,15 +71,21 @@ static void test_axis_moves_as_in_a_run_with_the_same_commands(void)
     }
 }
 
+/// Run ticks of a spindle at 300 r/min.
+static void turn(int n)
+{
+    for (int i = 0; i < n; i++) {
+        tick(0x0F, 0, 300000);
+    }
+}
+
 static void test_encoder_speaks_of_the_middle_between_two_ticks(void)
 {
     enable();
-    for (int i = 0; i < 2000; i++) {
-        tick(0x0F, 0, 300000);
-    }
-    const double turn = bus.sample.turn + 5.0 * 0.5e-3;
+    turn(2000);
+    const double middle = bus.sample.turn + 5.0 * 0.5e-3;
     const uint32_t counts =
-        (uint32_t)(uint64_t)(config.lathe.encoder.start_counts + turn * 10000.0);
+        (uint32_t)(uint64_t)(config.lathe.encoder.start_counts + middle * 10000.0);
     TEST_ASSERT_INT32_WITHIN(1, counts, common_get_u32(said(0x181)->data));
 }
 
@@ -96,7 +96,7 @@ static void test_encoder_wraps_at_its_modulus(void)
     enable();
     uint32_t largest = 0;
     for (int i = 0; i < 1500; i++) {
-        tick(0x0F, 0, 300000);
+        turn(1);
         const uint32_t counts = common_get_u32(said(0x181)->data);
         largest = counts > largest ? counts : largest;
     }
@@ -108,11 +108,12 @@ static void test_index_is_foreseen_once_per_turn_at_its_place(void)
 {
     int n = 0;
     enable();
-    for (int i = 0; i < 4000; i++) {
-        tick(0x0F, 0, 300000);
-        if (bus.index_s >= 0.0 && i > 1000) {
-            const double turn = bus.lathe.spindle.turn + bus.index_s * 5.0;
-            const double place = sim_fraction(turn - config.lathe.encoder.index_turn + 0.5) - 0.5;
+    turn(1000);
+    for (int i = 0; i < 3000; i++) {
+        turn(1);
+        if (bus.index_s >= 0.0) {
+            const double at = bus.lathe.spindle.turn + bus.index_s * 5.0;
+            const double place = sim_fraction(at - config.lathe.encoder.index_turn + 0.5) - 0.5;
             TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, place);
             n++;
         }
@@ -155,25 +156,19 @@ static void test_foreign_drive_is_followed_by_its_own_word(void)
     TEST_ASSERT_TRUE(bus.inputs.is_ready);
 }
 
-static sim_inject_t parsed(const char *text)
-{
-    sim_inject_t inject;
-    common_error_t e;
-    TEST_ASSERT_TRUE_MESSAGE(sim_inject_parse(&inject, text, sim_inject_on_bus, &e), e.text);
-    return inject;
-}
-
 static void inject(const char *text)
 {
-    const sim_inject_t what = parsed(text);
+    sim_inject_t what;
+    common_error_t e;
+    TEST_ASSERT_TRUE_MESSAGE(sim_inject_parse(&what, text, sim_inject_on_bus, &e), e.text);
     sim_bus_inject(&bus, &what, 1);
+    tick(0x0F, 0, 0);
 }
 
 static void test_failed_drive_reports_by_emergency_status_and_line(void)
 {
     enable();
     inject("node-fault@0:3");
-    tick(0x0F, 0, 0);
     TEST_ASSERT_EQUAL_HEX32(sim_emcy_internal, common_get_u16(said(0x083)->data));
     TEST_ASSERT_FALSE(bus.inputs.is_ready);
     tick(0x0F, 0, 0);
@@ -184,7 +179,6 @@ static void test_missing_encoder_frames_are_missing(void)
 {
     enable();
     inject("encoder-missing@0:2");
-    tick(0x0F, 0, 0);
     TEST_ASSERT_NULL(said(0x181));
     tick(0x0F, 0, 0);
     TEST_ASSERT_NULL(said(0x181));

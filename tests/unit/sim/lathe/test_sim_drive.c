@@ -40,38 +40,36 @@ static double step_response(double t_s)
     return 1.0 - (fast * exp(-slow * t_s) - slow * exp(-fast * t_s)) / (fast - slow);
 }
 
-static void check_step_response(double delay_us)
+static void begin(double period_s)
 {
-    config.delay_us = delay_us;
-    sim_drive_init(&drive, &config, 0.0, PERIOD_S);
-    for (int i = 1; i <= 400; i++) {
-        sim_drive_step(&drive, (int32_t)STEP_NM, true);
-        const double t_s = i * PERIOD_S - delay_us * 1e-6;
-        TEST_ASSERT_DOUBLE_WITHIN(1e-7, STEP_NM * step_response(t_s), drive.pos_micro);
-    }
+    sim_drive_init(&drive, &config, 0.0, period_s);
 }
 
-static void test_step_response_is_exact_for_every_damping(void)
+static void expect_response(double t_s)
 {
-    static const double damping[] = {0.1, 0.7, 1.0, 2.5};
-    for (int i = 0; i < 4; i++) {
-        config.damping = damping[i];
-        check_step_response(0.0);
-    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-7, STEP_NM * step_response(t_s), drive.pos_micro);
 }
 
-static void test_step_response_is_exact_for_every_dead_time(void)
+static void test_step_response_is_exact_for_every_damping_and_dead_time(void)
 {
-    static const double delay_us[] = {10.0, 50.0, 75.0, 149.99999, 150.0, 1234.5};
-    for (int i = 0; i < 6; i++) {
-        check_step_response(delay_us[i]);
+    static const double cases[][2] = {{0.1, 0.0},   {0.7, 0.0},   {1.0, 0.0},  {2.5, 0.0},
+                                      {0.7, 10.0},  {0.7, 50.0},  {0.7, 75.0}, {0.7, 149.99999},
+                                      {0.7, 150.0}, {0.7, 1234.5}};
+    for (int k = 0; k < 10; k++) {
+        config.damping = cases[k][0];
+        config.delay_us = cases[k][1];
+        begin(PERIOD_S);
+        for (int i = 1; i <= 400; i++) {
+            sim_drive_step(&drive, (int32_t)STEP_NM, true);
+            expect_response(i * PERIOD_S - config.delay_us * 1e-6);
+        }
     }
 }
 
 static void test_dead_time_of_whole_ticks_is_found_in_spite_of_rounding(void)
 {
     config.delay_us = 75.0;
-    sim_drive_init(&drive, &config, 0.0, 1.0 / 40000.0);
+    begin(1.0 / 40000.0);
     TEST_ASSERT_EQUAL_UINT32(3u, drive.n_delay);
     TEST_ASSERT_FALSE(drive.is_split);
 }
@@ -80,7 +78,7 @@ static void test_limits_are_kept_and_the_way_is_right(void)
 {
     config.speed_units_per_s = 100.0;
     config.acceleration_units_per_s2 = 20000.0;
-    sim_drive_init(&drive, &config, 0.0, PERIOD_S);
+    begin(PERIOD_S);
     sim_drive_t fine;
     sim_drive_init(&fine, &config, 0.0, PERIOD_S / 50);
     double before = 0.0;
@@ -99,7 +97,7 @@ static void test_limits_are_kept_and_the_way_is_right(void)
 
 static void test_disabled_drive_brakes_to_rest_and_holds(void)
 {
-    sim_drive_init(&drive, &config, 0.0, PERIOD_S);
+    begin(PERIOD_S);
     drive.vel_micro_per_s = 40e6;
     for (int i = 0; i < 100; i++) {
         sim_drive_step(&drive, 12345, false);
@@ -111,7 +109,7 @@ static void test_disabled_drive_brakes_to_rest_and_holds(void)
 static void test_quantum_rounds_command_and_measurement(void)
 {
     config.quantum_micro = 10.0;
-    sim_drive_init(&drive, &config, 0.0, PERIOD_S);
+    begin(PERIOD_S);
     for (int i = 0; i < 2000; i++) {
         sim_drive_step(&drive, 1234, true);
     }
@@ -122,23 +120,20 @@ static void test_quantum_rounds_command_and_measurement(void)
     TEST_ASSERT_EQUAL_INT32(INT32_MIN, sim_drive_measured_micro(&drive));
 }
 
-static void test_linger_goes_on_exactly(void)
-{
-    sim_drive_init(&drive, &config, 0.0, PERIOD_S);
-    sim_drive_step(&drive, (int32_t)STEP_NM, true);
-    sim_drive_linger(&drive, 33e-6, true);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-7, STEP_NM * step_response(PERIOD_S + 33e-6), drive.pos_micro);
-}
-
-/// Two steps of other lengths than a period: each command is in force from the dead time on.
+/// Lingering, and two steps of other lengths than a period: each command is in force from the dead
+/// time on.
 static void test_step_in_another_time_is_exact(void)
 {
+    begin(PERIOD_S);
+    sim_drive_step(&drive, (int32_t)STEP_NM, true);
+    sim_drive_linger(&drive, 33e-6, true);
+    expect_response(PERIOD_S + 33e-6);
     config.delay_us = 0.3 * PERIOD_S * 1e6;
-    sim_drive_init(&drive, &config, 0.0, PERIOD_S);
+    begin(PERIOD_S);
     sim_drive_step_in(&drive, (int32_t)STEP_NM, true, 0.8 * PERIOD_S);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-7, STEP_NM * step_response(0.5 * PERIOD_S), drive.pos_micro);
+    expect_response(0.5 * PERIOD_S);
     sim_drive_step_in(&drive, (int32_t)STEP_NM, true, 1.4 * PERIOD_S);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-7, STEP_NM * step_response(1.9 * PERIOD_S), drive.pos_micro);
+    expect_response(1.9 * PERIOD_S);
     sim_drive_step_in(&drive, 0, false, 0.5 * PERIOD_S); // brakes
     TEST_ASSERT_TRUE(drive.vel_micro_per_s >= 0.0);
     const double at_micro = drive.pos_micro;
@@ -168,7 +163,7 @@ static double travel_nm(double force_n, double time_s)
 
 static void check_push(double commanded_n, double acting_n)
 {
-    sim_drive_init(&drive, &config, 0.0, PERIOD_S);
+    begin(PERIOD_S);
     sim_drive_push(&drive, commanded_n);
     for (int i = 1; i <= 100; i++) {
         sim_drive_step(&drive, 12345, true); // the position is ignored
@@ -177,21 +172,17 @@ static void check_push(double commanded_n, double acting_n)
     }
 }
 
-static void test_force_moves_the_mass(void)
+static void test_force_moves_the_mass_and_is_limited(void)
 {
     begin_force();
+    check_push(5000.0, config.force_limit_n);
+    check_push(-5000.0, -config.force_limit_n);
     static const double delays_us[] = {0.0, 50.0, 75.0};
     for (int i = 0; i < 3; i++) {
         config.delay_us = delays_us[i];
         check_push(30.0, 30.0);
         check_push(-30.0, -30.0);
     }
-}
-
-static void test_force_is_limited(void)
-{
-    begin_force();
-    check_push(5000.0, config.force_limit_n);
 }
 
 static void test_disabled_drive_ignores_the_force_and_brakes(void)

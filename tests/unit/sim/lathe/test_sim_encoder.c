@@ -27,43 +27,34 @@ static hal_encoder_t go(double from, double to)
     return reading;
 }
 
-static void test_read_counts_rise_with_the_turn_and_wrap(void)
+static void test_read_counts_follow_the_turn_and_wrap(void)
 {
     init_at(0.0);
     TEST_ASSERT_EQUAL_UINT32(4294467296u, encoder.reading.counts);
     TEST_ASSERT_EQUAL_UINT32(4294467296u + 2500u, go(0.0, 0.25).counts);
     TEST_ASSERT_EQUAL_UINT32(1000u, go(0.25, 50.1).counts); // beyond 2^32
-}
-
-static void test_read_negative_sign_counts_fall(void)
-{
     config.sign = -1.0;
     config.start_counts = 100.0;
     init_at(0.0);
     TEST_ASSERT_EQUAL_UINT32(100u - 2500u, go(0.0, 0.25).counts);
 }
 
+/// The edge at 0.3 has the same number in both senses; the next ones are a turn apart.
 static void test_index_is_the_same_edge_for_both_senses(void)
 {
-    for (int sign = -1; sign <= 1; sign += 2) {
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
         config.sign = sign;
         init_at(0.0);
-        const hal_encoder_t up = go(0.0, 0.5);
-        const hal_encoder_t down = go(0.5, 0.1);
-        TEST_ASSERT_EQUAL_UINT32(1u, up.n_index);
-        TEST_ASSERT_EQUAL_UINT32(2u, down.n_index);
-        TEST_ASSERT_EQUAL_UINT32(up.index_counts, down.index_counts);
-        TEST_ASSERT_EQUAL_UINT32(4294467296u + (sign > 0 ? 3000u : 0u - 3000u), up.index_counts);
+        const uint32_t edge = 4294467296u + (uint32_t)(sign * 3000);
+        const double turns[] = {0.0, 0.5, 0.1, 0.9, 7.9, -2.1};
+        const uint32_t n_index[] = {1, 2, 3, 10, 20};
+        const int32_t counts[] = {0, 0, 0, 70000, -20000};
+        for (int i = 0; i < 5; i++) {
+            const hal_encoder_t now = go(turns[i], turns[i + 1]);
+            TEST_ASSERT_EQUAL_UINT32(n_index[i], now.n_index);
+            TEST_ASSERT_EQUAL_UINT32(edge + (uint32_t)(sign * counts[i]), now.index_counts);
+        }
     }
-}
-
-static void test_index_edges_lie_a_turn_apart(void)
-{
-    init_at(0.0);
-    const uint32_t first = go(0.0, 0.9).index_counts;
-    TEST_ASSERT_EQUAL_UINT32(first + 70000u, go(0.9, 7.9).index_counts);
-    TEST_ASSERT_EQUAL_UINT32(8u, encoder.reading.n_index);
-    TEST_ASSERT_EQUAL_UINT32(first - 20000u, go(7.9, -2.1).index_counts);
 }
 
 static void test_eccentricity_errs_once_per_turn(void)

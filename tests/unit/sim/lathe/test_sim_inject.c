@@ -16,62 +16,62 @@ void setUp(void)
     sim_port_sense(&port);
 }
 
-static void refused(const char *text, const char *why)
+static bool parse(const char *text, uint32_t where)
 {
-    TEST_ASSERT_FALSE_MESSAGE(sim_inject_parse(&inject, text, sim_inject_in_run, &error), text);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, why), error.text);
+    error.text[0] = '\0';
+    return sim_inject_parse(&inject, text, where, &error);
 }
 
 static void happen(const char *text)
 {
-    TEST_ASSERT_TRUE_MESSAGE(sim_inject_parse(&inject, text, sim_inject_in_run, &error),
-                             error.text);
+    TEST_ASSERT_TRUE_MESSAGE(parse(text, sim_inject_in_run), error.text);
     sim_port_inject(&port, &inject, -1);
-}
-
-/// A run has an operator of its own, and no button: what presses nothing is refused.
-static void test_only_the_live_lathe_has_a_button_and_a_key(void)
-{
-    static const char *const texts[] = {"acknowledge@1:0.5", "key@t2:1"};
-    for (int i = 0; i < 2; i++) {
-        TEST_ASSERT_FALSE(sim_inject_parse(&inject, texts[i], sim_inject_in_run, &error));
-        TEST_ASSERT_NOT_NULL(strstr(error.text, "cannot happen here; camsim run --help"));
-        TEST_ASSERT_FALSE(sim_inject_parse(&inject, texts[i], sim_inject_on_bus, &error));
-        TEST_ASSERT_NOT_NULL(strstr(error.text, "camsim bus --help"));
-        TEST_ASSERT_TRUE(sim_inject_parse(&inject, texts[i], sim_inject_in_live, &error));
-    }
-    TEST_ASSERT_TRUE(sim_inject_parse(&inject, "late-tick@1:50", sim_inject_in_live, &error));
-    TEST_ASSERT_TRUE(sim_inject_parse(&inject, "estop@1", sim_inject_in_live, &error));
-    TEST_ASSERT_FALSE(sim_inject_parse(&inject, "node-dead@1:2", sim_inject_in_live, &error));
-    TEST_ASSERT_NOT_NULL(strstr(error.text, "camsim live --help"));
 }
 
 static void test_parse_takes_kind_time_and_value(void)
 {
-    TEST_ASSERT_TRUE(sim_inject_parse(&inject, "lost-counts@1.5:30", sim_inject_in_run, &error));
+    TEST_ASSERT_TRUE(parse("lost-counts@1.5:30", sim_inject_in_run));
     TEST_ASSERT_EQUAL_INT(sim_inject_lost_counts, inject.kind);
     TEST_ASSERT_TRUE(inject.at_s == 1.5 && inject.value == 30.0 && !inject.is_absolute);
-    TEST_ASSERT_TRUE(sim_inject_parse(&inject, "estop@t0.25", sim_inject_in_run, &error));
+    TEST_ASSERT_TRUE(parse("estop@t0.25", sim_inject_in_live));
     TEST_ASSERT_TRUE(inject.at_s == 0.25 && inject.is_absolute);
+    TEST_ASSERT_TRUE(parse("late-tick@1:50", sim_inject_in_live));
+    TEST_ASSERT_TRUE(parse("acknowledge@1:0.5", sim_inject_in_live));
+    TEST_ASSERT_TRUE(parse("key@t2:1", sim_inject_in_live));
 }
 
+/// A run has an operator of its own, and no button and key.
 static void test_parse_refuses_what_is_wrong(void)
 {
-    refused("estop", "no @SECONDS");
-    refused("fire@1", "no such kind");
-    refused("estop@", "no time");
-    refused("estop@-1", "no time");
-    refused("estop@nan", "no time");
-    refused("estop@tt1", "no time");
-    refused("estop@1:2", "takes no value");
-    refused("lost-counts@1", "takes counts");
-    refused("lost-counts@1:", "takes counts");
-    refused("lost-counts@1:1.5", "takes counts");
-    refused("spindle-speed@1:inf", "takes r/min");
-    refused("late-tick@1:0", "takes percent");
+    static const struct {
+        uint32_t where;
+        const char *text, *why;
+    } rows[] = {
+        {sim_inject_in_run, "estop", "no @SECONDS"},
+        {sim_inject_in_run, "fire@1", "no such kind"},
+        {sim_inject_in_run, "estop@", "no time"},
+        {sim_inject_in_run, "estop@-1", "no time"},
+        {sim_inject_in_run, "estop@nan", "no time"},
+        {sim_inject_in_run, "estop@tt1", "no time"},
+        {sim_inject_in_run, "estop@1:2", "takes no value"},
+        {sim_inject_in_run, "lost-counts@1", "takes counts"},
+        {sim_inject_in_run, "lost-counts@1:", "takes counts"},
+        {sim_inject_in_run, "lost-counts@1:1.5", "takes counts"},
+        {sim_inject_in_run, "spindle-speed@1:inf", "takes r/min"},
+        {sim_inject_in_run, "late-tick@1:0", "takes percent"},
+        {sim_inject_in_run, "acknowledge@1:0.5", "cannot happen here; camsim run --help"},
+        {sim_inject_in_run, "key@t2:1", "cannot happen here; camsim run --help"},
+        {sim_inject_on_bus, "acknowledge@1:0.5", "camsim bus --help"},
+        {sim_inject_on_bus, "key@t2:1", "camsim bus --help"},
+        {sim_inject_in_live, "node-dead@1:2", "camsim live --help"},
+    };
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        TEST_ASSERT_FALSE_MESSAGE(parse(rows[i].text, rows[i].where), rows[i].text);
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, rows[i].why), error.text);
+    }
 }
 
-static void test_apply_reaches_the_port(void)
+static void test_apply_reaches_port_and_clock(void)
 {
     happen("estop@0");
     happen("drive@0");
@@ -80,10 +80,6 @@ static void test_apply_reaches_the_port(void)
     happen("late-tick@0:80");
     TEST_ASSERT_EQUAL_UINT32(8000u, hal_host.late_clocks);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 40e-6, port.late_s);
-}
-
-static void test_apply_reaches_the_clock(void)
-{
     happen("clock-drift@0:-1000");
     happen("tick-jitter@0:40");
     happen("tick-burst@0:30");

@@ -34,18 +34,15 @@ static void test_who_is_not_there_presses_only_what_is_typed(void)
 
 static void test_the_key_is_off_for_one_look_where_a_session_is_new(void)
 {
-    TEST_ASSERT_TRUE(sim_operator_key(&o, 0));
-    TEST_ASSERT_FALSE(sim_operator_key(&o, 7));
-    TEST_ASSERT_TRUE(sim_operator_key(&o, 7));
-    TEST_ASSERT_TRUE(sim_operator_key(&o, 0)); // given up
-    TEST_ASSERT_FALSE(sim_operator_key(&o, 8));
-    TEST_ASSERT_FALSE(sim_operator_key(&o, 9)); // taken over
-    TEST_ASSERT_TRUE(sim_operator_key(&o, 9));
-}
-
-static void test_a_key_that_nobody_turns_stays_as_it_is(void)
-{
-    o.turns_key = false;
+    static const struct {
+        uint32_t session;
+        bool is_on;
+    } looks[] = {{0, true},  {7, false}, {7, true}, {0, true}, // given up
+                 {8, false}, {9, false}, {9, true}};           // taken over
+    for (uint32_t i = 0; i < sizeof looks / sizeof looks[0]; i++) {
+        TEST_ASSERT_EQUAL(looks[i].is_on, sim_operator_key(&o, looks[i].session));
+    }
+    o.turns_key = false; // nobody turns it
     TEST_ASSERT_TRUE(sim_operator_key(&o, 7));
     o.is_key_on = false;
     TEST_ASSERT_FALSE(sim_operator_key(&o, 7));
