@@ -33,6 +33,11 @@ static bool load(const char *text)
     return load_bytes(text, strlen(text));
 }
 
+static void taken(const char *text)
+{
+    TEST_ASSERT_TRUE_MESSAGE(load(text), error.text);
+}
+
 static void refused(const char *text, const char *why)
 {
     TEST_ASSERT_FALSE_MESSAGE(load(text), text);
@@ -54,10 +59,8 @@ static void test_default_file_is_the_built_in_machine(void)
 
 static void test_load_takes_comments_blanks_and_indentation(void)
 {
-    TEST_ASSERT_TRUE_MESSAGE(
-        load("# top\n\n[machine]\n  name = \"a # b\"   # behind\n\ttick_hz=10000# x\n"
-             "[u]\ndelay_us = 1.5e1\n"),
-        error.text);
+    taken("# top\n\n[machine]\n  name = \"a # b\"   # behind\n\ttick_hz=10000# x\n"
+          "[u]\ndelay_us = 1.5e1\n");
     TEST_ASSERT_EQUAL_STRING("a # b", config.name);
     TEST_ASSERT_TRUE(config.lathe.tick_hz == 10000.0);
     TEST_ASSERT_TRUE(config.lathe.drive[0].delay_us == 15.0);
@@ -65,32 +68,17 @@ static void test_load_takes_comments_blanks_and_indentation(void)
 
 static void test_what_is_believed_is_the_truth_but_for_its_keys(void)
 {
-    TEST_ASSERT_TRUE_MESSAGE(load("[believed.u]\nbandwidth_hz = 270\n[u]\ndamping = 0.5\n"
-                                  "bandwidth_hz = 310\nmass_kg = 2\n"),
-                             error.text);
+    taken("[believed.u]\nbandwidth_hz = 270\n[u]\ndamping = 0.5\n"
+          "bandwidth_hz = 310\nmass_kg = 2\n");
     const sim_lathe_config_t *believed = sim_config_believed(&config);
     TEST_ASSERT_TRUE(config.has_belief);
     TEST_ASSERT_TRUE(believed->drive[0].bandwidth_hz == 270.0);
     TEST_ASSERT_TRUE(believed->drive[0].damping == 0.5);
     TEST_ASSERT_TRUE(config.lathe.drive[0].bandwidth_hz == 310.0);
-}
-
-static void test_nothing_is_believed_without_a_key(void)
-{
-    TEST_ASSERT_TRUE_MESSAGE(load("[believed.u]\n[u]\nkind = \"force\"\n"), error.text);
+    taken("[believed.u]\n[u]\nkind = \"force\"\n"); // nothing is believed without a key
     TEST_ASSERT_FALSE(config.has_belief);
     TEST_ASSERT_EQUAL_PTR(&config.lathe, sim_config_believed(&config));
     TEST_ASSERT_EQUAL_UINT32(sim_drive_force, config.lathe.drive[0].kind);
-}
-
-static void test_refused_beliefs_name_line_and_reason(void)
-{
-    refused("[believed.u]\nbandwidth = 1\n", "line 2: believed.u.bandwidth = 1: not allowed");
-    refused("[believed.machine]\ntick_hz = 1000\n", "line 2: believed.machine.tick_hz");
-    refused("[believed.controller]\nk1_ns = 0\n", "line 2: believed.controller.k1_ns");
-    refused("[believed.u]\ndelay_us = -1\n", "line 2: believed.u.delay_us = -1: out of range");
-    refused("[believed.u]\ndelay_us = 1\ndelay_us = 1\n", "line 3: believed.u.delay_us = 1: given");
-    refused("[u]\nkind = \"speed\"\n", "line 2: u.kind = \"speed\": give one of \"position\"");
 }
 
 /// One value just outside of each range, and that in the table of beliefs, too.
@@ -141,20 +129,14 @@ static void test_ranges_of_the_effects_are_kept(void)
 
 static void test_load_takes_firmware_parameters(void)
 {
-    TEST_ASSERT_TRUE_MESSAGE(load("[controller]\nk1_ns = 0\nz_is_measured = true\n"), error.text);
+    taken("[controller]\nk1_ns = 0\nz_is_measured = true\n");
     TEST_ASSERT_TRUE(config.controller.is_given[cam_param_k1_ns]);
     TEST_ASSERT_EQUAL_INT32(0, config.controller.value[cam_param_k1_ns]);
     TEST_ASSERT_EQUAL_INT32(1, config.controller.value[cam_param_z_is_measured]);
     TEST_ASSERT_FALSE(config.controller.is_given[cam_param_k2_us2]);
-}
-
-/// A file of an older version still loads.
-static void test_load_ignores_retired_parameters(void)
-{
-    TEST_ASSERT_TRUE_MESSAGE(
-        load("[controller]\nswitch_8_z_low_nm = -3\nswitch_1_sense = 1\nk1_ns = 7\n"), error.text);
+    // A file of an older version still loads.
+    taken("[controller]\nswitch_8_z_low_nm = -3\nswitch_1_sense = 1\nk1_ns = 7\n");
     TEST_ASSERT_EQUAL_INT32(7, config.controller.value[cam_param_k1_ns]);
-    refused("[controller]\nswitch = 1\n", "no such parameter");
 }
 
 static void test_load_refuses_what_is_wrong(void)
@@ -184,45 +166,42 @@ static void test_load_refuses_what_is_wrong(void)
     refused("[controller]\nk1_ns = 1e12\n", "out of range");
     refused("[controller]\nk1_ns = 1.5\n", "whole");
     refused("[controller]\nk9 = 1\n", "no such parameter");
+    refused("[controller]\nswitch = 1\n", "no such parameter");
+    refused("[believed.u]\nbandwidth = 1\n", "line 2: believed.u.bandwidth = 1: not allowed");
+    refused("[believed.machine]\ntick_hz = 1000\n", "line 2: believed.machine.tick_hz");
+    refused("[believed.controller]\nk1_ns = 0\n", "line 2: believed.controller.k1_ns");
+    refused("[believed.u]\ndelay_us = -1\n", "line 2: believed.u.delay_us = -1: out of range");
+    refused("[believed.u]\ndelay_us = 1\ndelay_us = 1\n", "line 3: believed.u.delay_us = 1: given");
+    refused("[u]\nkind = \"speed\"\n", "line 2: u.kind = \"speed\": give one of \"position\"");
     refused("[controller]\nk1_ns = 1\nk1_ns = 1\n", "given twice");
-}
-
-static void test_load_refuses_a_line_that_is_too_long(void)
-{
-    char text[400] = "[u]\n#";
-    memset(text + 5, 'x', 300);
-    refused(text, "longer than");
 }
 
 static void test_load_takes_a_last_line_without_an_end(void)
 {
-    TEST_ASSERT_TRUE_MESSAGE(load(""), error.text);
-    TEST_ASSERT_TRUE_MESSAGE(load("[u]\r\n\ndelay_us = 15"), error.text);
+    taken("");
+    taken("[u]\r\n\ndelay_us = 15");
     TEST_ASSERT_TRUE(config.lathe.drive[0].delay_us == 15.0);
 }
 
-static void test_load_refuses_a_nul_byte(void)
+static void refused_bytes(const char *bytes, size_t size, const char *why)
 {
-    static const char head[] = "\0\0garbage";
-    static const char middle[] = "[u]\ndelay_us = 15\0garbage\n";
-    TEST_ASSERT_FALSE(load_bytes(head, sizeof head - 1u));
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "line 1: contains a NUL byte"), error.text);
-    TEST_ASSERT_FALSE(load_bytes(middle, sizeof middle - 1u));
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "line 2: contains a NUL byte"), error.text);
+    TEST_ASSERT_FALSE(load_bytes(bytes, size));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, why), error.text);
 }
 
-static void test_load_refuses_a_file_that_is_too_large(void)
+static void test_load_refuses_what_is_no_text(void)
 {
     enum { most = 1 << 20 };
     static char bytes[most + 1];
+    static const char head[] = "\0\0garbage";
+    static const char middle[] = "[u]\ndelay_us = 15\0garbage\n";
+    refused_bytes(head, sizeof head - 1u, "line 1: contains a NUL byte");
+    refused_bytes(middle, sizeof middle - 1u, "line 2: contains a NUL byte");
     memset(bytes, '\n', sizeof bytes);
     TEST_ASSERT_TRUE_MESSAGE(load_bytes(bytes, most), error.text);
-    TEST_ASSERT_FALSE(load_bytes(bytes, most + 1));
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "larger than 1048576 bytes"), error.text);
-}
-
-static void test_load_refuses_a_missing_file(void)
-{
+    refused_bytes(bytes, most + 1, "larger than 1048576 bytes");
+    memset(bytes, '#', 300);
+    refused_bytes(bytes, 300, "longer than");
     TEST_ASSERT_FALSE(sim_config_load(&config, "nowhere/none.toml", &error));
     TEST_ASSERT_NOT_NULL(strstr(error.text, "nowhere/none.toml: cannot be opened"));
 }

@@ -25,6 +25,28 @@ static bool apply(void)
     return is_taken;
 }
 
+/// The set must be refused with these words.
+/// @return the bound that follows the words, 0 when there is none
+static int expect_refusal(const char *words)
+{
+    int bound = 0;
+    TEST_ASSERT_FALSE(apply());
+    const char *const place = strstr(error.text, words);
+    TEST_ASSERT_NOT_NULL_MESSAGE(place, error.text);
+    (void)sscanf(place + strlen(words), "%d", &bound);
+    return bound;
+}
+
+/// The bound that a refusal names is the last value that is taken.
+static void expect_bound(int32_t *param, const char *words)
+{
+    const int bound = expect_refusal(words);
+    *param = bound + 1;
+    TEST_ASSERT_FALSE(apply());
+    *param = bound;
+    TEST_ASSERT_TRUE(apply());
+}
+
 /// A slow U passes the gains of before, which the set makes smaller later.
 static void test_set_is_taken_whose_first_part_is_wrong_alone(void)
 {
@@ -41,65 +63,44 @@ static void test_set_is_taken_whose_first_part_is_wrong_alone(void)
     }
 }
 
-static void expect_refusal(const char *says)
-{
-    TEST_ASSERT_FALSE(apply());
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, says), error.text);
-}
-
-/// The refusal names the gain, although the speed of U was set before it, and the accepted bound.
+/// The refusal names the gain, although the speed of U was set before it. The acceleration named is
+/// the largest one with which a slow drive is taken.
 static void test_gain_that_is_wrong_in_the_whole_set_is_reported_with_its_bound(void)
 {
+    params.k2_us2 = 3505923; // 85 Hz
+    expect_bound(&params.u_acceleration_mm_per_s2,
+                 "; it follows from [u] bandwidth_hz of the machine file unless it is set; such "
+                 "a drive needs [u] acceleration_mm_per_s2 of at most ");
+    setUp();
     params.u_speed_um_per_s = 5000;
     params.k1_ns = 0;
     params.k2_us2 = 200000;
-    expect_refusal(
-        "parameter k2_us2 = 200000: refused: the command to U, feed-forward included, would "
-        "exceed its limits; with the other parameters it is at most ");
-    int bound = 0;
-    TEST_ASSERT_EQUAL_INT(1, sscanf(strstr(error.text, "at most "), "at most %d", &bound));
-    params.k2_us2 = bound + 1;
-    TEST_ASSERT_FALSE(apply());
-    params.k2_us2 = bound;
-    TEST_ASSERT_TRUE(apply());
-}
-
-/// The acceleration named is the largest one with which a slow drive is taken.
-static void test_slow_drive_is_refused_with_the_acceleration_it_needs(void)
-{
-    params.k2_us2 = 3505923; // 85 Hz
-    expect_refusal("; it follows from [u] bandwidth_hz of the machine file unless it is set; such "
-                   "a drive needs [u] acceleration_mm_per_s2 of at most ");
-    int most = 0;
-    const char *const place = strstr(error.text, "_s2 of at most ");
-    TEST_ASSERT_EQUAL_INT(1, sscanf(place, "_s2 of at most %d", &most));
-    params.u_acceleration_mm_per_s2 = most + 1;
-    TEST_ASSERT_FALSE(apply());
-    params.u_acceleration_mm_per_s2 = most;
-    TEST_ASSERT_TRUE(apply());
-}
-
-static void test_drive_that_no_acceleration_helps_is_refused(void)
-{
-    params.u_speed_um_per_s = cam_param_info(cam_param_u_speed_um_per_s)->min;
-    params.k2_us2 = 80000000;
-    expect_refusal("this drive is too slow: give a larger bandwidth_hz");
-}
-
-static void test_jerk_is_reported_with_its_bound(void)
-{
-    params.u_jerk_m_per_s3 = 1;
-    expect_refusal("parameter u_jerk_m_per_s3 = 1: refused: ");
-    TEST_ASSERT_NOT_NULL(strstr(error.text, "it is at least "));
+    expect_bound(&params.k2_us2,
+                 "parameter k2_us2 = 200000: refused: the command to U, feed-forward included, "
+                 "would exceed its limits; with the other parameters it is at most ");
 }
 
 static void test_other_values_are_reported_by_the_refused_parameter(void)
 {
-    params.counts_per_turn = 0;
-    expect_refusal("parameter counts_per_turn = 0: refused: ");
+    static const struct {
+        int32_t *param, value;
+        const char *words;
+    } rows[] = {
+        {&params.u_jerk_m_per_s3, 1, "parameter u_jerk_m_per_s3 = 1: refused: "},
+        {&params.u_jerk_m_per_s3, 1, "it is at least "},
+        {&params.counts_per_turn, 0, "parameter counts_per_turn = 0: refused: "},
+        {&params.observer_bandwidth_mHz, 100000000,
+         "parameter observer_bandwidth_mHz = 100000000: refused: "},
+    };
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        params = rig.machine.params;
+        *rows[i].param = rows[i].value;
+        (void)expect_refusal(rows[i].words);
+    }
     params = rig.machine.params;
-    params.observer_bandwidth_mHz = 100000000;
-    expect_refusal("parameter observer_bandwidth_mHz = 100000000: refused: ");
+    params.u_speed_um_per_s = cam_param_info(cam_param_u_speed_um_per_s)->min;
+    params.k2_us2 = 80000000; // no acceleration helps
+    (void)expect_refusal("this drive is too slow: give a larger bandwidth_hz");
 }
 
 /// The refusal of an earlier change is not repeated.
