@@ -80,12 +80,7 @@ static void test_pieces_of_a_whole_turn(void)
         TEST_ASSERT_DOUBLE_WITHIN(1e-14, expected(j, i, t, w), found);
         TEST_ASSERT_DOUBLE_WITHIN(1e-12, found, sim_surface_delta_mm(&surface, at - 3.0, z));
     }
-}
-
-static void test_heights_outside_are_clamped(void)
-{
-    TEST_ASSERT_TRUE(read(make(by_turn, "[0, 1]", 1, "[0, 5, 20]", 2)));
-    const double low = sim_surface_delta_mm(&surface, 0.3, 0.0);
+    const double low = sim_surface_delta_mm(&surface, 0.3, 0.0); // heights outside are clamped
     const double high = sim_surface_delta_mm(&surface, 0.3, 20.0);
     TEST_ASSERT_EQUAL_DOUBLE(low, sim_surface_delta_mm(&surface, 0.3, -7.0));
     TEST_ASSERT_EQUAL_DOUBLE(high, sim_surface_delta_mm(&surface, 0.3, 99.0));
@@ -137,7 +132,8 @@ static const char *make_sections(const char *slopes)
     return text;
 }
 
-/// The quintic errs by (4 pi / 96)^6 / 46080 = 1e-10 of the amplitude, the cubic is exact.
+/// The quintic errs by (4 pi / 96)^6 / 46080 = 1e-10 of the amplitude, the cubic is exact. Without
+/// slopes straight lines join the sections.
 static void test_sections_are_given_by_knots(void)
 {
     TEST_ASSERT_TRUE_MESSAGE(read(make_sections("slopes")), error.text);
@@ -148,10 +144,7 @@ static void test_sections_are_given_by_knots(void)
         TEST_ASSERT_DOUBLE_WITHIN(1e-8, a * cos(2.0 * SIM_TWO_PI * turn),
                                   sim_surface_delta_mm(&surface, turn, z));
     }
-}
-
-static void test_sections_without_slopes_are_joined_by_straight_lines(void)
-{
+    sim_surface_free(&surface);
     TEST_ASSERT_TRUE_MESSAGE(read(make_sections(NULL)), error.text);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.0 + 0.5 * 1.0, sim_surface_delta_mm(&surface, 0.0, 2.5));
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, -(2.0 + 9.0 / 3.0),
@@ -185,10 +178,6 @@ static void test_malformed_surfaces_are_refused_by_field(void)
     refused("{\"angle\": \"turn\", \"breaks\": [0, 1], \"breaks_mm\": [0, 1],"
             "\"coefficients\": [1, null]}",
             "coefficients: must be 48");
-}
-
-static void test_sections_without_a_number_are_refused(void)
-{
     refused("{\"angle\": \"turn\", \"breaks\": [0, 1], \"breaks_mm\": [0, 1], \"knots\": [1, 2]}",
             "design.surface.knots: must be 6");
     refused("{\"angle\": \"turn\", \"breaks\": [0, 1], \"breaks_mm\": [0, 1], "
