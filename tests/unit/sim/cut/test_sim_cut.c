@@ -39,6 +39,24 @@ static sim_cut_end_t run(void)
     return cut.end;
 }
 
+static void expect_refusal(const char *why)
+{
+    TEST_ASSERT_FALSE(open_cut());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, why), error.text);
+}
+
+static void wish(const char *name, double value)
+{
+    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, name, value, "test", &error));
+}
+
+/// Cut to the end. @return [um] largest error
+static double done_um(void)
+{
+    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    return cut.session.work.max_um;
+}
+
 static void inject(const char *text)
 {
     TEST_ASSERT_TRUE_MESSAGE(sim_inject_parse(&options.session.inject[options.session.n_injects++],
@@ -49,17 +67,15 @@ static void inject(const char *text)
 /// Whatever the operator does to feed and spindle, the form is that of the cut left alone.
 static void test_override_hold_and_resume_leave_the_form_as_it_is(void)
 {
-    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
-    const double alone_um = cut.session.work.max_um;
+    const double alone_um = done_um();
     sim_cut_close(&cut);
     inject("feed-override@0.05:30");
     inject("hold@0.2");
     inject("resume@0.6");
     inject("feed-override@0.8:150");
     inject("spindle-override@0.3:90");
-    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, alone_um, done_um());
     TEST_ASSERT_TRUE(cut.session.cut_turns > 25.0);
-    TEST_ASSERT_DOUBLE_WITHIN(0.1, alone_um, cut.session.work.max_um);
 }
 
 /// The trim is what the part becomes too small by.
@@ -69,30 +85,16 @@ static void test_trim_is_on_the_radius_while_it_cuts(void)
     inject("hold@0.08");
     inject("trim@0.2:-3");
     inject("resume@0.6");
-    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
-    TEST_ASSERT_DOUBLE_WITHIN(0.3, 3.0, cut.session.work.max_um);
+    TEST_ASSERT_DOUBLE_WITHIN(0.3, 3.0, done_um());
 }
 
-static void test_phase_turns_the_oval_on_the_part(void)
+/// The phase turns the oval on the part, and a measured Z is led by the feed.
+static void test_wishes_for_the_form_are_cut(void)
 {
-    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "phase_udeg", 30e6, "test", &error));
-    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
-    TEST_ASSERT_TRUE(cut.session.work.max_um < 1.0);
-}
-
-static void test_measured_z_is_led_by_the_feed(void)
-{
-    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "z_is_measured", 1, "test", &error));
-    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    wish("phase_udeg", 30e6);
+    wish("z_is_measured", 1);
+    TEST_ASSERT_TRUE(done_um() < 1.0);
     TEST_ASSERT_TRUE(cut.is_stopped && cut.session.cut_turns >= 10.0);
-    TEST_ASSERT_TRUE(cut.session.work.max_um < 1.0);
-}
-
-static void test_flip_outside_the_table_is_refused(void)
-{
-    inject("table-flip@0:99999999");
-    TEST_ASSERT_FALSE(open_cut());
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "outside the table"), error.text);
 }
 
 static void test_whole_camshaft_has_a_whole_turn_of_every_lobe(void)
@@ -116,28 +118,28 @@ static void test_whole_camshaft_has_a_whole_turn_of_every_lobe(void)
     TEST_ASSERT_EQUAL_UINT32(2, sim_cut_lobe_without_turn(&cut));
 }
 
-static void test_time_is_limited(void)
+static void test_time_is_limited_and_enough_for_engaging_and_disengaging(void)
 {
     options.session.max_s = 0.01;
     TEST_ASSERT_EQUAL_INT(sim_cut_timeout, run());
-}
-
-static void test_time_is_enough_for_engaging_and_disengaging(void)
-{
+    sim_cut_close(&cut);
+    options.session.max_s = 0.0;
     options.rpm = 60.0;
-    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "engage_turns", 30, "test", &error));
-    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "disengage_turns", 70, "test", &error));
-    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    wish("engage_turns", 30);
+    wish("disengage_turns", 70);
+    (void)done_um();
     TEST_ASSERT_DOUBLE_WITHIN(0.1, 2.0 * 112.0 + 60.0, cut.max_s);
     TEST_ASSERT_TRUE(cut.port.time_s > 2.0 * 12.0 + 60.0);
 }
 
-static void test_speed_that_counts_as_stopped_is_no_remedy(void)
+/// A speed that counts as stopped is no remedy.
+static void test_what_cannot_be_cut_is_refused(void)
 {
     options.session.config.lathe.spindle_limit_rpm = 900.0;
-    TEST_ASSERT_FALSE(open_cut());
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "; give at most --rpm 900.000"), error.text);
-    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "stopped_mrpm", 900001, "test", &error));
-    TEST_ASSERT_FALSE(open_cut());
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "; no speed helps"), error.text);
+    expect_refusal("; give at most --rpm 900.000");
+    wish("stopped_mrpm", 900001);
+    expect_refusal("; no speed helps");
+    setUp();
+    inject("table-flip@0:99999999");
+    expect_refusal("outside the table");
 }

@@ -79,22 +79,24 @@ static void test_lines_follow_the_height_at_four_angles(void)
     }
 }
 
-static void test_section_without_a_track_below_or_above_is_empty(void)
+/// Heights without a track below or above, and tracks apart by an interruption, are empty.
+static void test_section_needs_tracks_on_both_sides(void)
 {
     cut_helix(6.0, 19.5, 1); // 0.6 .. 1.95 mm
     for (int k = 0; k < sim_sections_places; k++) {
         TEST_ASSERT_TRUE(isnan(s.section[0][k].e_mm));
         TEST_ASSERT_TRUE(isnan(s.section[1][k].e_mm));
     }
-}
-
-static void test_tracks_apart_by_an_interruption_are_not_joined(void)
-{
+    setUp();
     cut_helix(0.0, 15.0, 1);
     sim_sections_touch(&s, 15.1, 1.5, 0.0, false);
     cut_helix(25.0, 30.0, 1);
     TEST_ASSERT_FALSE(isnan(s.section[0][1000].e_mm));
     TEST_ASSERT_TRUE(isnan(s.section[1][1000].e_mm));
+    setUp();
+    sim_sections_init(&s, heights_mm, 0, 0.0, LAST_MM); // nothing is asked for
+    cut_helix(0.0, 3.0, 1);
+    TEST_ASSERT_TRUE(isnan(s.line_e_mm[0][50]));
 }
 
 /// A ring-helix comes to a height and stays there for a turn: its track is the section itself.
@@ -120,11 +122,4 @@ static void test_spindle_that_turns_back_leaves_numbers(void)
     for (int k = 0; k < sim_sections_places; k++) {
         TEST_ASSERT_TRUE(fabs(s.section[0][k].e_mm) < 0.01);
     }
-}
-
-static void test_nothing_is_made_when_nothing_is_asked_for(void)
-{
-    sim_sections_init(&s, heights_mm, 0, 0.0, LAST_MM);
-    cut_helix(0.0, 3.0, 1);
-    TEST_ASSERT_TRUE(isnan(s.line_e_mm[0][50]));
 }

@@ -100,11 +100,8 @@ static void test_rehearsal_that_was_broken_off_keeps_what_was_full(void)
     rest(1.0, false);
     TEST_ASSERT_EQUAL_UINT32(6, turns.n);
     expect_all_um(0, turns.n, 40.0);
-}
-
-static void test_rehearsal_that_never_moved_leaves_nothing(void)
-{
-    rehearse(9.0, 0.0, 0.0, 0.0);
+    setUp();
+    rehearse(9.0, 0.0, 0.0, 0.0); // U never moved
     rest(1.0, false);
     TEST_ASSERT_EQUAL_UINT32(0, turns.n);
 }
