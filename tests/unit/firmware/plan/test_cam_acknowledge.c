@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A press of the button at the machine: what counts as one, and what it permits. The whole
-// controller is judged by the input, the requests of the slow side, and whether the drives come on.
+// A press of the button at the machine: which presses count, plan by plan, and what they permit on
+// a whole controller, judged by the requests of the slow side and by whether the drives come on.
 #include "cam_acknowledge.h"
 #include "cam_machine_jog.h" // cam_machine_manual
 #include "fixture_rig.h"
 #include "hal_host.h"
 #include "unity.h"
+#include <string.h> // strchr
 
 static fixture_rig_t f;
 static fixture_part_t part;
@@ -89,49 +90,14 @@ static void expect_refused(const char *name)
     }
 }
 
-static void expect_enabled(const char *name)
+static void test_power_on_wants_a_press_of_50_ms(void)
 {
-    TEST_ASSERT_EQUAL_INT_MESSAGE(cam_ok, enable(), name);
-    TEST_ASSERT_EQUAL_INT_MESSAGE(cam_state_homing, fixture_rig_state(), name);
-}
-
-static void expect_refused_until_pressed(const char *name)
-{
-    expect_refused(name);
+    button(true, ms(48));
+    button(false, ms(100));
+    expect_refused("power on");
     press();
-    expect_enabled(name);
-}
-
-static void disable(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&f.machine));
-    fixture_rig_ticks(&f, ms(100));
-    expect_state(cam_state_off);
-}
-
-static void reset(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&f.machine));
-    fixture_rig_ticks(&f, ms(100));
-    expect_state(cam_state_off);
-}
-
-/// Enable the machine, and end that by a fault.
-static void stop_in_ready(bool is_estop)
-{
-    press();
-    expect_enabled("before the fault");
-    (void)fixture_rig_until(&f, cam_state_ready, 60000);
-    expect_state(cam_state_ready);
-    hal_host_fault_estop(is_estop);
-    hal_host_fault_late(is_estop ? 0 : 300);
-    fixture_rig_ticks(&f, ms(200));
-    expect_state(cam_state_fault);
-}
-
-static void test_power_on_wants_a_press(void)
-{
-    expect_refused_until_pressed("power on");
+    TEST_ASSERT_EQUAL_INT(cam_ok, enable());
+    expect_state(cam_state_homing);
     setUp();
     press();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(&f.machine));
@@ -139,164 +105,108 @@ static void test_power_on_wants_a_press(void)
     expect_state(cam_state_manual);
 }
 
-/// Each row is a course of the button: n times on and off.
-static void test_presses_of_50_ms_to_2_s_count(void)
-{
-    static const struct {
-        const char *name;
-        bool counts;
-        struct {
-            int n;
-            uint32_t on_ms, off_ms;
-        } course[4];
-    } rows[] = {
-        {"nearly two seconds", true, {{1, 1990, 100}}},
-        {"stuck", false, {{1, 2200, 0}}},
-        {"too short for the filter", false, {{1, 19, 100}}},
-        {"48 ms", false, {{1, 48, 100}}},
-        {"52 ms", true, {{1, 52, 100}}},
-        {"bounces all the time", false, {{200, 6, 4}, {1, 0, 100}}},
-        {"bounces at its ends", true, {{5, 1, 1}, {1, 100, 1}, {4, 1, 1}, {1, 1, 100}}},
-    };
-    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        setUp();
-        for (int k = 0; k < 4; k++) {
-            for (int n = 0; n < rows[i].course[k].n; n++) {
-                button(true, ms(rows[i].course[k].on_ms));
-                button(false, ms(rows[i].course[k].off_ms));
-            }
-        }
-        if (rows[i].counts) {
-            expect_enabled(rows[i].name);
-            continue;
-        }
-        expect_refused(rows[i].name);
-        button(false, ms(100));
-        expect_refused_until_pressed(rows[i].name);
-    }
-}
-
 static void test_times_are_the_same_at_every_tick_rate(void)
 {
     static const struct {
-        uint32_t tick_hz, plans_per_s;
-    } rows[] = {{500, 500}, {20000, 2500}};
-    for (uint32_t i = 0; i < 2u; i++) {
+        uint32_t tick_hz;
+        cam_acknowledge_config_t plans; ///< of 20 ms, 50 ms, 2 s and a minute, rounded up
+    } rows[] = {{500, {true, 10, 25, 1000, 30000}},
+                {3750, {true, 38, 94, 3750, 112500}},
+                {20000, {true, 50, 125, 5000, 150000}}};
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         begin(rows[i].tick_hz);
-        button(true, ms(48));
-        button(false, ms(100));
-        TEST_ASSERT_EQUAL_INT(cam_err_acknowledge, enable());
-        button(true, ms(52));
-        button(false, ms(100)); // of which 20 ms settle the input
-        TEST_ASSERT_UINT32_WITHIN(
-            rows[i].tick_hz == 500u ? 0 : 1,
-            rows[i].plans_per_s * 60u - rows[i].plans_per_s * 8u / 100u,
-            cam_acknowledge_left(&g_cam.acknowledge, &g_cam.config.half[0].play.acknowledge));
-        TEST_ASSERT_EQUAL_INT(cam_ok, enable());
+        const cam_acknowledge_config_t *found = &g_cam.config.offered->play.acknowledge;
+        TEST_ASSERT_EQUAL(rows[i].plans.is_demanded, found->is_demanded);
+        TEST_ASSERT_EQUAL_UINT32(rows[i].plans.settle_plans, found->settle_plans);
+        TEST_ASSERT_EQUAL_UINT32(rows[i].plans.least_plans, found->least_plans);
+        TEST_ASSERT_EQUAL_UINT32(rows[i].plans.most_plans, found->most_plans);
+        TEST_ASSERT_EQUAL_UINT32(rows[i].plans.good_plans, found->good_plans);
     }
 }
 
-static void test_a_button_that_is_stuck_at_power_on_does_not_count(void)
+/// A plan of a course: '.' released, 'P' pressed, 'E' chain open, 'X' both, 'w' chain was open
+/// since the last plan; in state fault 'F' released, 'f' pressed; 'H' released with enabled drives.
+static void plan(char what, cam_acknowledge_t *a, cam_motion_t *m)
 {
-    hal_host_press(true);
-    power_on(true);
-    fixture_rig_ticks(&f, ms(60));
-    button(false, ms(100));
-    expect_refused("stuck at power on");
+    static const cam_acknowledge_config_t cfg = {
+        .settle_plans = 2, .least_plans = 5, .most_plans = 8, .good_plans = 10};
+    const bool is_pressed = strchr("PXf", what) != NULL;
+    const bool is_open = strchr("EX", what) != NULL;
+    const cam_tick_record_t r = {.in.inputs = (is_pressed ? hal_in_acknowledge : 0u) |
+                                              (is_open ? hal_in_estop : 0u)};
+    m->was_open = what == 'w';
+    m->state = strchr("Ff", what) != NULL ? cam_state_fault
+               : what == 'H'              ? cam_state_manual
+                                          : cam_state_off;
+    cam_acknowledge_isr(a, &cfg, &r, m);
+    TEST_ASSERT_FALSE(m->was_open);
+    const bool is_given = a->phase == cam_acknowledge_given;
+    TEST_ASSERT_EQUAL_UINT32(is_given ? cfg.good_plans - a->n_plans : 0u,
+                             cam_acknowledge_left(a, &cfg));
 }
 
-static void test_a_press_while_the_chain_is_open_or_closes_does_not_count(void)
+/// A press counts if it lasts 5 to 8 plans, after 5 without; it is good for 10 plans without
+/// drives.
+static void test_which_presses_count(void)
 {
-    for (int is_held = 0; is_held < 2; is_held++) {
-        setUp();
-        hal_host_fault_estop(true);
-        button(true, ms(100));
-        button(is_held != 0, ms(100));
-        hal_host_fault_estop(false);
-        button(is_held != 0, ms(100));
-        button(false, ms(100));
-        expect_refused(is_held != 0 ? "held while the chain closes" : "before the chain closes");
+    static const struct {
+        const char *name, *course; ///< from power on
+        bool counts;
+    } rows[] = {
+        {"none", "................", false},
+        {"too short", ".......PPPP.......", false},
+        {"shortest", ".......PPPPP..", true},
+        {"longest", ".......PPPPPPPP..", true},
+        {"too long", ".......PPPPPPPPP.......", false},
+        {"stuck", ".......PPPPPPPPPPPPPPPP", false},
+        {"pressed at power on", "PPPPPP.......", false},
+        {"soon after another press", "PPPP....PPPPPP..", false},
+        {"not so soon after another press", "PPPP.....PPPPPP..", true},
+        {"soon after one that was too short", ".......PPPP...PPPPP..", false},
+        {"another press after one that was too short", ".......PPPP.........PPPPP..", true},
+        {"bounces all the time", ".......P.P.P.P.P.P.P......", false},
+        {"bounces at its ends", ".......P.PPPPPP.P..", true},
+        {"before the chain closes", ".......EEXXXXXEE..", false},
+        {"held while the chain closes", ".......XXXXPPPPP..", false},
+        {"chain opens in the press", ".......PPXPPPPP..", false},
+        {"chain opens after the press", ".......PPPPP..E..", false},
+        {"chain was open between two plans", ".......PPPPP..w", false},
+        {"fault after the press", ".......PPPPP..F..", false},
+        {"in the state fault", ".......fffffFF..", false},
+        {"across the reset", ".......fffPPPPP..", false},
+        {"fault while it is used", ".......PPPPP..HHF..", false},
+        {"another press after the fault", ".......PPPPP..HHF......PPPPP..", true},
+        {"just in time", ".......PPPPP...........", true},
+        {"too late", ".......PPPPP............", false},
+        {"in use", ".......PPPPP..HHHHHHHHHHHHHHHH", true},
+        {"just in time after use", ".......PPPPP..HHHHHHHHHHHHHH..........", true},
+        {"too late after use", ".......PPPPP..HHHHHHHHHHHHHH...........", false},
+    };
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        cam_acknowledge_t a = {0};
+        cam_motion_t m = {0};
+        for (const char *what = rows[i].course; *what != '\0'; what++) {
+            plan(*what, &a, &m);
+        }
+        TEST_ASSERT_EQUAL_MESSAGE(rows[i].counts, m.is_acknowledged, rows[i].name);
     }
 }
 
-/// Wherever between two plans: after a press, and in it.
+/// Wherever between two plans.
 static void test_one_tick_of_the_open_chain_ends_a_press(void)
 {
-    for (uint32_t i = 0; i < 16u; i++) {
-        const bool is_given = i < 8u;
+    for (uint32_t i = 0; i < 8u; i++) {
         setUp();
-        button(true, is_given ? ms(100) : ms(50) + i % 8u);
-        if (is_given) {
-            button(false, ms(100) + i);
-        }
+        press();
+        fixture_rig_ticks(&f, i);
         hal_host_fault_estop(true);
         fixture_rig_tick(&f);
         hal_host_fault_estop(false);
-        if (is_given) {
-            fixture_rig_tick(&f);
-            post(cam_request_enable); // before the next plan as well
-            fixture_rig_ticks(&f, 10);
-            expect_off("before the next plan");
-        } else {
-            button(true, ms(60));
-            button(false, ms(100));
-        }
-        expect_refused(is_given ? "after a press" : "in a press");
-    }
-}
-
-static void test_a_press_across_the_reset_does_not_count(void)
-{
-    stop_in_ready(true);
-    hal_host_fault_estop(false);
-    button(true, ms(100));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&f.machine));
-    button(true, ms(100));
-    button(false, ms(100));
-    expect_refused("across the reset");
-}
-
-static void test_every_fault_wants_another_press(void)
-{
-    for (int is_estop = 0; is_estop < 2; is_estop++) {
-        setUp();
-        stop_in_ready(is_estop != 0);
-        hal_host_fault_estop(false);
-        if (is_estop != 0) {
-            press(); // before the reset
-        }
-        reset();
-        expect_refused_until_pressed(is_estop != 0 ? "emergency stop" : "late tick");
-    }
-}
-
-/// Time with enabled drives does not count, a minute without ends the permission. Minutes are
-/// simulated at a slow tick.
-static void test_a_press_is_good_for_a_minute_without_drives(void)
-{
-    static const struct {
-        const char *name;
-        bool is_used;
-        uint32_t off_ms;
-        bool is_good;
-    } rows[] = {{"given", false, 59800, true},
-                {"given, a minute", false, 60000, false},
-                {"used", true, 59800, true},
-                {"used, a minute", true, 60000, false}};
-    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        begin(2000);
-        press();
-        if (rows[i].is_used) {
-            expect_enabled(rows[i].name);
-            fixture_rig_ticks(&f, rows[i].is_good ? ms(70000) : 8); // 8: up to the next plan
-            disable();
-        }
-        fixture_rig_ticks(&f, ms(rows[i].off_ms));
-        if (rows[i].is_good) {
-            expect_enabled(rows[i].name);
-        } else {
-            expect_refused_until_pressed(rows[i].name);
-        }
+        fixture_rig_tick(&f);
+        post(cam_request_enable); // before the next plan as well
+        fixture_rig_ticks(&f, 10);
+        expect_off("before the next plan");
+        expect_refused("after the chain was open");
     }
 }
 
@@ -365,51 +275,12 @@ static void test_other_reasons_are_reported_first(void)
     expect_off("a port without the button");
 }
 
-/// The remaining time never counts below 0, and without a press none remains.
+/// The remaining time does not count below 0.
 static void test_remaining_time_ends_at_0(void)
 {
-    static const struct {
-        cam_acknowledge_phase_t phase;
-        uint32_t n_plans, left;
-    } rows[] = {{cam_acknowledge_given, 99, 1},
-                {cam_acknowledge_given, 101, 0}, // the interrupt has not ended it yet
-                {cam_acknowledge_needed, 99, 0}};
     const cam_acknowledge_config_t cfg = {.good_plans = 100};
-    for (uint32_t i = 0; i < 3u; i++) {
-        const cam_acknowledge_t a = {.phase = rows[i].phase, .n_plans = rows[i].n_plans};
-        TEST_ASSERT_EQUAL_UINT32(rows[i].left, cam_acknowledge_left(&a, &cfg));
-    }
-}
-
-/// Every state with enabled drives uses the press up; a fault and the chain want a new one.
-static void test_every_state_with_enabled_drives_uses_it_up(void)
-{
-    static const cam_acknowledge_config_t cfg = {.is_demanded = true, .good_plans = 100};
-    static const cam_state_t used[] = {cam_state_homing, cam_state_rehearsing,
-                                       cam_state_identifying, cam_state_manual, cam_state_holding};
-    static cam_tick_record_t r;
-    for (uint32_t i = 0; i < 7u; i++) {
-        cam_acknowledge_t a = {.phase = cam_acknowledge_given};
-        cam_motion_t m = {.state = i < 5u ? used[i] : cam_state_fault, .was_open = i == 6u};
-        cam_acknowledge_isr(&a, &cfg, &r, &m);
-        TEST_ASSERT_EQUAL_INT(i < 5u ? cam_acknowledge_used : cam_acknowledge_needed, a.phase);
-        TEST_ASSERT_EQUAL(i < 5u, m.is_acknowledged);
-        TEST_ASSERT_FALSE(m.was_open);
-    }
-}
-
-/// The least and the longest time of a press both count, one plan less or more does not.
-static void test_a_press_of_the_least_or_the_longest_time_counts(void)
-{
-    static const cam_acknowledge_config_t cfg = {
-        .settle_plans = 2, .least_plans = 5, .most_plans = 8, .good_plans = 100};
-    for (uint32_t n = 4; n <= 9u; n++) {
-        cam_acknowledge_t a = {.phase = cam_acknowledge_armed};
-        cam_motion_t m = {.state = cam_state_off};
-        for (uint32_t i = 0; i < 20u; i++) {
-            const cam_tick_record_t r = {.in.inputs = i < n ? hal_in_acknowledge : 0u};
-            cam_acknowledge_isr(&a, &cfg, &r, &m);
-        }
-        TEST_ASSERT_EQUAL(n >= 5u && n <= 8u, m.is_acknowledged);
+    for (uint32_t n = 99; n <= 101u; n++) { // at 101 the interrupt has not ended it yet
+        const cam_acknowledge_t a = {.phase = cam_acknowledge_given, .n_plans = n};
+        TEST_ASSERT_EQUAL_UINT32(n == 99u ? 1 : 0, cam_acknowledge_left(&a, &cfg));
     }
 }
