@@ -4,7 +4,7 @@
 #include "cam_angle.h"
 #include "cam_feed_motion.h"
 #include "fixture_play.h"
-#include "fixture_random.h" // fixture_rarer
+#include "fixture_random.h"
 #include "unity.h"
 #include <math.h>
 
@@ -123,19 +123,6 @@ static void test_override_before_the_feed_holds_from_its_first_turn(void)
     cut_to_the_end();
 }
 
-static void test_untouched_feed_is_laid_as_it_was_before_overrides(void)
-{
-    begin();
-    const int64_t fed_q32 = (int64_t)50 * CAM_TURN_Q32;
-    TEST_ASSERT_EQUAL_INT64(f.plan.feed_at_q32 + fed_q32 + ramp_turns * CAM_TURN_Q32,
-                            f.plan.disengage_at_q32);
-    ask(1500000); // asked for and taken back in the first ramp
-    until(cam_state_cutting);
-    turns(0.3);
-    ask(1000000);
-    cut_to_the_end();
-}
-
 static void test_hold_rests_on_a_whole_turn_and_goes_on_from_one(void)
 {
     begin();
@@ -208,33 +195,21 @@ static void test_stop_while_held_disengages_ahead_and_once(void)
 /// Any order of overrides, holds, resumes: nothing but the time of the cut changes.
 static void test_random_changes_always_end_at_the_last_height(void)
 {
-    uint32_t seed = 1;
+    fixture_random_t random = {.state = 1};
     for (int cut = 0; cut < 15 / fixture_rarer; cut++) {
         setUp();
         begin();
         for (int i = 0; i < 12 && f.want.state != cam_state_ready; i++) {
-            seed = seed * 1664525u + 1013904223u;
-            const uint32_t what = seed >> 28;
-            ask((int32_t)((seed >> 8) % 1500001u));
-            hold(what < 5u);
-            seed = seed * 1664525u + 1013904223u;
-            for (uint32_t k = 0; k < (seed >> 18) % 5000u && f.want.state != cam_state_ready; k++) {
+            ask((int32_t)fixture_random_range(&random, 0, 1500000));
+            hold(fixture_random_range(&random, 0, 2) == 0);
+            for (int64_t k = fixture_random_range(&random, 0, 5000);
+                 k > 0 && f.want.state != cam_state_ready; k--) {
                 tick();
             }
         }
         ask(1000000);
         cut_to_the_end();
     }
-}
-
-static void test_what_is_asked_again_changes_no_rate(void)
-{
-    begin();
-    until(cam_state_cutting);
-    const cam_feed_motion_t before = f.plan.feed_motion;
-    cam_feed_motion_request_isr(&f.plan.feed_motion, &f.config.play, f.angle.pos_q32,
-                                f.angle.pos_q32);
-    TEST_ASSERT_EQUAL_MEMORY(&before, &f.plan.feed_motion, sizeof before);
 }
 
 /// Wherever it comes before the end, a higher rate without room stays away, a hold is overtaken by
@@ -352,10 +327,8 @@ static void test_override_changes_no_rings(void)
         cam_feed_motion_t c = before;
         cam_feed_motion_request_isr(&c, cfg, turn * CAM_TURN_Q32, (turn + 1) * CAM_TURN_Q32);
         TEST_ASSERT_EQUAL_INT32(one / 2, c.requested_q30); // and is not looked at again
-        TEST_ASSERT_EQUAL_INT64(before.from_q32, c.from_q32);
-        TEST_ASSERT_EQUAL_INT64(before.to_q32, c.to_q32);
-        TEST_ASSERT_EQUAL_INT64(before.end_q32, c.end_q32);
-        TEST_ASSERT_EQUAL_INT32(one, c.to_rate_q30);
+        c.requested_q30 = one;
+        TEST_ASSERT_EQUAL_MEMORY(&before, &c, sizeof c);
     }
 }
 

@@ -55,35 +55,6 @@ static void test_jog_without_its_commander_stops_by_the_interrupt_alone(void)
     }
 }
 
-static void test_jog_repeated_in_time_continues_at_its_speed(void)
-{
-    to_manual();
-    jog(hal_axis_z, -5000);
-    fixture_rig_ticks(&rig, 1000);
-    const int32_t from_nm = port_nm(hal_axis_z);
-    for (int i = 0; i < 10; i++) {
-        jog(hal_axis_z, -5000);
-        fixture_rig_ticks(&rig, 1999);
-    }
-    TEST_ASSERT_INT32_WITHIN(1000, from_nm - 5 * mm, port_nm(hal_axis_z));
-}
-
-/// A stop, and a jog of another axis, brake the moving axis.
-static void test_another_order_brakes_the_axis_of_the_last(void)
-{
-    to_manual();
-    jog(hal_axis_x, 10000);
-    fixture_rig_ticks(&rig, 1000);
-    jog(hal_axis_z, 10000);
-    fixture_rig_ticks(&rig, 1000);
-    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_x].vel_q10);
-    TEST_ASSERT_GREATER_THAN_INT32(0, hal_host.out.axis[hal_axis_z].vel_q10);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
-    fixture_rig_ticks(&rig, 1000);
-    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_z].vel_q10);
-    TEST_ASSERT_EQUAL_INT(cam_jog_stopped, jog_state().end);
-}
-
 /// Afterwards a jog of speed 0 changes nothing of an axis at rest, and stops one that runs.
 static void test_step_ends_at_its_distance(void)
 {
@@ -273,14 +244,6 @@ static void test_home_by_index_is_that_of_the_index(void)
     }
 }
 
-static void test_home_here_needs_no_motion(void)
-{
-    hal_host.in.axis_nm[hal_axis_z] = 4 * mm;
-    set_home(hal_axis_z, 1, 1, -50 * mm);
-    TEST_ASSERT_EQUAL_INT32(-50 * mm, homed_nm(hal_axis_z, 4 * mm));
-    TEST_ASSERT_EQUAL_INT32(4 * mm, port_nm(hal_axis_z));
-}
-
 /// Set-points of the port continue evenly while U's origin is shifted twice.
 static void test_home_of_u_shifts_its_origin_without_a_motion(void)
 {
@@ -309,21 +272,6 @@ static void test_home_of_u_shifts_its_origin_without_a_motion(void)
     }
 }
 
-/// A homed U cuts like one whose zero was right from the start.
-static void test_cut_with_a_homed_u_is_offset_by_its_home(void)
-{
-    rig.lathe.home[hal_axis_u] = (ideal_home_t){.side = 1, .edge_nm = 350000};
-    set_home(hal_axis_u, 2, 1, 100000);
-    (void)homed_nm(hal_axis_u, 0);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
-    fixture_rig_ticks(&rig, 20);
-    bring(cam_state_cutting);
-    fixture_rig_ticks(&rig, 1000);
-    const int32_t set_nm = rig.last.want.u_set_q6 >> 6;
-    TEST_ASSERT_INT32_WITHIN(100, 250000, port_nm(hal_axis_u) - set_nm);
-    expect_no_fault();
-}
-
 /// The last row would put U outside of its stroke where it stands.
 static void test_home_that_fails_ends_and_is_none(void)
 {
@@ -350,22 +298,4 @@ static void test_home_that_fails_ends_and_is_none(void)
         TEST_ASSERT_EQUAL_HEX32(0, jog_state().homed);
         expect_no_fault();
     }
-}
-
-/// The switch is left only by moving back from it.
-static void test_home_switch_that_bounces_is_not_left_yet(void)
-{
-    const ideal_home_t home = {.side = 1, .edge_nm = 100000};
-    rig.lathe.home[hal_axis_x] = home;
-    set_home(hal_axis_x, 2, 1, 0);
-    to_manual_at_zero();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
-    for (uint32_t i = 0; i < 4000u && jog_state().phase != cam_jog_release; i++) {
-        fixture_rig_tick(&rig);
-    }
-    rig.lathe.home[hal_axis_x].edge_nm = 100 * mm;
-    fixture_rig_ticks(&rig, 20);
-    TEST_ASSERT_EQUAL_INT(cam_jog_release, jog_state().phase);
-    rig.lathe.home[hal_axis_x] = home;
-    TEST_ASSERT_EQUAL_INT(cam_jog_done, until_rest());
 }

@@ -22,7 +22,7 @@ void setUp(void)
         .per_plan_q30 = 1 << 27,
         .jog = {.u_end_q10 = end_nm * INT64_C(1024), .limits = {limits, limits, limits}}};
     cfg.jog.order = (cam_jog_order_t){.serial = 1,
-                                      .until = 1000,
+                                      .until = 100000,
                                       .sense = 1,
                                       .speed_q10 = 4096,
                                       .slow_q10 = 512,
@@ -31,12 +31,15 @@ void setUp(void)
                                       .distance_q10 = 2000 * 1024};
 }
 
-/// A plan. @return [nm] by which it shifts the origin of U
+/// A plan; the next reading of U counts from its new origin.
+/// @return [nm] by which the plan shifts the origin of U
 static int32_t jog(void)
 {
     const int32_t before_nm = m.u.home_nm;
     cam_jog_isr(&h, &cfg, &r, &m);
-    return m.u.home_nm - before_nm;
+    const int32_t shift_nm = m.u.home_nm - before_nm;
+    r.in.actual_nm[hal_axis_u] += shift_nm;
+    return shift_nm;
 }
 
 static int32_t order(cam_jog_phase_t begin, hal_axis_t axis)
@@ -94,7 +97,7 @@ static void test_home_here_is_the_number_that_was_ordered(void)
     TEST_ASSERT_EQUAL_INT32(7000, h.found_nm[hal_axis_u]);
     TEST_ASSERT_EQUAL_UINT32(1, h.n_found);
     cfg.jog.order.home_nm = end_nm;
-    TEST_ASSERT_EQUAL_INT32(end_nm - 7000, order(cam_jog_here, hal_axis_u));
+    TEST_ASSERT_EQUAL_INT32(end_nm - 6999, order(cam_jog_here, hal_axis_u));
     cfg.jog.order.home_nm = end_nm + 1;
     TEST_ASSERT_EQUAL_INT32(0, order(cam_jog_here, hal_axis_u));
     TEST_ASSERT_EQUAL_INT(cam_jog_no_stroke, h.end);
@@ -116,6 +119,24 @@ static void test_search_of_u_has_the_whole_stroke_before_it(void)
             const int64_t to_nm = from_nm + (is_on != 0 ? -sense : sense) * 2000;
             TEST_ASSERT_EQUAL_INT64(to_nm * 1024, h.target_q10);
         }
+    }
+}
+
+/// The switch is left only by moving back from it.
+static void test_home_switch_that_bounces_is_not_left_yet(void)
+{
+    for (int32_t sense = -1; sense <= 1; sense += 2) {
+        setUp();
+        cfg.jog.order.sense = sense;
+        r.in.inputs |= (uint32_t)hal_in_home_u << hal_axis_x;
+        (void)order(cam_jog_search, hal_axis_x);
+        r.in.inputs = hal_in_drive_ready;
+        for (int32_t vel_q10 = 1; vel_q10 >= -1; vel_q10--) {
+            TEST_ASSERT_EQUAL_INT(cam_jog_release, h.phase);
+            m.axis[hal_axis_x].vel_q10 = sense * vel_q10;
+            (void)jog();
+        }
+        TEST_ASSERT_EQUAL_INT(cam_jog_done, h.end);
     }
 }
 
@@ -212,34 +233,17 @@ static void test_home_of_u_from_far_away_is_refused(void)
 
 enum { press_q6 = 64000, still_plans = 50 };
 
-/// A plan; the next reading has the new origin.
-static int32_t plan(void)
-{
-    const int32_t shift_nm = jog();
-    r.in.actual_nm[hal_axis_u] += shift_nm;
-    return shift_nm;
-}
-
 /// Begin a search for the stop. @return [nm] shift of U's origin
 static int32_t search(int32_t sense, bool has_index, int32_t home_nm)
 {
     setUp();
-    cam_jog_order_t *o = &cfg.jog.order;
-    *o = (cam_jog_order_t){.serial = 1,
-                           .until = 100000,
-                           .begin = cam_jog_search,
-                           .axis = hal_axis_u,
-                           .sense = sense,
-                           .has_index = has_index,
-                           .speed_q10 = 4096,
-                           .slow_q10 = 512,
-                           .low_q10 = -end_nm * INT64_C(1024),
-                           .high_q10 = end_nm * INT64_C(1024),
-                           .distance_q10 = 2 * end_nm * INT64_C(1024),
-                           .home_nm = home_nm,
-                           .press_q6 = press_q6,
-                           .still_plans = still_plans};
-    return plan();
+    cfg.jog.order.sense = sense;
+    cfg.jog.order.has_index = has_index;
+    cfg.jog.order.distance_q10 = 2 * end_nm * INT64_C(1024);
+    cfg.jog.order.home_nm = home_nm;
+    cfg.jog.order.press_q6 = press_q6;
+    cfg.jog.order.still_plans = still_plans;
+    return order(cam_jog_search, hal_axis_u);
 }
 
 /// U presses and stands. @return plans in which the phase was still the search
@@ -248,7 +252,7 @@ static int press(int32_t force_q6, int n)
     int k = 0;
     r.force_q6 = cfg.jog.order.sense * force_q6;
     while (k < n && h.phase == cam_jog_search) {
-        (void)plan();
+        (void)jog();
         k++;
     }
     return k;
@@ -262,7 +266,7 @@ static void go_back(int32_t by_nm)
     m.axis[hal_axis_u].pos_q10 = (int64_t)r.in.actual_nm[hal_axis_u] * 1024;
     m.axis[hal_axis_u].vel_q10 = -sense * 512;
     r.force_q6 = 0;
-    (void)plan();
+    (void)jog();
 }
 
 static void test_stop_is_found_when_u_stands_under_its_largest_force(void)
@@ -328,7 +332,7 @@ static void test_distance_from_the_stop_has_no_limit(void)
         r.in.actual_nm[hal_axis_u] = -(1 << 30);
         m.axis[hal_axis_u].pos_q10 = INT64_MIN;
         m.axis[hal_axis_u].vel_q10 = 512;
-        (void)plan();
+        (void)jog();
         TEST_ASSERT_EQUAL_INT(has_index != 0 ? cam_jog_index : cam_jog_release, h.phase);
     }
 }
@@ -344,14 +348,10 @@ static void test_force_stays_limited_until_a_home_is_found(void)
                 {cam_jog_search, hal_axis_u, press_q6}, // for a switch
                 {cam_jog_here, hal_axis_x, press_q6},
                 {cam_jog_here, hal_axis_u, 0}};
-    (void)search(1, false, 550000);
+    (void)search(1, false, 0);
     for (uint32_t i = 0; i < 4u; i++) {
-        cfg.jog.order = (cam_jog_order_t){.serial = 2 + i,
-                                          .until = 100000,
-                                          .begin = rows[i].begin,
-                                          .axis = rows[i].axis,
-                                          .sense = 1};
-        (void)plan();
+        cfg.jog.order.press_q6 = 0;
+        (void)order(rows[i].begin, rows[i].axis);
         TEST_ASSERT_TRUE(i > 0u || h.end == cam_jog_stopped);
         TEST_ASSERT_TRUE(i != 1u || h.phase == cam_jog_search);
         TEST_ASSERT_EQUAL_INT32(rows[i].press_q6, m.u_press_q6);

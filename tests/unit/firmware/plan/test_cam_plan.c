@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plan: its period, its increments, which arrive exactly, X with a real drive, the speed of the
-// spindle, ports with slow ticks.
+// The plan: its period, its increments, which arrive exactly, the speed of the spindle, ports with
+// slow ticks.
 #include "cam_angle.h"
 #include "play_bench.h"
 #include <math.h>
@@ -53,33 +53,6 @@ static void test_increments_arrive_exactly(void)
         n++;
     }
     TEST_ASSERT_GREATER_THAN_UINT32(1000, n);
-}
-
-/// A drive of two equal poles of 50 Hz, fed with X's set-points. While engaging X falls by its
-/// clearance of a millimetre; when the feed begins it must be where it shall be.
-static void test_x_of_a_drive_with_that_lag_is_at_the_first_height_when_the_feed_begins(void)
-{
-    const double tau = FIXTURE_PLAY_HZ / (2.0 * PI * 50.0); // ticks
-    f.params.xz_lag_ns = (int32_t)lround(2.0 * tau * 1e9 / FIXTURE_PLAY_HZ);
-    f.params.z_margin_nm = 1000000; // Z is ideal here, not behind
-    fixture_play_configure(&f);
-    engage();
-    double x_nm = (double)f.axis[hal_axis_x].pos_q10 / 1024.0;
-    double speed = 0.0;
-    double worst_nm = 0.0;
-    while (f.angle.pos_q32 < f.plan.feed_at_q32 + CAM_TURN_Q32 / 50) {
-        fixture_play_tick(&f);
-        const double set_nm = (double)f.axis[hal_axis_x].pos_q10 / 1024.0;
-        for (int i = 0; i < 8; i++) { // an eighth of a tick each, the set-point in between
-            const double at = set_nm + f.axis[hal_axis_x].vel_q10 / 1024.0 * (i + 0.5) / 8.0;
-            speed += ((at - x_nm) / (tau * tau) - 2.0 * speed / tau) / 8.0;
-            x_nm += speed / 8.0;
-        }
-        if (f.angle.pos_q32 + f.angle.speed_q32 >= f.plan.feed_at_q32) {
-            worst_nm = fmax(worst_nm, fabs(x_nm - fixture_play_x_nm(&f, 0.0)));
-        }
-    }
-    TEST_ASSERT_TRUE(worst_nm < 10.0); // reading ahead alone would leave 100
 }
 
 static void test_spindle_goes_from_the_ratio_of_one_plan_to_that_of_the_next(void)

@@ -28,23 +28,19 @@ void setUp(void)
     cam_shaft_begin_isr(&shaft, &table, 0, &motion);
 }
 
-static double smooth(double s)
-{
-    return s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
-}
-
 /// Without a speed channel the lift alone changes; with one, one of both always rests.
 static void test_shares_fall_by_smooth_steps(void)
 {
     for (int32_t i = 0; i <= 1000; i++) {
         const int32_t s_q31 = (int32_t)(INT64_C(2147483647) * i / 1000);
         const cam_share_t alone = cam_shaft_share(s_q31, false);
-        TEST_ASSERT_TRUE(fabs(ldexp(alone.lift_q30, -30) - (1.0 - smooth(i / 1000.0))) < 2e-7);
+        TEST_ASSERT_TRUE(
+            fabs(ldexp(alone.lift_q30, -30) - (1.0 - fixture_play_smooth(i / 1000.0))) < 2e-7);
         TEST_ASSERT_EQUAL_INT32(ONE, alone.ratio_q30);
         const cam_share_t both = cam_shaft_share(s_q31, true);
         TEST_ASSERT_TRUE(both.lift_q30 == 0 || both.ratio_q30 == ONE);
-        const double lift = i < 500 ? 1.0 - smooth(i / 500.0) : 0.0;
-        const double ratio = i < 500 ? 1.0 : 1.0 - smooth(i / 500.0 - 1.0);
+        const double lift = 1.0 - fixture_play_smooth(i / 500.0);
+        const double ratio = 1.0 - fixture_play_smooth(i / 500.0 - 1.0);
         TEST_ASSERT_TRUE(fabs(ldexp(both.lift_q30, -30) - lift) < 2e-7);
         TEST_ASSERT_TRUE(fabs(ldexp(both.ratio_q30, -30) - ratio) < 2e-7);
     }

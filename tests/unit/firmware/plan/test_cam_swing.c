@@ -126,11 +126,11 @@ static void test_drive_beyond_its_limit_is_a_fault(void)
     const int32_t due_q32 = 1000000 + 1000 * (FIXTURE_PLAN_TICKS - 1) - 1000 * 25;
     const int32_t limit_q32 = 11930465; // one degree
     TEST_ASSERT_EQUAL_INT32(limit_q32, cfg->swing.following_q32);
-    TEST_ASSERT_EQUAL_HEX32(0, cam_swing_check_isr(&s, cfg, due_q32 + limit_q32));
-    TEST_ASSERT_EQUAL_HEX32(0, cam_swing_check_isr(&s, cfg, due_q32 - limit_q32));
-    const uint32_t fault = CAM_FAULT_BIT(swing);
-    TEST_ASSERT_EQUAL_HEX32(fault, cam_swing_check_isr(&s, cfg, due_q32 + limit_q32 + 1));
-    TEST_ASSERT_EQUAL_HEX32(fault, cam_swing_check_isr(&s, cfg, due_q32 - limit_q32 - 1));
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const int32_t end_q32 = due_q32 + sign * limit_q32;
+        TEST_ASSERT_EQUAL_HEX32(0, cam_swing_check_isr(&s, cfg, end_q32));
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(swing), cam_swing_check_isr(&s, cfg, end_q32 + sign));
+    }
 }
 
 /// The drive follows its lines, a lag behind, until it is blocked.
