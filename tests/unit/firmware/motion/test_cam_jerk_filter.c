@@ -84,17 +84,25 @@ static cam_motion_limits_t random_limits(fixture_random_t *dice)
     return (cam_motion_limits_t){speed, acceleration, log2_window};
 }
 
-static void test_glide_from_rest_keeps_every_limit_and_lands_exactly(void)
+/// From rest it passes its target by little; from any motion, too, it ends there.
+static void test_glide_keeps_every_limit_and_lands_exactly(void)
 {
     fixture_random_t dice = {.state = 7};
-    for (int i = 0; i < 1500; i++) {
+    for (int i = 0; i < 4500; i++) {
+        const bool is_at_rest = i % 3 == 0;
         const cam_motion_limits_t limits = random_limits(&dice);
-        cam_axis_motion_t m = {.pos_q10 = fixture_random_range(&dice, -1000000000, 1000000000)};
+        const int32_t v = is_at_rest ? 0 : limits.speed_q10;
+        const int32_t a = is_at_rest ? 0 : limits.acceleration_q10;
+        cam_axis_motion_t m = {
+            .pos_q10 = fixture_random_range(&dice, -1000000000, 1000000000),
+            .vel_q10 = (int32_t)fixture_random_range(&dice, -v, v),
+            .acc_q10 = (int32_t)fixture_random_range(&dice, -a, a),
+        };
         cam_jerk_filter_begin_isr(&filter, &m, limits.log2_window);
         const int64_t way = fixture_random_range(&dice, -200, 200) * limits.speed_q10 +
                             fixture_random_range(&dice, -1000, 1000);
-        TEST_ASSERT_LESS_OR_EQUAL_INT64(limits.acceleration_q10 / 8 + 1,
-                                        drive(&m, &limits, m.pos_q10 + way));
+        const int64_t beyond = drive(&m, &limits, m.pos_q10 + way);
+        TEST_ASSERT_TRUE(!is_at_rest || beyond <= limits.acceleration_q10 / 8 + 1);
     }
 }
 
@@ -106,23 +114,6 @@ static void test_glide_that_begins_at_rest_is_still(void)
         const cam_axis_motion_t m = {.vel_q10 = cases[i][0], .acc_q10 = cases[i][1]};
         cam_jerk_filter_begin_isr(&filter, &m, 3);
         TEST_ASSERT_EQUAL_UINT32(i == 0 ? 8 : 0, filter.n_still);
-    }
-}
-
-static void test_glide_from_motion_keeps_every_limit_and_lands_exactly(void)
-{
-    fixture_random_t dice = {.state = 11};
-    for (int i = 0; i < 3000; i++) {
-        const cam_motion_limits_t limits = random_limits(&dice);
-        const int32_t v = limits.speed_q10;
-        const int32_t a = limits.acceleration_q10;
-        cam_axis_motion_t m = {
-            .pos_q10 = fixture_random_range(&dice, -1000000000, 1000000000),
-            .vel_q10 = (int32_t)fixture_random_range(&dice, -v, v),
-            .acc_q10 = (int32_t)fixture_random_range(&dice, -a, a),
-        };
-        cam_jerk_filter_begin_isr(&filter, &m, limits.log2_window);
-        (void)drive(&m, &limits, m.pos_q10 + fixture_random_range(&dice, -200, 200) * (int64_t)v);
     }
 }
 

@@ -35,7 +35,7 @@ static void test_force_and_its_rate_are_limited(void)
     }
 }
 
-/// Start clears all state of a limited loop except its heat.
+/// Start clears all state of a limited loop except its heat; the first force has no kick.
 static void test_start_clears_all_but_the_heat(void)
 {
     const cam_servo_config_t c = bench_config(&p);
@@ -46,9 +46,14 @@ static void test_start_clears_all_but_the_heat(void)
     }
     TEST_ASSERT_TRUE(servo.is_limited && servo.heat_q54 > 0);
     fresh.heat_q54 = servo.heat_q54;
+    in.actual_q6 = -1000;
     cam_servo_start_isr(&servo, &c, &in);
     cam_servo_start_isr(&fresh, &c, &in);
     TEST_ASSERT_EQUAL_MEMORY(&fresh, &servo, sizeof fresh);
+    const double back = (double)c.kp_q18 * 1000.0 / 262144.0;
+    TEST_ASSERT_INT32_WITHIN(2 + (int32_t)back / 50,
+                             (int32_t)(back * c.notch.b0_q30 / 1073741824.0),
+                             cam_servo_step_isr(&servo, &c, &in));
 }
 
 /// To the last digit on top of all else, and within the same limit.
@@ -74,31 +79,25 @@ static void test_push_is_added_before_the_limit(void)
     TEST_ASSERT_EQUAL_INT32(214000 * 64, cam_servo_step_isr(&servo, &c, &in));
 }
 
-/// Held at a limit for a second, the integral is what the first few steps made it.
-static void expect_no_windup(void)
+/// Held at the limit of the force, then of its rate, for a second, the integral is what the first
+/// few steps made it.
+static void test_integral_does_not_wind_up_at_a_limit(void)
 {
-    const cam_servo_config_t c = bench_config(&p);
-    cam_servo_input_t in = {.set_q6 = 0};
-    cam_servo_start_isr(&servo, &c, &in);
-    in.actual_q6 = -25000000; // 0.4 mm, beyond any limit
-    for (int i = 0; i < 20000; i++) {
-        (void)cam_servo_step_isr(&servo, &c, &in);
+    for (int is_rate = 0; is_rate < 2; is_rate++) {
+        setUp();
+        p.force_limit_mn = is_rate != 0 ? 4000000 : p.force_limit_mn;
+        p.continuous_mn = p.force_limit_mn;
+        p.force_rate_n_per_ms = is_rate != 0 ? 1 : p.force_rate_n_per_ms;
+        const cam_servo_config_t c = bench_config(&p);
+        cam_servo_input_t in = {.set_q6 = 0};
+        cam_servo_start_isr(&servo, &c, &in);
+        in.actual_q6 = -25000000; // 0.4 mm, beyond any limit
+        for (int i = 0; i < 20000; i++) {
+            (void)cam_servo_step_isr(&servo, &c, &in);
+        }
+        TEST_ASSERT_TRUE(servo.is_limited);
+        TEST_ASSERT_LESS_OR_EQUAL_INT64(10 * (int64_t)c.ki_q32 * 25000000, servo.sum_q38);
     }
-    TEST_ASSERT_TRUE(servo.is_limited);
-    TEST_ASSERT_LESS_OR_EQUAL_INT64(10 * (int64_t)c.ki_q32 * 25000000, servo.sum_q38);
-}
-
-static void test_integral_does_not_wind_up_at_the_force_limit(void)
-{
-    p.continuous_mn = p.force_limit_mn;
-    expect_no_windup();
-}
-
-static void test_integral_does_not_wind_up_at_the_rate_limit(void)
-{
-    p.force_limit_mn = p.continuous_mn = 4000000;
-    p.force_rate_n_per_ms = 1;
-    expect_no_windup();
 }
 
 /// A step of 0.1 mm through a double integrator at 30 N: the overshoot is that of the linear loop.
@@ -160,26 +159,6 @@ static void test_heat_limits_to_the_continuous_force(void)
         cam_servo_rest_isr(&servo, &c);
     }
     TEST_ASSERT_INT_WITHIN(100, (int)(20000.0 * log(8.0 / 7.0)), cooled);
-    cam_servo_start_isr(&servo, &c, &in);
-    TEST_ASSERT_TRUE(servo.heat_q54 > 0);
-}
-
-/// Whatever was before, control starts without integral, force and kick.
-static void test_start_forgets_all_but_the_heat(void)
-{
-    const cam_servo_config_t c = bench_config(&p);
-    cam_servo_input_t in = {.actual_q6 = -5000000};
-    for (int i = 0; i < 100; i++) {
-        (void)cam_servo_step_isr(&servo, &c, &in);
-    }
-    const int64_t heat = servo.heat_q54;
-    in.actual_q6 = -1000;
-    cam_servo_start_isr(&servo, &c, &in);
-    TEST_ASSERT_EQUAL_INT64(heat, servo.heat_q54);
-    const double back = (double)c.kp_q18 * 1000.0 / 262144.0;
-    TEST_ASSERT_INT32_WITHIN(2 + (int32_t)back / 50,
-                             (int32_t)(back * c.notch.b0_q30 / 1073741824.0),
-                             cam_servo_step_isr(&servo, &c, &in));
 }
 
 static int32_t extreme(fixture_random_t *dice)
