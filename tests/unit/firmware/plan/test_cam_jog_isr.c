@@ -91,7 +91,9 @@ static void test_home_here_is_the_number_that_was_ordered(void)
     r.in.actual_nm[hal_axis_u] = 7000;
     m.axis[hal_axis_u].pos_q10 = 7000 * 1024;
     cfg.jog.order.home_nm = 6999;
+    m.u_target_q10 = 8000 * 1024;
     TEST_ASSERT_EQUAL_INT32(-1, order(cam_jog_here, hal_axis_u));
+    TEST_ASSERT_EQUAL_INT64(7999 * 1024, m.u_target_q10);
     TEST_ASSERT_EQUAL_HEX32(1u << hal_axis_u, h.homed);
     TEST_ASSERT_EQUAL_INT(cam_jog_done, h.end);
     TEST_ASSERT_EQUAL_INT32(7000, h.found_nm[hal_axis_u]);

@@ -289,27 +289,6 @@ static void test_whole_path_in_ticks_is_within_a_plan_of_the_exact_one(void)
     TEST_ASSERT_EQUAL_INT64((int64_t)part.z_last_nm * 1024, f.axis[hal_axis_z].pos_q10);
 }
 
-static void check_places(int64_t turns)
-{
-    begin();
-    TEST_ASSERT_EQUAL_INT64(turns * CAM_TURN_Q32, f.plan.disengage_at_q32 - f.plan.feed_at_q32);
-    for (double at = -0.5; at < (double)turns; at += 0.00713) {
-        TEST_ASSERT_DOUBLE_WITHIN(0.6, exact_nm(at), z_at(at));
-        TEST_ASSERT_EQUAL_INT(at < 0.0 ? cam_state_engaging : cam_state_cutting, f.want.state);
-    }
-    TEST_ASSERT_EQUAL_DOUBLE(part.z_last_nm, z_at((double)turns));
-    TEST_ASSERT_EQUAL_INT(cam_state_disengaging, f.want.state);
-}
-
-static void test_every_place_is_exact_to_a_nanometre(void)
-{
-    check_places(21);
-    part.feed_nm = 300001; // the last step is the rest of the height
-    check_places(9);
-    part.feed_nm = 1000000; // two rings, one turn between them
-    check_places(3);
-}
-
 /// @return [turn] length of the path after a stop at `turns`
 static double stopped_at(double turns)
 {

@@ -61,26 +61,33 @@ static void test_homing_needs_index_and_rotation_in_the_sense_of_cutting(void)
     TEST_ASSERT_EQUAL_INT64(-500000 * 1024, f.axis[hal_axis_u].pos_q10);
 }
 
-/// Every request in every state: what it leads to in the very next tick.
+/// Every request in every state: which state follows in the very next tick. Only a stop changes the
+/// end of a cut, and the background check of the table raises its fault in the same tick.
 static void test_requests_out_of_order_are_ignored(void)
 {
-    enum { o = cam_state_off, h, r, e, c, d };
-    static const int next[6][6] = {
-        // none, enable, disable, start, stop, reset
-        {o, h, o, o, o, o}, {h, h, o, h, h, h}, {r, r, o, e, r, r},
-        {e, e, e, e, e, e}, {c, c, c, c, c, c}, {d, d, d, d, d, d},
+    enum { o = cam_state_off, h, r, e, c, d, m = cam_state_manual };
+    static const int next[6][9] = {
+        // none, enable, disable, start, stop, reset, table fault, identify, manual
+        {o, h, o, o, o, o, o, o, m}, {h, h, o, h, h, h, h, h, h}, {r, r, o, e, r, r, r, r, r},
+        {e, e, e, e, e, e, e, e, e}, {c, c, c, c, c, c, c, c, c}, {d, d, d, d, d, d, d, d, d},
     };
     for (int state = o; state <= d; state++) {
-        for (int request = cam_request_none; request <= cam_request_reset; request++) {
+        for (int request = cam_request_none; request <= cam_request_manual; request++) {
             setUp();
             bring((cam_state_t)state);
-            if (state == e) {
-                TEST_ASSERT_TRUE(fixture_play_approach(&f));
-            }
+            TEST_ASSERT_TRUE(state != e || fixture_play_approach(&f));
+            const bool is_cut = state == e || state == c;
+            const int64_t end_q32 = f.plan.disengage_at_q32;
             fixture_play_do(&f, (cam_request_t)request);
             TEST_ASSERT_EQUAL_STRING(cam_state_name((cam_state_t)next[state][request]),
                                      cam_state_name(f.want.state));
             TEST_ASSERT_EQUAL_UINT32(f.n_asked, f.play.request);
+            const bool is_table = request == cam_request_table_fault;
+            TEST_ASSERT_EQUAL_HEX32(is_table && state != o ? CAM_FAULT_BIT(table) : 0u,
+                                    f.want.faults);
+            fixture_play_ticks(&f, is_cut || state == d ? 2 * FIXTURE_PLAN_TICKS : 0);
+            TEST_ASSERT_EQUAL(is_cut && request == cam_request_stop,
+                              end_q32 != f.plan.disengage_at_q32);
         }
     }
 }
@@ -122,10 +129,8 @@ static void test_request_that_stands_is_carried_out_once(void)
 {
     bring(cam_state_ready);
     fixture_play_do(&f, cam_request_start);
-    TEST_ASSERT_TRUE(fixture_play_approach(&f));
-    while (f.want.state != cam_state_ready) {
-        fixture_play_tick(&f);
-    }
+    expect_smooth_until(cam_state_cutting);
+    expect_smooth_until(cam_state_ready);
     fixture_play_ticks(&f, 3000); // the request word still holds start
     TEST_ASSERT_EQUAL_INT(cam_state_ready, f.want.state);
 }
@@ -159,18 +164,7 @@ static void test_engage_begins_at_a_whole_turn_after_all_commanded_angles(void)
     }
 }
 
-static void test_start_approaches_zero_clearance_and_first_height(void)
-{
-    bring(cam_state_ready);
-    fixture_play_do(&f, cam_request_start);
-    expect_smooth_until(cam_state_engaging);
-    TEST_ASSERT_TRUE(fixture_play_approach(&f));
-    TEST_ASSERT_EQUAL_INT64(0, f.axis[hal_axis_u].pos_q10);
-    TEST_ASSERT_EQUAL_INT64(0, f.axis[hal_axis_z].pos_q10);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, fixture_play_x_nm(&f, 0.0) + 1e6,
-                              (double)f.axis[hal_axis_x].pos_q10 / 1024.0);
-}
-
+/// Then another start approaches U's zero, X's clearance and the first height.
 static void test_stop_while_approaching_goes_back_to_ready(void)
 {
     bring(cam_state_ready);
@@ -182,9 +176,13 @@ static void test_stop_while_approaching_goes_back_to_ready(void)
     fixture_play_ticks(&f, 20000);
     TEST_ASSERT_EQUAL_INT32(0, f.axis[hal_axis_x].vel_q10);
     TEST_ASSERT_EQUAL_INT64(-500000 * 1024, f.axis[hal_axis_u].pos_q10);
-    fixture_play_do(&f, cam_request_start); // and again
-    TEST_ASSERT_EQUAL_INT(cam_state_engaging, f.want.state);
+    fixture_play_do(&f, cam_request_start);
     TEST_ASSERT_FALSE(f.motion.is_playing);
+    TEST_ASSERT_TRUE(fixture_play_approach(&f));
+    TEST_ASSERT_EQUAL_INT64(0, f.axis[hal_axis_u].pos_q10);
+    TEST_ASSERT_EQUAL_INT64(0, f.axis[hal_axis_z].pos_q10);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, fixture_play_x_nm(&f, 0.0) + 1e6,
+                              (double)f.axis[hal_axis_x].pos_q10 / 1024.0);
 }
 
 /// Stop when `turns` are fed. @return [turn] after the start of the feed where it disengages
@@ -240,16 +238,6 @@ static void test_stop_twice_does_not_lengthen_the_feed(void)
     TEST_ASSERT_EQUAL_INT64(7 * CAM_TURN_Q32, f.plan.feed_motion.end_q32 - f.plan.feed_at_q32);
 }
 
-static void test_stop_while_disengaging_is_ignored(void)
-{
-    bring(cam_state_disengaging);
-    fixture_play_ticks(&f, 700);
-    const int64_t end_q32 = f.plan.disengage_at_q32;
-    fixture_play_ask(&f, cam_request_stop);
-    expect_smooth_until(cam_state_ready);
-    TEST_ASSERT_EQUAL_INT64(end_q32, f.plan.disengage_at_q32);
-}
-
 static void test_stop_of_a_measured_cut_disengages_at_the_next_turn(void)
 {
     f.params.z_is_measured = 1;
@@ -261,41 +249,6 @@ static void test_stop_of_a_measured_cut_disengages_at_the_next_turn(void)
     expect_smooth_until(cam_state_disengaging);
     TEST_ASSERT_EQUAL_INT64(21 * CAM_TURN_Q32, f.plan.disengage_at_q32 - f.plan.feed_at_q32);
     expect_smooth_until(cam_state_ready);
-}
-
-/// In the cut the background check of the table raises its fault in the tick that sees the request.
-static void test_fault_of_the_background_check_is_raised_in_the_cut(void)
-{
-    static const cam_state_t states[] = {cam_state_engaging, cam_state_cutting};
-    for (int i = 0; i < 2; i++) {
-        setUp();
-        TEST_ASSERT_TRUE(fixture_play_bring(&f, states[i]));
-        if (i == 0) {
-            TEST_ASSERT_TRUE(fixture_play_approach(&f));
-        }
-        TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
-        fixture_play_do(&f, cam_request_table_fault);
-        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(table), f.want.faults);
-    }
-}
-
-/// Any other request but stop does not fit the cut, and changes nothing of it.
-static void test_requests_that_do_not_fit_the_cut_are_nothing(void)
-{
-    static const cam_request_t requests[] = {
-        cam_request_none,  cam_request_enable,   cam_request_disable, cam_request_start,
-        cam_request_reset, cam_request_identify, cam_request_manual};
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
-    const int64_t end_q32 = f.plan.disengage_at_q32;
-    for (uint32_t i = 0; i < sizeof requests / sizeof requests[0]; i++) {
-        fixture_play_do(&f, requests[i]);
-        TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
-        TEST_ASSERT_FALSE(f.motion.is_stopping);
-        fixture_play_ticks(&f, 2 * FIXTURE_PLAN_TICKS);
-        TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
-        TEST_ASSERT_EQUAL_INT64(end_q32, f.plan.disengage_at_q32);
-        TEST_ASSERT_EQUAL_UINT32(f.n_asked, f.play.request);
-    }
 }
 
 /// A chain that was open for a single tick between two plans is remembered until a plan has seen

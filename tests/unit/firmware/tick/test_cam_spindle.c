@@ -39,6 +39,8 @@ static void start(int32_t counts_per_turn, int32_t sense, uint32_t base)
     fixture_encoder_init(&encoder, counts_per_turn, sense, base, counts_per_turn / 3);
     in.encoder = encoder.reading;
     cam_spindle_step_isr(&spindle, &config.spindle, &in, 0, &angle);
+    TEST_ASSERT_EQUAL_HEX32(0, angle.faults); // the first reading is no jump
+    TEST_ASSERT_FALSE(angle.is_synced);
 }
 
 /// The reading of a tick; the index is checked in every 8th, as the plan does.
@@ -147,32 +149,27 @@ static void test_step_lost_or_gained_counts_are_a_fault(void)
         uint32_t fault;
     } cases[] = {
         {1, 0, turn + 1, CAM_FAULT_BIT(lost_counts)},
-        {-1, 0, turn + 1, CAM_FAULT_BIT(lost_counts)},
         {2, 0, turn + 1, CAM_FAULT_BIT(lost_counts)},
-        {-2, 0, turn + 1, CAM_FAULT_BIT(lost_counts)},
         {7, 0, turn + 1, CAM_FAULT_BIT(lost_counts)},
-        {-7, 0, turn + 1, CAM_FAULT_BIT(lost_counts)},
         {2, 2, 0, 0},
         {3, 2, 600, CAM_FAULT_BIT(lost_counts)},
         {10, 0, 1, CAM_FAULT_BIT(encoder_jump)},
-        {-10, 0, 1, CAM_FAULT_BIT(encoder_jump)},
-        {100, 0, 1, CAM_FAULT_BIT(encoder_jump)},
-        {-2600, 0, 1, CAM_FAULT_BIT(encoder_jump)},
+        {2600, 0, 1, CAM_FAULT_BIT(encoder_jump)},
         {5000, 0, 1, CAM_FAULT_BIT(encoder_jump)},
-        {-5000, 0, 1, CAM_FAULT_BIT(encoder_jump)},
-        {-10000, 0, turn + plan, CAM_FAULT_BIT(lost_counts)},
+        {10000, 0, turn + plan, CAM_FAULT_BIT(lost_counts)},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    for (size_t k = 0; k < 2u * sizeof cases / sizeof cases[0]; k++) {
+        const size_t i = k / 2u;
         params.index_tolerance_counts = cases[i].tolerance;
         start(10000, 1, 0);
         run_up(40.0);
-        encoder.lost = cases[i].lost;
+        encoder.lost = k % 2u == 0u ? cases[i].lost : -cases[i].lost;
         int n = 0;
         for (; (faults & cases[i].fault) == 0u && n < 2000; n++) {
             step(40.0, 1.0);
         }
         TEST_ASSERT_LESS_OR_EQUAL_INT(cases[i].most_ticks == 0 ? 2000 : cases[i].most_ticks, n);
-        if (cases[i].lost != -10000) { // which jumps as well
+        if (cases[i].lost != 10000) { // which jumps as well
             TEST_ASSERT_EQUAL_HEX32(cases[i].fault, faults);
         }
     }
@@ -310,13 +307,6 @@ static void test_step_known_acceleration_causes_no_lag(void)
     TEST_ASSERT_DOUBLE_WITHIN(2e-3 * speed, speed, ldexp(angle.speed_q32, -32) * tick_hz);
 }
 
-static void test_step_first_reading_anywhere_is_no_jump(void)
-{
-    start(10000, 1, 0x80000000u);
-    TEST_ASSERT_EQUAL_HEX32(0, angle.faults);
-    TEST_ASSERT_FALSE(angle.is_synced);
-}
-
 /// A latch of a position that the spindle cannot have had is no edge: the angle stays unknown, and
 /// the index is missed.
 static void test_step_first_edge_far_away_is_no_angle(void)
@@ -338,7 +328,7 @@ static void test_step_first_edge_far_away_is_no_angle(void)
 
 static void test_forget_keeps_the_speed_and_needs_a_new_edge(void)
 {
-    start(10000, 1, 0);
+    start(10000, 1, 0x80000000u);
     run_up(40.0);
     const int32_t speed_q32 = angle.speed_q32;
     cam_spindle_forget_isr(&spindle, &in.encoder);

@@ -35,7 +35,7 @@ void setUp(void)
     atomic_store(&core.trace.n_written, 42);
 }
 
-static void test_words_of_the_record_are_reported(void)
+static void test_words_of_the_record_and_of_the_stages_are_reported(void)
 {
     const cam_status_t s = cam_status_read(&core);
     TEST_ASSERT_EQUAL_UINT32(1001, s.tick);
@@ -53,11 +53,6 @@ static void test_words_of_the_record_are_reported(void)
     TEST_ASSERT_EQUAL_UINT32(1014, s.outputs);
     TEST_ASSERT_EQUAL_INT(cam_state_cutting, s.state);
     TEST_ASSERT_EQUAL_INT32(1003 - 700, s.following_nm);
-}
-
-static void test_words_of_the_stages_are_reported(void)
-{
-    const cam_status_t s = cam_status_read(&core);
     TEST_ASSERT_EQUAL_UINT32(1015, s.first_fault);
     TEST_ASSERT_EQUAL_MEMORY(&core.jog, &s.jog, sizeof s.jog);
     TEST_ASSERT_EQUAL_MEMORY(&core.acknowledge, &s.acknowledge, sizeof s.acknowledge);

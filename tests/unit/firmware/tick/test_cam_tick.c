@@ -283,48 +283,36 @@ static void far_isr(void)
     cam_isr();
 }
 
-static void measure(hal_axis_t axis, int32_t nm)
+/// Measure an axis elsewhere for a tick. @return whether the tick senses drives that are ready
+static bool is_ready_at(hal_axis_t axis, int32_t nm, int32_t sensed_nm)
 {
     far_axis = axis;
     far_nm = nm;
     rig.isr = far_isr;
     fixture_rig_tick(&rig);
-}
-
-/// @return whether the last tick sensed drives that are ready, at a position
-static bool is_ready_at(hal_axis_t axis, int32_t nm)
-{
-    TEST_ASSERT_EQUAL_INT32(nm, rig.last.in.actual_nm[axis]);
+    rig.isr = NULL;
+    TEST_ASSERT_EQUAL_INT32(sensed_nm, rig.last.in.actual_nm[axis]);
     return (rig.last.in.inputs & (uint32_t)hal_in_drive_ready) != 0u;
 }
 
+/// It is a fault, and in off a reason not to enable.
 static void test_position_beyond_a_metre_is_a_drive_that_is_not_ready(void)
 {
-    static const cam_state_t states[] = {cam_state_ready, cam_state_cutting};
+    enum { most_nm = 1 << 30 };
     for (uint32_t i = 0; i < 2u * hal_n_axes; i++) {
         const hal_axis_t axis = (hal_axis_t)(i / 2u);
+        const bool is_low = i % 2u != 0u;
         fixture_rig_init(&rig, &part, tick_hz);
-        TEST_ASSERT_TRUE(fixture_rig_bring(&rig, states[i % 2u]));
-        measure(axis, i % 2u == 0u ? 1 << 30 : INT32_MIN);
-        TEST_ASSERT_FALSE(is_ready_at(axis, i % 2u == 0u ? (1 << 30) - 1 : -(1 << 30)));
+        TEST_ASSERT_FALSE(is_ready_at(axis, -most_nm - 1, -most_nm));
+        TEST_ASSERT_EQUAL_INT(cam_err_drive, cam_machine_enable(&rig.machine));
+        TEST_ASSERT_TRUE(is_ready_at(axis, -most_nm, -most_nm));
+        TEST_ASSERT_TRUE(is_ready_at(axis, most_nm - 1, most_nm - 1));
+        fixture_rig_init(&rig, &part, tick_hz);
+        TEST_ASSERT_TRUE(fixture_rig_bring(&rig, is_low ? cam_state_cutting : cam_state_ready));
+        TEST_ASSERT_FALSE(is_low ? is_ready_at(axis, INT32_MIN, -most_nm)
+                                 : is_ready_at(axis, most_nm, most_nm - 1));
         TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.want.state);
         TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(drive), rig.last.want.faults);
         TEST_ASSERT_BITS_LOW(hal_out_enable, rig.last.want.outputs);
-        rig.isr = NULL;
-    }
-}
-
-static void test_enable_is_refused_while_a_position_is_beyond_a_metre(void)
-{
-    for (uint32_t axis = 0; axis < hal_n_axes; axis++) {
-        fixture_rig_init(&rig, &part, tick_hz);
-        measure((hal_axis_t)axis, -(1 << 30) - 1);
-        TEST_ASSERT_EQUAL_INT(cam_err_drive, cam_machine_enable(&rig.machine));
-        fixture_rig_ticks(&rig, 100);
-        TEST_ASSERT_EQUAL_INT(cam_state_off, rig.last.want.state);
-        far_nm = -(1 << 30); // the first position that is accepted
-        fixture_rig_ticks(&rig, 100);
-        TEST_ASSERT_TRUE(is_ready_at((hal_axis_t)axis, -(1 << 30)));
-        rig.isr = NULL;
     }
 }
