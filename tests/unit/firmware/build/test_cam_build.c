@@ -34,15 +34,120 @@ void setUp(void)
     };
 }
 
+static void build_at(uint32_t tick_hz)
+{
+    TEST_ASSERT_EQUAL_INT(
+        cam_ok, cam_build_config(&config, &params, &table, 3000000, tick_hz, clock_hz).err);
+}
+
 static void build(void)
 {
-    TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_build_config(&config, &params, &table, 3000000, hz, clock_hz).err);
+    build_at(hz);
 }
 
 static void expect_near(double wanted, double got)
 {
     TEST_ASSERT_DOUBLE_WITHIN(1e-6 * fabs(wanted) + 1.0, wanted, got);
+}
+
+static void test_speed_is_turns_per_tick(void)
+{
+    expect_near(2500.0 / 60.0 / hz * turn_q32, cam_build_speed_q32(2500000, hz));
+    expect_near(0.005 / 60.0 / hz * turn_q32, cam_build_speed_q32(5, hz));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, cam_build_speed_q32(UINT32_MAX, 500));
+}
+
+static void test_times_and_gains_are_ticks(void)
+{
+    params.lead_ns = 123456;
+    params.xz_lag_ns = 6366198;
+    params.k1_ns = 742723;
+    params.k2_us2 = 281448;
+    for (uint32_t tick_hz = 1000; tick_hz <= 40000u; tick_hz *= 2u) {
+        params.observer_bandwidth_mHz = (int32_t)tick_hz * 50;
+        build_at(tick_hz);
+        expect_near(123456e-9 * tick_hz * 65536.0, config.play.lead_q16);
+        expect_near(6366198e-9 * tick_hz * 65536.0, config.play.xz_lag_q16);
+        expect_near(742723e-9 * tick_hz * 65536.0, config.command.configured.k1_q16);
+        expect_near((281448e-12 * tick_hz * tick_hz - 1.0 / 48.0) * 65536.0,
+                    config.command.configured.k2_q16);
+        const double wt = 0.1 * acos(-1.0);
+        expect_near(2.0 * wt * 2147483648.0, config.spindle.kp_q31);
+        expect_near(wt * wt * turn_q32, config.spindle.ki_q32);
+    }
+}
+
+/// test_cam_derived_limits.c has the limits.
+static void test_what_does_not_fit_the_tick_rate_is_refused(void)
+{
+    params.observer_bandwidth_mHz = 1600000;
+    build();
+    params.observer_bandwidth_mHz++;
+    TEST_ASSERT_EQUAL_INT(cam_err_param_tick,
+                          cam_build_config(&config, &params, &table, 3000000, hz, clock_hz).err);
+}
+
+/// The hold of a tick of 1 ms is taken off a gain that is smaller than it, but not off none.
+static void test_a_hold_is_compensated_where_there_is_feed_forward(void)
+{
+    params.observer_bandwidth_mHz = 50000;
+    params.k2_us2 = 0;
+    build_at(1000);
+    TEST_ASSERT_EQUAL_INT32(0, config.command.configured.k2_q16);
+    params.k2_us2 = 20000;
+    build_at(1000);
+    TEST_ASSERT_INT32_WITHIN(1, 1311, config.command.configured.k2_q16);
+}
+
+/// Parameters are the drawing's angles, the configuration counts in the sense of cutting.
+static void test_angles_and_sense_follow_direction_and_encoder(void)
+{
+    static const int32_t udeg[] = {0, 90000000, -90000000, 180000000, -180000000, 1};
+    static const uint32_t wanted[] = {0, 1u << 30, 3u << 30, 1u << 31, 1u << 31, 12};
+    for (int i = 0; i < 24; i++) {
+        table.direction = i % 2 == 0 ? 1 : -1;
+        params.encoder_sign = i % 4 < 2 ? 1 : -1;
+        params.phase_udeg = params.index_offset_udeg = udeg[i / 4];
+        build();
+        const uint32_t angle_q32 = table.direction > 0 ? wanted[i / 4] : 0u - wanted[i / 4];
+        TEST_ASSERT_EQUAL_HEX32(angle_q32, (uint32_t)config.play.phase_q32);
+        const uint32_t half_count = (uint32_t)(turn_q32 / params.counts_per_turn / 2.0);
+        TEST_ASSERT_EQUAL_HEX32(angle_q32 + half_count, config.spindle.centre_q32);
+        const bool is_same = table.direction == params.encoder_sign;
+        TEST_ASSERT_EQUAL_HEX32(is_same ? 0u : ~0u, config.spindle.sign_mask);
+        TEST_ASSERT_EQUAL_INT32(2500000 * table.direction, config.play.spindle_mrpm);
+    }
+}
+
+/// A tool that engages from inside the stock would dive into it. At envelope 0 the follower of a
+/// cam stands over the base circle: without 1.25 times the lift it would cut the nose.
+static void test_x_keeps_clear_of_the_stock_and_of_lobes(void)
+{
+    static const cam_knot_t some = {0};
+    static const struct {
+        const char *name;
+        int32_t depth_nm, asked_nm, u_min_nm;
+        bool is_cam;
+        int32_t clearance_nm;
+    } rows[] = {{"thin stock", 999999, 1000000, 0, false, 1000000},
+                {"thick stock", 6000000, 1000000, 0, false, 6000000},
+                {"more is asked", 6000000, 7000000, 0, false, 7000000},
+                {"most", INT32_MAX, 7000000, 0, false, 100000000},
+                {"skirt about its mean", 0, 1000000, -8000001, false, 11000001},
+                {"cam", 0, 1000000, -8000001, true, 11000001}};
+    params.u_stroke_nm = 24000000;
+    table.limit_u_stroke_nm = 24000000;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        table.depth_nm = (uint32_t)rows[i].depth_nm;
+        params.x_clearance_nm = rows[i].asked_nm;
+        table.u_min_nm = rows[i].u_min_nm;
+        table.angle.knots = rows[i].is_cam ? &some : NULL;
+        build();
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(rows[i].clearance_nm, config.play.x_clearance_nm,
+                                        rows[i].name);
+    }
+    TEST_ASSERT_EQUAL_INT64(-10500001 * INT64_C(1024), config.play.u_retract_q10);
+    TEST_ASSERT_EQUAL_INT64(-10500001 * INT64_C(1024), config.guard.u_retract_q10);
 }
 
 static void test_clock(void)
@@ -160,6 +265,8 @@ static void test_feed(void)
     params.z_margin_nm = 54321;
     build();
     const cam_play_config_t *c = &config.play;
+    TEST_ASSERT_EQUAL_PTR(&config.table, c->table);
+    TEST_ASSERT_EQUAL_INT32(100000, c->feed_nm);
     TEST_ASSERT_EQUAL_INT64(3 * (INT64_C(1) << 32), c->ramp_q32);
     expect_near(2147483648.0 / 3.0, c->per_ramp_q31);
     TEST_ASSERT_EQUAL_INT64(2 * (INT64_C(1) << 32), c->stop_ramp_q32);
@@ -184,6 +291,7 @@ static void test_feed(void)
     params.feed_nm = 900000;
     params.x_trim_nm = -150000;
     build();
+    TEST_ASSERT_EQUAL_INT32(900000, c->feed_nm);
     const double turns = 62000000.0 / 900000.0;
     TEST_ASSERT_DOUBLE_WITHIN(2.0, (turns + 3.0) * turn_q32, (double)c->feed_q32);
     TEST_ASSERT_EQUAL_INT64((45000000 - 150000 + (int64_t)c->x_clearance_nm) * 1024,
@@ -201,6 +309,7 @@ static void test_speed(void)
     build();
     const cam_speed_config_t *c = &config.play.speed;
     TEST_ASSERT_EQUAL_INT32(2500000, c->mean_mrpm);
+    TEST_ASSERT_EQUAL_INT32(2500000, config.play.spindle_mrpm);
     TEST_ASSERT_EQUAL_INT32(3000000, c->limit_mrpm);
     TEST_ASSERT_EQUAL_INT32(1, c->sense);
     TEST_ASSERT_EQUAL_INT32(100 * 65536, c->lag_q16); // plans
@@ -210,6 +319,7 @@ static void test_speed(void)
     build();
     TEST_ASSERT_EQUAL_INT32(2000000, c->mean_mrpm);
     TEST_ASSERT_EQUAL_INT32(-1, c->sense);
+    TEST_ASSERT_EQUAL_INT32(-2000000, config.play.spindle_mrpm);
 }
 
 static void test_swing(void)
@@ -238,19 +348,12 @@ static void test_swing(void)
                               c->full.gain_q32 / turn_q32);
     TEST_ASSERT_LESS_THAN_INT32(c->full.speed_q32, c->gentle.speed_q32);
     TEST_ASSERT_LESS_THAN_INT32(c->full.step_q32, c->gentle.step_q32);
+    params.swing_acceleration_deg_per_s2 = 100000000; // with the largest one it brakes, too
+    build();
+    expect_near(step * 5000.0, c->full.step_q32);
     params.swing_speed_mdeg_per_s = 0;
     build();
     TEST_ASSERT_FALSE(c->is_swung);
-}
-
-/// What the start accepts by this parameter, the way home has to brake with.
-static void test_swing_brakes_with_the_largest_acceleration(void)
-{
-    params.swing_speed_mdeg_per_s = 400000;
-    params.swing_acceleration_deg_per_s2 = 100000000;
-    table.is_swung = true;
-    build();
-    expect_near(1e8 / 360.0 * plan / hz / hz * turn_q32, config.play.swing.full.step_q32);
 }
 
 static void test_guard(void)
@@ -290,6 +393,9 @@ static void test_no_table(void)
 /// What the shifts of U make of the largest values is what they are worth.
 static void test_scale_of_u(void)
 {
+    build(); // where the word of the acceleration has room, no bit of it is dropped
+    TEST_ASSERT_EQUAL_UINT32(0, config.play.u.a_down);
+    TEST_ASSERT_GREATER_THAN_UINT32(0, config.play.u.a_shift);
     static const uint32_t knots[] = {6, 8, 10, 12};
     static const uint32_t fracs[] = {0, 2, 4, 6, 8};
     for (uint32_t i = 0; i < 40u; i++) {
@@ -316,12 +422,4 @@ static void test_scale_of_u(void)
         const bool is_most = c->v_up == 0u || c->speed_shift == 20u; // else one more would not fit
         TEST_ASSERT_TRUE(is_most || most_q32 << (c->speed_shift + 1u) >= INT64_C(1) << 30);
     }
-}
-
-/// Where the word of the acceleration has room, no bit of it is dropped.
-static void test_acceleration_keeps_its_bits(void)
-{
-    build();
-    TEST_ASSERT_EQUAL_UINT32(0, config.play.u.a_down);
-    TEST_ASSERT_GREATER_THAN_UINT32(0, config.play.u.a_shift);
 }

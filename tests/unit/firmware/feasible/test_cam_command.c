@@ -73,18 +73,12 @@ static void test_peaks_alone_bound_a_command_within_the_stroke(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.001 * sum, sum / 2.0, (double)found_nm(3000000));
 }
 
-static void test_without_gains_nothing_is_demanded(void)
-{
-    load();
-    params.u_stroke_nm = 1000;
-    TEST_ASSERT_EQUAL_UINT64(0, found_nm(3000000));
-}
-
 /// Drives of every damping: what is found is an upper bound, at most 2 % too large.
 static void test_command_beyond_the_stroke_is_bounded_by_the_knots(void)
 {
     load();
     params.u_stroke_nm = 1000;
+    TEST_ASSERT_EQUAL_UINT64_MESSAGE(0, found_nm(3000000), "without gains");
     for (int hz = 60; hz <= 480; hz *= 2) {
         for (int damping = 1; damping <= 10; damping += 3) {
             params.k1_ns = (int32_t)(damping * 0.2e9 / (2.0 * pi * hz));
@@ -146,20 +140,14 @@ static void test_refused_with_the_numbers(void)
                           cam_feasible_check(&table, &params, f.highest_mrpm + 1u, 20000));
 }
 
-/// u''' of G/4 (1 - cos 2 theta), G = 0.3 mm, is at most 2 G. The quintics between the knots jump
-/// in their third derivative, by a few per cent of it.
-static void test_third_derivative_is_bounded(void)
+/// u''' of G/4 (1 - cos 2 theta), G = 0.3 mm, is at most 2 G; the quintics between the knots jump
+/// in their third derivative, by a few per cent of it. Needed are the peaks, allowed the limits
+/// with the jerk of a motion by time: 2 a over a window of 64 ticks, which is not shorter than k1.
+static void test_speed_and_acceleration_of_the_command_have_all_their_terms(void)
 {
     load();
     TEST_ASSERT_TRUE(table.u3_peak_nm_per_rad3 >= 600000);
     TEST_ASSERT_TRUE(table.u3_peak_nm_per_rad3 <= 1.15 * 600000);
-}
-
-/// Needed are the peaks, allowed the limits with the jerk of a motion by time: 2 a over a window
-/// of 64 ticks, which is not shorter than k1.
-static void test_speed_and_acceleration_of_the_command_have_all_their_terms(void)
-{
-    load();
     params.u_speed_um_per_s = 400000;
     params.u_acceleration_mm_per_s2 = 20000;
     params.k1_ns = 2000000;

@@ -256,4 +256,5 @@ static void test_numbers_are_rounded_up_and_saturate(void)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         TEST_ASSERT_EQUAL_UINT64(cases[i].up, cam_cut_up(cases[i].v));
     }
+    TEST_ASSERT_EQUAL_UINT64(UINT64_C(1) << 61, cam_cut_up(0x1p61));
 }

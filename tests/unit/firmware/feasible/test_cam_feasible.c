@@ -414,63 +414,48 @@ static double engaging_peak_of(double turns, double f, double f1, double f2, dou
     return most;
 }
 
-/// An eccentric disc: u is as large as u' and u''. It needs more than u'' alone at any length.
-static void test_engaging_of_a_disc_is_never_taken_too_small(void)
+/// A short ramp adds to the needs of U, with a modulated spindle more, and of an eccentric disc,
+/// whose u is as large as u' and u'', a ramp of any length. A U that stands far off its middle
+/// moves there, however little its sections ask for: e u' + e' u is e u'' + 2 e' u' with u' for u''
+/// and half of u for u'.
+static void test_engaging_is_never_taken_too_small(void)
 {
-    const double w = 300.0 * 2.0 * pi / 60.0;
-    table.u_max_nm = 0;
-    table.u_min_nm = -14800000;
-    table.u1_peak_nm_per_rad = 7400000;
-    table.u2_peak_nm_per_rad2 = 8200000;
+    static const struct {
+        const char *name;
+        cam_err_t err;
+        int32_t u_min_nm, u_max_nm;
+        uint32_t u1, u2, spindle_ppm, mrpm;
+        int most_turns;
+    } rows[] = {
+        {"disc", cam_err_u_acceleration, -14800000, 0, 7400000, 8200000, 0, 300000, 100},
+        {"offset", cam_err_u_speed, -400000, 0, 10000, 20000, 0, 300000, 20},
+        {"oval", cam_err_u_acceleration, 0, 150000, 150000, 300000, 0, 2500000, 10},
+        {"modulated", cam_err_u_acceleration, 0, 150000, 150000, 300000, 1500000, 2500000, 10},
+    };
     table.limit_u_stroke_nm = 30000000;
     params.u_stroke_nm = 30000000;
-    params.u_acceleration_mm_per_s2 = 1000;
-    for (int turns = 1; turns <= 100; turns++) {
-        params.engage_turns = turns;
-        params.disengage_turns = 100;
-        const cam_refusal_t why = judge(300000);
-        TEST_ASSERT_EQUAL_INT(cam_err_u_acceleration, why.err);
-        const double bound = (double)why.needed * 1e6 / w / w;
-        const double needed = engaging_peak_of(turns, 14.8e6, 7.4e6, 8.2e6, 0.0);
-        TEST_ASSERT_TRUE(bound >= 0.9999 * needed && bound <= 1.031 * needed);
-        TEST_ASSERT_TRUE(turns > 3 || needed > 1.04 * 8.2e6);
-    }
-}
-
-/// A U that stands far off its middle moves there while it engages, however little its sections
-/// ask for: e u' + e' u, which is e u'' + 2 e' u' with u' for u'' and half of u for u'.
-static void test_engaging_of_an_offset_needs_speed(void)
-{
-    const double w = 300.0 * 2.0 * pi / 60.0;
-    table.u_max_nm = 0;
-    table.u_min_nm = -400000;
-    table.u1_peak_nm_per_rad = 10000;
-    table.u2_peak_nm_per_rad2 = 20000;
-    params.u_speed_um_per_s = 100;
     params.disengage_turns = 100;
-    for (int turns = 1; turns <= 20; turns++) {
-        const double needed = engaging_peak_of(turns, 0.0, 400000.0 / 2.0, 10000.0, 0.0);
-        params.engage_turns = turns;
-        const cam_refusal_t why = judge(300000);
-        TEST_ASSERT_EQUAL_INT(cam_err_u_speed, why.err);
-        const double bound = (double)why.needed * 1e3 / w;
-        TEST_ASSERT_TRUE(bound >= 0.9999 * needed && bound <= 1.031 * needed + 100.0);
-    }
-}
-
-/// A short ramp adds to the needs of U, with a modulated spindle more.
-static void test_short_engaging_adds_to_the_needs_of_u(void)
-{
-    const double w = 2500.0 * 2.0 * pi / 60.0;
-    params.u_acceleration_mm_per_s2 = 10000;
-    for (int i = 0; i < 20; i++) {
-        params.engage_turns = 1 + i % 10;
-        table.spindle_peak_ppm_per_rad = i < 10 ? 0 : 1500000;
-        const double needed = engaging_peak_of(params.engage_turns, 150000.0, 150000.0, 300000.0,
-                                               table.spindle_peak_ppm_per_rad * 1e-6);
-        const cam_refusal_t why = judge(2500000);
-        TEST_ASSERT_EQUAL_INT(cam_err_u_acceleration, why.err);
-        const double bound = (double)why.needed * 1e6 / w / w;
-        TEST_ASSERT_TRUE(bound >= 0.9999 * needed && bound <= 1.031 * needed);
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const bool is_speed = rows[i].err == cam_err_u_speed;
+        table.u_min_nm = rows[i].u_min_nm;
+        table.u_max_nm = rows[i].u_max_nm;
+        table.u1_peak_nm_per_rad = rows[i].u1;
+        table.u2_peak_nm_per_rad2 = rows[i].u2;
+        table.spindle_peak_ppm_per_rad = rows[i].spindle_ppm;
+        params.u_speed_um_per_s = is_speed ? 100 : 10000000;
+        params.u_acceleration_mm_per_s2 = is_speed ? 10000000 : 1000;
+        const double u = fmax(-rows[i].u_min_nm, rows[i].u_max_nm);
+        const double w = omega(rows[i].mrpm);
+        for (int turns = 1; turns <= rows[i].most_turns; turns++) {
+            params.engage_turns = turns;
+            const double needed = is_speed ? engaging_peak_of(turns, 0.0, u / 2.0, rows[i].u1, 0.0)
+                                           : engaging_peak_of(turns, u, rows[i].u1, rows[i].u2,
+                                                              rows[i].spindle_ppm * 1e-6);
+            const cam_refusal_t why = judge(rows[i].mrpm);
+            TEST_ASSERT_EQUAL_INT_MESSAGE(rows[i].err, why.err, rows[i].name);
+            const double bound = (double)why.needed * (is_speed ? 1e3 / w : 1e6 / w / w);
+            const double most = 1.031 * needed + (is_speed ? 100.0 : 0.0);
+            TEST_ASSERT_TRUE_MESSAGE(bound >= 0.9999 * needed && bound <= most, rows[i].name);
+        }
     }
 }

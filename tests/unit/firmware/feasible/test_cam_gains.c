@@ -64,13 +64,6 @@ static void test_bounds_are_the_last_that_are_accepted(void)
         TEST_ASSERT_EQUAL_INT(cam_err_gain, cam_gains_check(&p, hz[i / 2]).err);
         TEST_ASSERT_EQUAL_INT(gains[i % 2], cam_gains_check(&p, hz[i / 2]).param);
     }
-    cam_params_t p = usual();
-    p.u_jerk_m_per_s3 = (int32_t)cam_gains_bound(&p, cam_param_u_jerk_m_per_s3, 20000);
-    TEST_ASSERT_INT32_WITHIN(1, 156250, p.u_jerk_m_per_s3); // 2 * 250 m/s2 in 3.2 ms
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_gains_check(&p, 20000).err);
-    p.u_jerk_m_per_s3--;
-    TEST_ASSERT_EQUAL_INT(cam_err_jerk, cam_gains_check(&p, 20000).err);
-    TEST_ASSERT_EQUAL_INT(cam_param_u_jerk_m_per_s3, cam_gains_check(&p, 20000).param);
 }
 
 static void test_refused_gain_is_named_with_the_largest_that_would_do(void)

@@ -46,19 +46,6 @@ static double speed(uint64_t feed_nm, uint32_t mrpm)
     return cam_z_coupling_z_um_per_s(&cut);
 }
 
-/// What exceeds an integer by rounding alone is that integer.
-static void test_demands_are_rounded_up(void)
-{
-    TEST_ASSERT_EQUAL_UINT64(0, cam_cut_up(0.0));
-    TEST_ASSERT_EQUAL_UINT64(1, cam_cut_up(1e-9));
-    TEST_ASSERT_EQUAL_UINT64(6, cam_cut_up(5.000000001));
-    TEST_ASSERT_EQUAL_UINT64(5, cam_cut_up(5.0));
-    TEST_ASSERT_EQUAL_UINT64(5, cam_cut_up(5.0 * (1.0 + 0x1p-50)));
-    TEST_ASSERT_EQUAL_UINT64(UINT64_C(1) << 61, cam_cut_up(0x1p61));
-    TEST_ASSERT_EQUAL_UINT64(INT64_MAX, cam_cut_up(0x1p62));
-    TEST_ASSERT_EQUAL_UINT64(INT64_MAX, cam_cut_up(1e300));
-}
-
 static void test_quotients_are_rounded_up(void)
 {
     static const uint64_t fifths[] = {0, 1, 1, 1, 1, 1, 2};

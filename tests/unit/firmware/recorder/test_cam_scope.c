@@ -87,13 +87,15 @@ static void test_rows_hold_the_chosen_signals_in_the_order_of_the_list(void)
 
 static void test_memory_bounds_the_rows_and_is_never_left(void)
 {
-    for (uint32_t n_wave = 0; n_wave < n_memory; n_wave++) {
+    for (uint32_t n_wave = 0; n_wave <= n_memory; n_wave++) {
         setUp();
         cam_scope_reserve(&scope, n_wave);
         set(cam_scope_field_rows, n_wave % 2u == 0u ? 0 : 1000000);
         if ((n_memory - n_wave) / 3u == 0u) {
             TEST_ASSERT_EQUAL_INT(cam_err_scope_memory,
                                   cam_scope_begin(&scope, &scope.set, cam_scope_user, 0, 0));
+            take(1);
+            TEST_ASSERT_EQUAL_INT32(cam_scope_idle, field(cam_scope_field_phase));
             continue;
         }
         start(0);
@@ -106,28 +108,6 @@ static void test_memory_bounds_the_rows_and_is_never_left(void)
             TEST_ASSERT_EQUAL_INT32(0x55555555, memory[i]);
         }
     }
-}
-
-static void test_without_memory_nothing_is_recorded(void)
-{
-    cam_scope_init(&scope, (hal_memory_t){0}, 20000);
-    TEST_ASSERT_EQUAL_INT(cam_err_scope_memory,
-                          cam_scope_begin(&scope, &scope.set, cam_scope_user, 0, 0));
-    take(1);
-    TEST_ASSERT_EQUAL_INT32(cam_scope_idle, field(cam_scope_field_phase));
-}
-
-static void test_every_nth_tick_is_recorded(void)
-{
-    set(cam_scope_field_signals, 1 << cam_scope_tick);
-    set(cam_scope_field_every, 5);
-    set(cam_scope_field_rows, 4);
-    start(UINT32_MAX - 6u); // the tick's number wraps
-    for (uint32_t i = 0; i < 30u; i++) {
-        take(UINT32_MAX - 6u + i);
-    }
-    static const int32_t wanted[] = {-7, -2, 3, 8};
-    TEST_ASSERT_EQUAL_INT32_ARRAY(wanted, &scope.words[scope.at], 4);
 }
 
 static void test_a_lost_record_ends_the_recording_and_is_counted(void)
@@ -251,31 +231,28 @@ static void test_signals_are_those_of_the_record(void)
 /// Whatever an earlier recording has left, only the memory, the wave in it and what is set stay.
 static void test_recording_begins_anew_in_each_word(void)
 {
-    static int32_t words[64];
-    cam_scope_t s;
-    cam_scope_init(&s, (hal_memory_t){.words = words, .n_words = 64}, 20000);
-    plan = s.set;
     plan.rows = 5;
-    s.phase = cam_scope_done;
-    s.end = cam_scope_gap;
-    s.ring.oldest = s.ring.n_rows = s.ring.n_before = s.to_row = 3;
-    s.start_tick = s.ring.first_tick = s.last_tick = s.ring.trigger_tick = 7;
-    s.ring.faults = s.ring.n_lost = s.number = 9;
-    s.last.is_there = true;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_begin(&s, &plan, cam_scope_box, 11, 1234));
-    TEST_ASSERT_EQUAL_INT(cam_scope_armed, s.phase);
-    TEST_ASSERT_EQUAL_INT(cam_scope_open, s.end);
-    TEST_ASSERT_EQUAL_INT(cam_scope_box, s.use);
-    TEST_ASSERT_EQUAL_UINT32(11, s.at);
-    TEST_ASSERT_EQUAL_UINT32(5, s.ring.most_rows);
-    TEST_ASSERT_EQUAL_UINT32(0, s.ring.oldest + s.ring.n_rows + s.ring.n_before + s.to_row);
-    TEST_ASSERT_EQUAL_UINT32(0, s.ring.faults + s.ring.n_lost);
-    TEST_ASSERT_EQUAL_UINT32(10, s.number);
-    TEST_ASSERT_EQUAL_UINT32(1234, s.start_tick);
-    TEST_ASSERT_EQUAL_UINT32(1234, s.ring.first_tick);
-    TEST_ASSERT_EQUAL_UINT32(1234, s.last_tick);
-    TEST_ASSERT_EQUAL_UINT32(1234, s.ring.trigger_tick);
-    TEST_ASSERT_FALSE(s.last.is_there);
+    scope.number = 9;
+    const cam_scope_t fresh = scope;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_begin(&scope, &plan, cam_scope_box, 11, 1234));
+    const cam_scope_t wanted = scope;
+    TEST_ASSERT_EQUAL_INT(cam_scope_armed, scope.phase);
+    TEST_ASSERT_EQUAL_INT(cam_scope_box, scope.use);
+    TEST_ASSERT_EQUAL_UINT32(11, scope.at);
+    TEST_ASSERT_EQUAL_UINT32(5, scope.ring.most_rows);
+    TEST_ASSERT_EQUAL_UINT32(10, scope.number);
+    TEST_ASSERT_EQUAL_UINT32(1234, scope.start_tick);
+    TEST_ASSERT_EQUAL_UINT32(1234, scope.ring.first_tick);
+    TEST_ASSERT_EQUAL_UINT32(1234, scope.last_tick);
+    TEST_ASSERT_EQUAL_UINT32(1234, scope.ring.trigger_tick);
+    memset(&scope.ring, 3, sizeof scope.ring);
+    scope.phase = cam_scope_done;
+    scope.end = cam_scope_gap;
+    scope.to_row = scope.start_tick = scope.last_tick = 7;
+    scope.last.is_there = true;
+    scope.number = fresh.number;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_begin(&scope, &plan, cam_scope_box, 11, 1234));
+    TEST_ASSERT_EQUAL_MEMORY(&wanted, &scope, sizeof scope);
 }
 
 // Rows before and after a trigger
@@ -342,13 +319,15 @@ static void test_rows_before_the_trigger_are_exact_to_the_tick(void)
     }
 }
 
-/// Rows of every third tick: the trigger is found in the ticks between them as well.
+/// Rows of every third tick: the trigger is found in the ticks between them as well, and without
+/// rows before it the first row is that of the trigger.
 static void test_rows_far_apart_give_the_tick_of_the_trigger(void)
 {
-    for (uint32_t at = 1; at < 60u; at++) {
+    for (uint32_t n = 2; n < 120u; n++) {
+        const uint32_t at = n / 2u;
         setUp();
         plan.every = 3;
-        plan.before = 4;
+        plan.before = n % 2u == 0u ? 4 : 0;
         plan.rows = 9;
         begin(0);
         for (uint32_t i = 0; i < 120u; i++) {
@@ -356,25 +335,14 @@ static void test_rows_far_apart_give_the_tick_of_the_trigger(void)
         }
         TEST_ASSERT_EQUAL_INT(cam_scope_full, scope.end);
         TEST_ASSERT_EQUAL_UINT32(at, scope.ring.trigger_tick);
-        TEST_ASSERT_EQUAL_UINT32(least((at + 2u) / 3u, 4), scope.ring.n_before);
+        TEST_ASSERT_EQUAL_UINT32(least((at + 2u) / 3u, plan.before), scope.ring.n_before);
         const int32_t *words = rows_by(most_bytes);
         const uint32_t behind = (uint32_t)words[2u * scope.ring.n_before];
-        TEST_ASSERT_TRUE(behind >= at && behind < at + 3u);
+        TEST_ASSERT_TRUE(behind >= at && behind < at + (plan.before > 0u ? 3u : 1u));
         for (uint32_t k = 0; k < scope.ring.n_rows; k++) {
             TEST_ASSERT_EQUAL_UINT32(scope.ring.first_tick + 3u * k, words[2u * k]);
         }
     }
-}
-
-static void test_without_rows_before_it_the_first_row_is_that_of_the_trigger(void)
-{
-    plan.every = 7;
-    begin(0);
-    for (uint32_t i = 0; i < 300u; i++) {
-        take_value(i, i >= 17u ? 1000 : 0);
-    }
-    TEST_ASSERT_EQUAL_UINT32(17, scope.ring.first_tick);
-    TEST_ASSERT_EQUAL_INT32(24, rows_by(most_bytes)[2]);
 }
 
 /// A gap before the trigger costs the rows of before it; one after it ends the recording.
@@ -448,16 +416,18 @@ static void test_every_kind_watches_its_value(void)
 static void test_a_recording_without_room_for_its_rows_is_refused(void)
 {
     static const struct {
-        uint32_t signals, before, rows;
+        uint32_t signals, before, rows, head;
         cam_err_t err;
-    } cases[] = {{3, n_memory / 2u, 0, cam_err_scope_before},
-                 {3, 3, 3, cam_err_scope_before},
-                 {0, 0, 3, cam_err_scope_memory}};
+    } cases[] = {{3, n_memory / 2u, 0, 0, cam_err_scope_before},
+                 {3, 3, 3, 0, cam_err_scope_before},
+                 {0, 0, 3, 0, cam_err_scope_memory},
+                 {3, 0, 3, n_memory + 1, cam_err_scope_memory}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         plan.signals = cases[i].signals;
         plan.before = cases[i].before;
         plan.rows = cases[i].rows;
-        TEST_ASSERT_EQUAL_INT(cases[i].err, cam_scope_begin(&scope, &plan, cam_scope_user, 0, 0));
+        TEST_ASSERT_EQUAL_INT(cases[i].err,
+                              cam_scope_begin(&scope, &plan, cam_scope_user, cases[i].head, 0));
         TEST_ASSERT_EQUAL_INT(cam_scope_idle, scope.phase);
     }
 }
@@ -545,56 +515,49 @@ static void test_angle_fires_once_per_turn_in_its_sense_alone(void)
     }
 }
 
-static void test_angle_fires_in_the_tick_that_is_exactly_there(void)
+/// Now and a time need no tick before; to all others a first tick is no change. A state fires from
+/// whichever other one, a fault for a new bit of its mask, an angle in the tick that is just there.
+static void test_changes_that_fire(void)
 {
-    for (int32_t sense = -1; sense <= 1; sense += 2) {
-        TEST_ASSERT_TRUE(fires(angle(77, sense < 0), 77 - sense, 77));
-        TEST_ASSERT_FALSE(fires(angle(77, sense < 0), 77, 77 + sense));
-    }
-}
-
-/// From whichever state, and not while it lasts.
-static void test_state_fires_from_any_other_state(void)
-{
-    for (int32_t to = 0; to < 5; to++) {
-        const cam_trigger_t t = {.kind = cam_trigger_state, .level = to};
-        for (int32_t last = 0; last < 5; last++) {
-            for (int32_t now = 0; now < 5; now++) {
-                TEST_ASSERT_EQUAL(now == to && last != to, fires(t, last, now));
-            }
-        }
-    }
-}
-
-static void test_fault_fires_for_a_new_bit_of_the_mask(void)
-{
-    const cam_trigger_t any = {.kind = cam_trigger_fault};
-    const cam_trigger_t third = {.kind = cam_trigger_fault, .level = 1 << 3};
-    TEST_ASSERT_TRUE(fires(any, 0, 1));
-    TEST_ASSERT_TRUE(fires(any, 1, 3));
-    TEST_ASSERT_TRUE(fires(any, 0, INT32_MIN));
-    TEST_ASSERT_FALSE(fires(any, 3, 3));
-    TEST_ASSERT_FALSE(fires(any, 3, 1));
-    TEST_ASSERT_TRUE(fires(third, 1, 9));
-    TEST_ASSERT_FALSE(fires(third, 8, 15));
-    TEST_ASSERT_FALSE(fires(third, 0, 7));
-}
-
-static void test_time_and_now_need_no_tick_before(void)
-{
-    const cam_trigger_last_t none = {.is_there = false};
-    const cam_trigger_t now = {.kind = cam_trigger_now};
-    const cam_trigger_t time = {.kind = cam_trigger_time, .level = 100};
-    TEST_ASSERT_TRUE(cam_trigger_fires(&now, none, 0));
-    TEST_ASSERT_FALSE(cam_trigger_fires(&time, none, 99));
-    TEST_ASSERT_TRUE(cam_trigger_fires(&time, none, 100));
-    TEST_ASSERT_TRUE(cam_trigger_fires(&time, none, 105));
-}
-
-static void test_a_first_tick_is_no_change(void)
-{
-    for (int32_t kind = cam_trigger_level; kind < (int32_t)cam_trigger_n; kind++) {
-        const cam_trigger_t t = {.kind = (cam_trigger_kind_t)kind, .level = 1};
-        TEST_ASSERT_FALSE(cam_trigger_fires(&t, (cam_trigger_last_t){0}, 1));
+    enum { first = 99 }; ///< in place of a last value: there is none
+    static const struct {
+        cam_trigger_kind_t kind;
+        int32_t level;
+        bool falls;
+        int32_t last, now;
+        bool fires;
+    } rows[] = {
+        {cam_trigger_now, 0, false, first, 0, true},
+        {cam_trigger_time, 100, false, first, 99, false},
+        {cam_trigger_time, 100, false, first, 100, true},
+        {cam_trigger_time, 100, false, first, 105, true},
+        {cam_trigger_time, INT32_MAX, false, first, INT32_MIN, true},
+        {cam_trigger_level, 1, false, first, 1, false},
+        {cam_trigger_angle, 1, false, first, 1, false},
+        {cam_trigger_angle, 77, false, 76, 77, true},
+        {cam_trigger_angle, 77, false, 77, 78, false},
+        {cam_trigger_angle, 77, true, 78, 77, true},
+        {cam_trigger_angle, 77, true, 77, 76, false},
+        {cam_trigger_state, 3, false, first, 3, false},
+        {cam_trigger_state, 3, false, 2, 3, true},
+        {cam_trigger_state, 3, false, 4, 3, true},
+        {cam_trigger_state, 3, false, 3, 3, false},
+        {cam_trigger_state, 3, false, 3, 2, false},
+        {cam_trigger_state, 3, false, 1, 2, false},
+        {cam_trigger_fault, 0, false, first, 1, false},
+        {cam_trigger_fault, 0, false, 0, 1, true},
+        {cam_trigger_fault, 0, false, 1, 3, true},
+        {cam_trigger_fault, 0, false, 0, INT32_MIN, true},
+        {cam_trigger_fault, 0, false, 3, 3, false},
+        {cam_trigger_fault, 0, false, 3, 1, false},
+        {cam_trigger_fault, 8, false, 1, 9, true},
+        {cam_trigger_fault, 8, false, 8, 15, false},
+        {cam_trigger_fault, 8, false, 0, 7, false},
+    };
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const cam_trigger_t t = {
+            .kind = rows[i].kind, .level = rows[i].level, .falls = rows[i].falls};
+        const cam_trigger_last_t last = {.is_there = rows[i].last != first, .value = rows[i].last};
+        TEST_ASSERT_EQUAL(rows[i].fires, cam_trigger_fires(&t, last, rows[i].now));
     }
 }
