@@ -174,23 +174,6 @@ static void test_cut_at_the_largest_feed_stays_within_the_limit(void)
     TEST_ASSERT_TRUE(most_q6 >= 0.6 * limit_q6);
 }
 
-/// Patterns are not next to each other, so a shaft may be lower than it has patterns, in
-/// nanometres.
-static void test_patterns_of_a_low_shaft_do_not_drift(void)
-{
-    fixture_play_init(&f, &part);
-    const fixture_shaft_t shaft = fixture_shaft_three();
-    fixture_shaft_make(&f.image, &shaft);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(f.image.bytes, f.image.size, &f.table));
-    f.params.u_speed_um_per_s = 100;
-    const cam_refusal_t tall = judge();
-    f.table.u.span_nm = 1;
-    f.table.angle.span_nm = 1;
-    const cam_refusal_t low = judge();
-    TEST_ASSERT_EQUAL_INT(tall.err, low.err);
-    TEST_ASSERT_EQUAL_INT64(tall.needed, low.needed);
-}
-
 /// What no speed helps against is refused by its own error.
 static void test_parameters_that_do_not_fit_the_table_are_refused(void)
 {

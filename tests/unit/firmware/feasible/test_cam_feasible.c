@@ -301,13 +301,6 @@ static void test_ring_helix_needs_ramps_of_z(void)
 
 /// 1 / n = feed / v + v / a, where v is the lesser of Z's speed and of sqrt(feed a), at which the
 /// two ramps meet, and v / a is at least 1 / 255 of the rest.
-static double ring_mrpm(double feed_mm, double v_mm_per_s, double a_mm_per_s2)
-{
-    const double v = fmin(v_mm_per_s, sqrt(feed_mm * a_mm_per_s2));
-    const double feed_s = feed_mm / v;
-    return 60e3 / (feed_s + fmax(v / a_mm_per_s2, feed_s / 255.0));
-}
-
 static void test_highest_speed_of_a_ring_helix_is_the_edge_of_both_limits(void)
 {
     table.is_ring_helix = true;
@@ -323,8 +316,10 @@ static void test_highest_speed_of_a_ring_helix_is_the_edge_of_both_limits(void)
         params.feed_nm = 1000 + i * i * 2;
         params.z_speed_um_per_s = 1000 + (i * 7919) % 200000;
         params.z_acceleration_mm_per_s2 = 10 + (i * 104729) % 5000;
-        const double exact = ring_mrpm(params.feed_nm * 1e-6, params.z_speed_um_per_s * 1e-3,
-                                       params.z_acceleration_mm_per_s2);
+        const double feed_mm = params.feed_nm * 1e-6;
+        const double a = params.z_acceleration_mm_per_s2;
+        const double v = fmin(params.z_speed_um_per_s * 1e-3, sqrt(feed_mm * a));
+        const double exact = 60e3 / (feed_mm / v + fmax(v / a, feed_mm / v / 255.0));
         if (exact < 9e6) { // above, the tick rate decides
             TEST_ASSERT_DOUBLE_WITHIN(2e-3 * exact + 100.0, exact, judge(1000).highest_mrpm);
         }

@@ -14,15 +14,6 @@ static cam_params_t usual(void)
     return p;
 }
 
-static double window_s(const cam_params_t *p, hal_axis_t axis, uint32_t hz)
-{
-    const double steps = ldexp(1.0, (int)cam_gains_log2_window(p, axis, hz));
-    const double plan = axis == hal_axis_u         ? 1.0
-                        : round(400e-6 * hz) > 1.0 ? round(400e-6 * hz)
-                                                   : 1.0;
-    return steps * plan / hz;
-}
-
 static void test_derived_windows_are_those_of_the_manual(void)
 {
     const cam_params_t p = usual();
@@ -42,7 +33,9 @@ static void test_window_of_a_jerk_keeps_it_and_half_of_it_does_not(void)
         cam_params_t p = usual();
         p.k1_ns = p.k2_us2 = 0;
         p.u_jerk_m_per_s3 = jerks[i];
-        const double jerk = 2.0 * 250.0 / window_s(&p, hal_axis_u, 20000);
+        const double window_s =
+            ldexp(1.0 / 20000.0, (int)cam_gains_log2_window(&p, hal_axis_u, 20000));
+        const double jerk = 2.0 * 250.0 / window_s;
         TEST_ASSERT_TRUE(jerk <= jerks[i] * (1.0 + 1e-9));
         TEST_ASSERT_TRUE(2.0 * jerk > jerks[i]);
     }

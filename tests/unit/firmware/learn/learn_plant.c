@@ -72,19 +72,6 @@ static void shape(const learn_plant_t *p, double angle, double *u, double *u1, d
     }
 }
 
-/// The shape alone.
-static double height(const learn_plant_t *p, double angle)
-{
-    double u = 0.0;
-    for (int k = 0; k < 5; k++) {
-        const double a = p->what.amplitude_mm[k] * p->scale;
-        if (a != 0.0) {
-            u += a * cos(k * angle);
-        }
-    }
-    return u;
-}
-
 static double correction_nm(const learn_plant_t *p, uint32_t angle_q32)
 {
     const double at = angle_q32 / 16777216.0;
@@ -161,23 +148,6 @@ static void slow_side(learn_plant_t *p)
     }
 }
 
-static void judge(learn_plant_t *p, double off_um)
-{
-    const double size = fabs(off_um);
-    p->turn_square += size * size;
-    p->turn_most_um = size > p->turn_most_um ? size : p->turn_most_um;
-    p->turn_ticks++;
-}
-
-static void end_turn(learn_plant_t *p)
-{
-    p->rms_um = sqrt(p->turn_square / (p->turn_ticks > 0u ? p->turn_ticks : 1u));
-    p->most_um = p->turn_most_um;
-    p->turn_square = p->turn_most_um = 0.0;
-    p->turn_ticks = 0;
-    p->scale += p->what.growth_per_turn;
-}
-
 static void tick(learn_plant_t *p)
 {
     const double hz = p->what.tick_hz;
@@ -205,7 +175,11 @@ static void tick(learn_plant_t *p)
                                  .angle = {.pos_q32 = p->pos_q32, .measured_q32 = at_q32},
                                  .want.u_due_q6 = (int32_t)floor(due_nm * 64.0)};
     cam_turn_bins_add_isr(&p->bins, &r);
-    judge(p, (measured_mm(p) - height(p, angle - w * lead_ticks(p))) * 1e3);
+    shape(p, angle - w * lead_ticks(p), &u, &u1, &u2);
+    const double off_um = fabs(measured_mm(p) - u) * 1e3;
+    p->turn_square += off_um * off_um;
+    p->turn_most_um = fmax(p->turn_most_um, off_um);
+    p->turn_ticks++;
     if (p->tick % 8u == 0u) {
         plan(p);
     }
@@ -216,7 +190,11 @@ static void tick(learn_plant_t *p)
     const int64_t before = p->pos_q32 >> 32;
     p->pos_q32 += (int64_t)(turn_per_tick * 4294967296.0);
     if (p->pos_q32 >> 32 != before) {
-        end_turn(p);
+        p->rms_um = sqrt(p->turn_square / p->turn_ticks);
+        p->most_um = p->turn_most_um;
+        p->turn_square = p->turn_most_um = 0.0;
+        p->turn_ticks = 0;
+        p->scale += p->what.growth_per_turn;
     }
 }
 

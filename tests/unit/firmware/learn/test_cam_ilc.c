@@ -7,12 +7,11 @@ static learn_plant_t p;
 
 void setUp(void)
 {
-    const learn_drive_t truth = {.bandwidth_hz = 300.0,
-                                 .damping = 0.7,
-                                 .delay_us = 75.0,
-                                 .friction_mm_s2 = 5000.0,
-                                 .quantum_um = 0.01};
-    const learn_case_t what = {.truth = truth,
+    const learn_case_t what = {.truth = {.bandwidth_hz = 300.0,
+                                         .damping = 0.7,
+                                         .delay_us = 75.0,
+                                         .friction_mm_s2 = 5000.0,
+                                         .quantum_um = 0.01},
                                .believed = {270.0, 0.77, 67.5, 0, 0, 0, 0, 0, 0.01, 0},
                                .amplitude_mm = {0.5, 0.0, 0.5},
                                .rpm = 3000.0,
@@ -53,12 +52,18 @@ static void test_a_fault_in_the_probe_leaves_no_probe(void)
     TEST_ASSERT_EQUAL_INT16(0, p.learned.c[0]);
 }
 
+/// Let the slow side see another state, in which no turn was gathered.
+static void enter(cam_ilc_t *t, cam_state_t state)
+{
+    static cam_turn_bins_t nothing;
+    const cam_ilc_setup_t setup = {.reason = cam_ilc_all, .n_harmonics = 4};
+    cam_ilc_poll(t, &setup, state, &nothing);
+}
+
 /// The correction and the constants of the smallest errors come back.
 static void test_a_fault_brings_the_best_back(void)
 {
-    static cam_turn_bins_t nothing;
     cam_ilc_t t;
-    const cam_ilc_setup_t setup = {.reason = cam_ilc_all, .n_harmonics = 4};
     cam_ilc_init(&t);
     t.correction.c_q6[3] = (cam_complex_t){.re = 640, .im = -64};
     t.correction.kept[3].re_nm = 5;
@@ -67,7 +72,7 @@ static void test_a_fault_brings_the_best_back(void)
     t.best_square = 1000;
     t.best_k1_q16 = 111;
     t.best_k2_q16 = 222;
-    cam_ilc_poll(&t, &setup, cam_state_fault, &nothing);
+    enter(&t, cam_state_fault);
     TEST_ASSERT_EQUAL_INT32(5 * 64, t.correction.c_q6[3].re);
     TEST_ASSERT_EQUAL_INT32(7 * 64, t.correction.c_q6[3].im);
     TEST_ASSERT_EQUAL_INT32(111, t.k1_q16);
@@ -161,15 +166,13 @@ static void test_what_is_forgotten_is_walked_away_from(void)
 /// A probe that was cut short is led back, too: what is in force is not yet what is known.
 static void test_a_probe_cut_short_is_walked_away_from(void)
 {
-    static cam_turn_bins_t nothing;
     cam_ilc_t t;
-    const cam_ilc_setup_t setup = {.reason = cam_ilc_all, .n_harmonics = 4};
     cam_ilc_init(&t);
     t.state = cam_state_rehearsing;
     t.phase = cam_ilc_probing;
     t.correction.c_q6[2].re = 64 * 500;
     t.blending = 0;
-    cam_ilc_poll(&t, &setup, cam_state_ready, &nothing);
+    enter(&t, cam_state_ready);
     TEST_ASSERT_EQUAL_INT32(0, t.correction.c_q6[2].re);
     TEST_ASSERT_BITS_HIGH(cam_ilc_blend_correction, t.blending);
 }

@@ -95,29 +95,6 @@ static void test_turned_is_a_multiplication_by_a_unit(void)
     }
 }
 
-/// A cosine in 2^30ths, and the harmonic and the point by which it alone makes that point.
-typedef struct {
-    int64_t cosine;
-    uint32_t k, i;
-    bool is_sine; // of the part -im
-} place_t;
-
-/// @return a place of a step of the circle; k is 0 for the few steps that no point needs
-static place_t place_of(uint32_t step)
-{
-    for (uint32_t k = 1; k <= 16u; k++) {
-        for (uint32_t i = 0; i <= 64u; i++) {
-            for (uint32_t sine = 0; sine < 2u; sine++) {
-                if ((k * i + 64u * sine) % 256u == step) {
-                    const int64_t cosine = llround(1073741824.0 * cos(TURN * step / 256.0));
-                    return (place_t){cosine, k, i, sine == 1u};
-                }
-            }
-        }
-    }
-    return (place_t){0};
-}
-
 /// @return what a part of a harmonic makes of a point, rounded at 2^-5 and as a whole
 static int64_t point_by(int64_t part, int64_t cosine, uint32_t down)
 {
@@ -142,24 +119,26 @@ static int32_t showing_part(int64_t cosine, int64_t other, uint32_t down)
     return 0;
 }
 
-/// On the axes of the circle a 2^30th more or less is rounded away; other steps show it.
+/// On the axes of the circle a 2^30th more or less is rounded away; all other steps show it, at a
+/// point that a harmonic makes alone, of its real part or of its imaginary one.
 static void test_cosines_are_the_nearest_of_their_word(void)
 {
     static int16_t point[258];
-    for (uint32_t n = 0; n < 512u; n++) {
-        const place_t at = place_of(n / 2u);
-        const int64_t other = at.cosine + (n % 2u == 0u ? 1 : -1);
-        const int64_t most = llabs(at.cosine) >> 2; // of a sum
+    for (uint32_t n = 0; n < 4096u; n++) {
+        const uint32_t i = n / 4u % 64u;
+        const uint32_t k = 1u + n / 256u;
+        const uint32_t step = (k * i + (n & 2u) * 32u) % 256u;
+        const int64_t cosine = llround(1073741824.0 * cos(TURN * step / 256.0));
         uint32_t down = 1;
-        while (most >> (down + 5u) >= INT16_MAX) {
+        while (llabs(cosine) >> (down + 7u) >= INT16_MAX) {
             down++;
         }
-        if (n / 2u % 64u != 0u && at.k > 0u) {
+        if (step % 64u != 0u) {
+            const int32_t part = showing_part(cosine, cosine + ((n & 1u) == 0u ? 1 : -1), down);
             cam_complex_t c[17] = {0};
-            const int32_t part = showing_part(at.cosine, other, down);
-            c[at.k] = at.is_sine ? (cam_complex_t){.im = part} : (cam_complex_t){.re = part};
+            *((n & 2u) != 0u ? &c[k].im : &c[k].re) = part;
             (void)cam_harmonics_slew(point, c, down, 1 << 17);
-            TEST_ASSERT_EQUAL_INT16(point_by(part, at.cosine, down), point[at.i]);
+            TEST_ASSERT_EQUAL_INT16(point_by(part, cosine, down), point[i]);
         }
     }
 }

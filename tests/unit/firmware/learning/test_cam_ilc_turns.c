@@ -134,6 +134,11 @@ static void test_the_two_layers_share_their_gain(void)
         play();
         TEST_ASSERT_INT32_WITHIN(2, first_q16 * cases[i].share / 8, t.k1_q16);
     }
+    s.cut_gain_q16 = 0; // no learning there, nor by the larger gain
+    t.n_steps = 0;
+    t.k1_q16 = 0;
+    play();
+    TEST_ASSERT_EQUAL_INT32(0, t.k1_q16);
 }
 
 /// An error 1.5 times as large as the best is still one to learn from. A larger one brings the best

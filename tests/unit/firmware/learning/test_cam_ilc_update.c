@@ -4,12 +4,11 @@
 #include "cam_ilc_update.h"
 #include "ilc_bench.h"
 
-enum { usual_turns = 2 }; ///< the first shows the speed only
-
+/// Begin anew with two turns, of which the first shows the speed only.
 static void begin(void)
 {
     setUp();
-    play_turns(usual_turns);
+    play_turns(2);
     TEST_ASSERT_EQUAL_UINT32(1, t.n_turns);
 }
 
@@ -21,24 +20,28 @@ static bool counts(void)
     return t.n_turns != before;
 }
 
-/// Each single exception is enough.
+/// Each single exception is enough; an eighth of the amplitude is the least.
 static void test_a_turn_that_is_not_like_the_others_does_not_count(void)
 {
+    static const struct {
+        bool is_steady;
+        int32_t scale_q30;
+        cam_ilc_reason_t reason;
+        uint32_t n_harmonics;
+        bool counts;
+    } rows[] = {
+        {true, 1 << 30, cam_ilc_all, 4, true},        {false, 1 << 30, cam_ilc_all, 4, false},
+        {true, 1 << 27, cam_ilc_all, 4, true},        {true, (1 << 27) - 1, cam_ilc_all, 4, false},
+        {true, 1 << 30, cam_ilc_not_asked, 4, false}, {true, 1 << 30, cam_ilc_all, 0, false},
+    };
     begin();
-    TEST_ASSERT_TRUE(counts());
-    how.is_steady = false;
-    TEST_ASSERT_FALSE(counts());
-    how.is_steady = true;
-    TEST_ASSERT_TRUE(counts());
-    how.scale_q30 = (1 << 27) - 1; // an eighth of the amplitude is the least
-    TEST_ASSERT_FALSE(counts());
-    how.scale_q30 = 1 << 27;
-    TEST_ASSERT_TRUE(counts());
-    s.reason = cam_ilc_not_asked;
-    TEST_ASSERT_FALSE(counts());
-    s.reason = cam_ilc_all;
-    s.n_harmonics = 0;
-    TEST_ASSERT_FALSE(counts());
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        how.is_steady = rows[i].is_steady;
+        how.scale_q30 = rows[i].scale_q30;
+        s.reason = rows[i].reason;
+        s.n_harmonics = rows[i].n_harmonics;
+        TEST_ASSERT_EQUAL(rows[i].counts, counts());
+    }
 }
 
 /// A turn that determines nothing is released at once, so that the slow side is free for the next.
@@ -80,7 +83,7 @@ static void test_friction_is_learned_by_the_gain(void)
     TEST_ASSERT_INT32_WITHIN(64 * 6, 64 * 150, t.friction_q6);
 }
 
-/// A speed that changes by a 128th runs up.
+/// A speed that changes by a 128th runs up, and by a 1024th it ends a mean of the ripple.
 static void test_a_turn_of_another_speed_than_the_last_does_not_count(void)
 {
     for (int sign = -1; sign <= 1; sign += 2) {
@@ -90,6 +93,13 @@ static void test_a_turn_of_another_speed_than_the_last_does_not_count(void)
         TEST_ASSERT_TRUE(counts());
         how.speed_q32 += sign * (usual_speed_q32 / 140);
         TEST_ASSERT_TRUE(counts());
+        t.ripple.n = 3;
+        how.speed_q32 += sign * (usual_speed_q32 / 1060);
+        play();
+        TEST_ASSERT_EQUAL_UINT32(3, t.ripple.n);
+        how.speed_q32 += sign * (usual_speed_q32 / 1000);
+        play();
+        TEST_ASSERT_EQUAL_UINT32(0, t.ripple.n);
     }
 }
 
@@ -239,13 +249,14 @@ static void test_a_mode_ends_learning_where_it_lies(void)
     for (int k = 1; k < 5; k++) {
         t.correction.gain[k] = (cam_gain_t){.re_q12 = (int16_t)(k < 3 ? 4096 : 2048)};
     }
+    t.correction.gain[4].re_q12 = 2560; // a quarter more is no mode
     s.k1_q16 = 0;
     how.speed_q32 = usual_speed_q32 / 4 * 5; // harmonics 1.25, 2.5, 3.75, 5 of the old speed
     play_turns(3);
     TEST_ASSERT_EQUAL_UINT8(cam_ilc_cutting, t.phase);
     TEST_ASSERT_EQUAL_HEX32(1u << 2, t.correction.masked);
     TEST_ASSERT_INT32_WITHIN(8, 4096, t.correction.gain[1].re_q12);
-    TEST_ASSERT_INT32_WITHIN(8, 2048, t.correction.gain[4].re_q12);
+    TEST_ASSERT_INT32_WITHIN(8, 2560, t.correction.gain[4].re_q12);
 }
 
 /// In the cut a feed that changes by more than a 64th lets the larger gain hold anew.
@@ -317,31 +328,20 @@ static void test_guard_compares_above_a_part_of_the_first_error(void)
     TEST_ASSERT_EQUAL_UINT32(1001, cam_ilc_update_guarded_q6(&t));
     t.phase = cam_ilc_cutting;
     TEST_ASSERT_EQUAL_UINT32(64000, cam_ilc_update_guarded_q6(&t));
+    t.is_paused = true;
+    t.last_square = 1;
+    cam_ilc_update_restart_guards(&t);
+    TEST_ASSERT_FALSE(t.is_paused);
+    TEST_ASSERT_EQUAL_UINT64(UINT64_MAX, t.last_square);
 }
 
 static void test_a_speed_is_another_beyond_two_percent(void)
 {
     t.speed_q32 = 1000000;
-    TEST_ASSERT_FALSE(cam_ilc_update_is_other_speed(&t, 1019999));
-    TEST_ASSERT_FALSE(cam_ilc_update_is_other_speed(&t, 980001));
+    TEST_ASSERT_FALSE(cam_ilc_update_is_other_speed(&t, 1020000));
+    TEST_ASSERT_FALSE(cam_ilc_update_is_other_speed(&t, 980000));
     TEST_ASSERT_TRUE(cam_ilc_update_is_other_speed(&t, 1020001));
     TEST_ASSERT_TRUE(cam_ilc_update_is_other_speed(&t, 979999));
-}
-
-/// In the cut the larger gain holds for 16 steps; where nothing is learned there, none does.
-static void test_gain_is_that_of_the_phase(void)
-{
-    t.phase = cam_ilc_shape;
-    s.cut_gain_q16 = 9830;
-    TEST_ASSERT_EQUAL_INT32(32768, cam_ilc_update_gain_q16(&t, &s));
-    t.n_steps = 16;
-    TEST_ASSERT_EQUAL_INT32(32768, cam_ilc_update_gain_q16(&t, &s));
-    t.phase = cam_ilc_cutting;
-    TEST_ASSERT_EQUAL_INT32(9830, cam_ilc_update_gain_q16(&t, &s));
-    t.n_steps = 15;
-    TEST_ASSERT_EQUAL_INT32(32768, cam_ilc_update_gain_q16(&t, &s));
-    s.cut_gain_q16 = 0;
-    TEST_ASSERT_EQUAL_INT32(0, cam_ilc_update_gain_q16(&t, &s));
 }
 
 /// The learned harmonics hold most of the motion, which is more than 64 times the floor.
@@ -357,38 +357,71 @@ static void test_drive_is_determined_by_a_large_motion(void)
     TEST_ASSERT_FALSE(cam_ilc_update_is_for_drive(&t));
 }
 
-/// A turn of which harmonic 1 is next: U moves by 1000 nm, with an error in phase.
+/// A turn of which harmonic 1 is next: U moves by 1000 nm, with an error in phase and half of that
+/// in the mean.
 static void begin_harmonic(cam_ilc_phase_t phase, double error_q6)
 {
     static cam_turn_bin_t bins[cam_turn_bins_n];
     for (int i = 0; i < cam_turn_bins_n; i++) {
         const double at = TURN * (i + 0.5) / cam_turn_bins_n;
-        bins[i] = (cam_turn_bin_t){.n = 1};
+        bins[i].n = (int32_t)lround(0x1p20 * cos(at)); // the sense
         bins[i].u_nm = (int32_t)lround(1000.0 * cos(at));
-        bins[i].error_q6 = (int32_t)lround(error_q6 * cos(at));
+        bins[i].error_q6 = (int32_t)lround(error_q6 * (0.5 + cos(at)));
     }
     t = (cam_ilc_t){.phase = (uint8_t)phase,
                     .bin = bins,
                     .k = 1,
+                    .n_steps = 99,
                     .scale_q30 = 1 << 30,
                     .turn_speed_q32 = 1 << 22,
                     .largest = 64000,
                     .room_q6 = 1 << 24};
     t.correction.is_probed = true;
-    t.correction.gain[1] = (cam_gain_t){.re_q12 = 4096};
-    t.correction.best_q6[1] = UINT32_MAX;
+    t.correction.gain[0].re_q12 = t.correction.gain[1].re_q12 = 4096;
+    t.correction.best_q6[0] = t.correction.best_q6[1] = UINT32_MAX;
 }
 
-/// What a large harmonic shares with the drive's constants it learns by half the gain.
+/// What an eighth of the motion or more shares with the drive's constants it learns by half the
+/// gain, the mean by three quarters; nothing where nothing is learned in the cut.
 static void test_large_harmonics_share_their_gain(void)
 {
-    begin_harmonic(cam_ilc_shape, 64000.0);
-    cam_ilc_update_harmonic(&t, &s);
-    TEST_ASSERT_INT32_WITHIN(200, 16000, t.correction.c_q6[1].re);
-    begin_harmonic(cam_ilc_shape, 64000.0);
-    t.largest = 640000;
-    cam_ilc_update_harmonic(&t, &s);
-    TEST_ASSERT_INT32_WITHIN(400, 32000, t.correction.c_q6[1].re);
+    static const struct {
+        uint32_t k, largest;
+        int32_t cut_gain_q16, learned_q6;
+    } rows[] = {{1, 505600, 8192, 16000},
+                {1, 518400, 8192, 32000},
+                {0, 505600, 8192, 24000},
+                {1, 518400, 0, 0},
+                {0, 518400, 0, 0}};
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        begin_harmonic(cam_ilc_shape, 64000.0);
+        t.k = (uint8_t)rows[i].k;
+        t.largest = rows[i].largest;
+        s.cut_gain_q16 = rows[i].cut_gain_q16;
+        cam_ilc_update_harmonic(&t, &s);
+        TEST_ASSERT_INT32_WITHIN(400, rows[i].learned_q6, t.correction.c_q6[rows[i].k].re);
+    }
+}
+
+/// U has to respond by a fifth; where it hardly moves, by less than a 128th, it shows friction.
+static void test_drive_is_determined_by_what_u_responds_to(void)
+{
+    static const struct {
+        double lag; ///< [rad] of which the response is 1 / (1 + j lag)
+        uint32_t largest;
+        bool is_drive, is_friction;
+    } rows[] = {{4.8, 64000, true, false},
+                {5.0, 64000, false, false},
+                {1.0, 64000 * 127, true, false},
+                {1.0, 64000 * 129, true, true}};
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        begin_harmonic(cam_ilc_shape, 64000.0);
+        t.largest = rows[i].largest;
+        s.k1_q16 = (int32_t)lround(rows[i].lag * 65536.0 * 1024.0 / TURN);
+        cam_ilc_update_harmonic(&t, &s);
+        TEST_ASSERT_EQUAL(rows[i].is_drive, t.sums.weight1 > 0.0);
+        TEST_ASSERT_EQUAL(rows[i].is_friction, t.sums.weight_f > 0.0);
+    }
 }
 
 /// In the cut the work changes: the best error that was seen counts for less from turn to turn,

@@ -168,13 +168,6 @@ static void test_bend_of_a_swing_is_bounded_by_the_next_whole_number(void)
     }
 }
 
-static void test_bounds_of_a_swing_saturate(void)
-{
-    const cam_channel_t ch = bare(14, 0);
-    fill(0, 1, (cam_knot_t){.a = CAM_TABLE_SUM_MAX});
-    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, cam_peaks_of_swing(&ch).second_mdeg_per_rad2);
-}
-
 static void test_each_knot_counts_for_the_swing(void)
 {
     for (uint32_t i = 0; i < n_flat_slices * n_flat_knots; i++) {
@@ -185,6 +178,9 @@ static void test_each_knot_counts_for_the_swing(void)
         TEST_ASSERT_GREATER_THAN_UINT32(3580, found.first_mdeg_per_rad);
         TEST_ASSERT_GREATER_THAN_UINT32(4559, found.second_mdeg_per_rad2);
     }
+    const cam_channel_t fine = bare(14, 0);
+    fill(0, 1, (cam_knot_t){.a = CAM_TABLE_SUM_MAX});
+    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, cam_peaks_of_swing(&fine).second_mdeg_per_rad2);
 }
 
 /// @return that many LSB in whole units, rounded up
@@ -227,17 +223,16 @@ static void test_change_of_slope_is_hardly_above_the_next_whole_unit(void)
     }
 }
 
-/// The last slice has none above it: what its knots are to the slice below counts once.
+/// The last slice has none above it: what its knots are to the slice below counts once, as for the
+/// first.
 static void test_change_to_the_last_slice_counts(void)
 {
-    const cam_channel_t ch = bare(0, 0);
-    fill(11, 12, (cam_knot_t){.p = 1000});
-    TEST_ASSERT_EQUAL_UINT32(1000, cam_peaks_of_change(&ch).most);
-    TEST_ASSERT_EQUAL_UINT32(1000, cam_peaks_of_change(&ch).kink);
-    fill(11, 12, (cam_knot_t){0});
-    fill(0, 1, (cam_knot_t){.p = 1000});
-    TEST_ASSERT_EQUAL_UINT32(1000, cam_peaks_of_change(&ch).most);
-    TEST_ASSERT_EQUAL_UINT32(1000, cam_peaks_of_change(&ch).kink);
+    for (uint32_t i = 0; i < 12u; i += 11u) {
+        const cam_channel_t ch = bare(0, 0);
+        fill(i, i + 1u, (cam_knot_t){.p = 1000});
+        TEST_ASSERT_EQUAL_UINT32(1000, cam_peaks_of_change(&ch).most);
+        TEST_ASSERT_EQUAL_UINT32(1000, cam_peaks_of_change(&ch).kink);
+    }
 }
 
 /// Image of the modulated part with a promise lowered by a share of itself.

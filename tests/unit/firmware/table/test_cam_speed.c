@@ -42,24 +42,12 @@ static void test_ratio_and_slope_are_those_of_the_function(void)
     }
 }
 
-/// Set-point and acceleration of a plan in real numbers.
-static void expect_law(const cam_speed_config_t *cfg, double from, double to)
-{
-    const int32_t from_q28 = (int32_t)lround(ldexp(from, 28));
-    const int32_t to_q28 = (int32_t)lround(ldexp(to, 28));
-    const double lag = ldexp(cfg->lag_q16, -16);
-    const double ratio = fmin(8.0, fmax(0.0, (from + to) / 2.0 + (to - from) * lag));
-    const double mrpm = cfg->sense * fmin(cfg->mean_mrpm * ratio, cfg->limit_mrpm);
-    TEST_ASSERT_DOUBLE_WITHIN(2.0 + 2e-6 * fabs(mrpm), mrpm, cam_speed_mrpm(cfg, from_q28, to_q28));
-    const double alpha = ldexp(cfg->mean_q32, -20) * (to_q28 - from_q28);
-    TEST_ASSERT_DOUBLE_WITHIN(1.0, alpha, cam_speed_alpha_q40(cfg, to_q28 - from_q28));
-}
-
 static double random_real(fixture_random_t *random, double low, double high)
 {
     return low + (high - low) * ldexp(fixture_random_u32(random), -32);
 }
 
+/// Set-point and acceleration of a plan in real numbers.
 static void test_set_point_is_the_inverse_of_the_speed_loop(void)
 {
     fixture_random_t random = {.state = 7};
@@ -67,7 +55,16 @@ static void test_set_point_is_the_inverse_of_the_speed_loop(void)
         cam_speed_config_t cfg = config.play.speed;
         cfg.sense = i % 2 == 0 ? 1 : -1;
         const double from = random_real(&random, 0.25, 4.0);
-        expect_law(&cfg, from, from + random_real(&random, -0.05, 0.05));
+        const double to = from + random_real(&random, -0.05, 0.05);
+        const int32_t from_q28 = (int32_t)lround(ldexp(from, 28));
+        const int32_t to_q28 = (int32_t)lround(ldexp(to, 28));
+        const double lag = ldexp(cfg.lag_q16, -16);
+        const double ratio = fmin(8.0, fmax(0.0, (from + to) / 2.0 + (to - from) * lag));
+        const double mrpm = cfg.sense * fmin(cfg.mean_mrpm * ratio, cfg.limit_mrpm);
+        TEST_ASSERT_DOUBLE_WITHIN(2.0 + 2e-6 * fabs(mrpm), mrpm,
+                                  cam_speed_mrpm(&cfg, from_q28, to_q28));
+        const double alpha = ldexp(cfg.mean_q32, -20) * (to_q28 - from_q28);
+        TEST_ASSERT_DOUBLE_WITHIN(1.0, alpha, cam_speed_alpha_q40(&cfg, to_q28 - from_q28));
     }
 }
 

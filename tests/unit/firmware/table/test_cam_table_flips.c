@@ -34,13 +34,6 @@ static void begin(uint32_t spindle_mrpm)
     fixture_rig_keep(&kept, &rig);
 }
 
-static void go_back(void)
-{
-    fixture_rig_put(&rig, &kept);
-    last_set.u_q6 = g_cam.motion.u.set_q6;
-    last_set.step_q6 = g_cam.motion.u.set_step_q6;
-}
-
 /// One tick, in which U moves and accelerates within the limits that the guard has.
 static void tick(const char *what)
 {
@@ -66,7 +59,9 @@ static void play_flip(uint32_t channel, uint32_t knot, uint32_t bit)
     (void)snprintf(what, sizeof what, "channel %u, knot %u, bit %u", (unsigned)channel,
                    (unsigned)knot, (unsigned)bit);
     uint8_t *bytes = (uint8_t *)&fixture_image_knots(&rig.image, channel)[knot];
-    go_back();
+    fixture_rig_put(&rig, &kept);
+    last_set.u_q6 = g_cam.motion.u.set_q6;
+    last_set.step_q6 = g_cam.motion.u.set_step_q6;
     bytes[bit / 8u] ^= (uint8_t)(1u << bit % 8u);
     for (uint32_t i = 0; i < (uint32_t)turn_ticks && !is_fault(); i++) {
         tick(what);
