@@ -98,6 +98,9 @@ def undraw(patch: pytest.MonkeyPatch) -> None:
 
     patch.setattr(FigureCanvasAgg, "draw", leave_empty)
     patch.setattr(common_pictures, "Picture", undrawn)
+    for one in ("report.sheet_page.draw_section", "report.sheet_page.draw_lines"):
+        patch.setattr(f"camtools.{one}", lambda *_: Figure())
+    patch.setattr("camtools.skirt.report.surface_plots.draw_overview", lambda *_: Figure())
 
 
 @contextmanager

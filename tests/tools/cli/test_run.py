@@ -115,18 +115,31 @@ def without_clock(name: str, content: bytes) -> object:
     return content
 
 
-def test_script_runs_from_anywhere_and_gives_the_same(cut: Cut, tmp_path: Path) -> None:
-    """tools/run works through a symbolic link, from another folder, with spaces.
-
-    Tables, trace, surface and report are the bytes of the cut in this process.
-    """
+def from_anywhere(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """Run tools/run through a symbolic link in another folder, both with spaces."""
     if BUILD != ROOT / "build" / "host":
         pytest.skip("the script builds build/host")
-    (tmp_path / "my run").symlink_to(ROOT / "tools" / "run")
-    shutil.copy(cut.folder.parent / "my part.toml", tmp_path)
-    words = ["./my run", "my part.toml", "--feed", "2", "-o", "my out"]
+    (folder / "my run").symlink_to(ROOT / "tools" / "run")
+    command = ["./my run", "my part.toml", "-o", "my out", *words]
     env = os.environ | {"SOURCE_DATE_EPOCH": DAY}
-    done = subprocess.run(words, cwd=tmp_path, env=env, capture_output=True, text=True, check=False)
+    return subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, check=False)
+
+
+def test_script_runs_from_anywhere(tmp_path: Path) -> None:
+    """Up to the simulator, which refuses a speed of the part in the folder where it was started."""
+    shutil.copy(PERKINS, tmp_path / "my part.toml")
+    done = from_anywhere(tmp_path, "--rpm", "4000")
+    assert done.returncode == 2
+    assert done.stderr.splitlines()[-1].startswith("run: --rpm 4000: ")
+    assert "give at most --rpm 3000" in done.stderr
+    assert listing(tmp_path) == ["my part.toml", "my run"]
+
+
+@pytest.mark.long
+def test_script_gives_the_same(cut: Cut, tmp_path: Path) -> None:
+    """Tables, trace, surface and report are the bytes of the cut in this process."""
+    shutil.copy(cut.folder.parent / "my part.toml", tmp_path)
+    done = from_anywhere(tmp_path, "--feed", "2")
     assert done.returncode == 0, done.stderr
     assert " my out/report.html and the other files there\n" in done.stdout
     assert listing(tmp_path / "my out") == RESULTS
