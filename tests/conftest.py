@@ -14,7 +14,11 @@ from camtools.cli.mktables import main as mktables
 from tests.tools.cases.part_cases import ROOT
 
 pytest_plugins = ["tests.hang"]
-FOLDERS = (ROOT / "tools" / "parts", ROOT / "tests" / "learn" / "parts")
+FOLDERS = (
+    ROOT / "tools" / "parts",
+    ROOT / "tests" / "learn" / "parts",
+    ROOT / "tests" / "scenarios" / "cases" / "parts",
+)
 _TIMES = "camturn/times_s"
 
 

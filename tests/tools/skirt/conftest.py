@@ -3,11 +3,11 @@
 
 import pytest
 
-from camtools.skirt.table.generate import GeneratedSkirt
-from tests.tools.cases.cut_cases import skirt_of
+from camtools.skirt.table.generate import GeneratedSkirt, generate
+from tests.tools.cases.part_cases import ROOT, load_part
 
 
 @pytest.fixture(scope="session")
 def modulated() -> GeneratedSkirt:
-    """Return the table of the part that is turned with an even removal rate."""
-    return skirt_of("perkins240_equal_volume")
+    """Return the table of a short part that is turned with an even removal rate."""
+    return generate(load_part(ROOT / "tests" / "scenarios" / "cases" / "parts" / "modulated.toml"))

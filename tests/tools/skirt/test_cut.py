@@ -68,8 +68,9 @@ def test_part_is_cut_within_its_stated_form_error(name: str, tmp_path: Path) -> 
 
 
 @pytest.mark.long
-def test_equal_volume_evens_the_removal_rate(modulated: GeneratedSkirt, tmp_path: Path) -> None:
+def test_equal_volume_evens_the_removal_rate(tmp_path: Path) -> None:
     """Rate and power become even on the workpiece, the chip force does not; no form is lost."""
+    modulated = skirt_of("perkins240_equal_volume")
     plain = made_skirt(parse_part(EVEN.replace('"equal-volume"', '"uniform"').encode(), "u.toml"))
     assert plain.table.speed is None
     coarse = ("--feed", "0.5")
@@ -91,8 +92,9 @@ def test_equal_volume_evens_the_removal_rate(modulated: GeneratedSkirt, tmp_path
 
 
 @pytest.mark.long
-def test_spindle_stays_within_its_acceleration(modulated: GeneratedSkirt, tmp_path: Path) -> None:
+def test_spindle_stays_within_its_acceleration(tmp_path: Path) -> None:
     """The set-points of the trace, seen as a speed, never exceed what the spindle can do."""
+    modulated = skirt_of("perkins240_equal_volume")
     words = ("--turns-limit", "8", "--trace", tmp_path / "t.csv")
     cut_made(Made(KIND, modulated), tmp_path, *words)
     trace = columns_of(tmp_path / "t.csv")
@@ -338,7 +340,7 @@ def test_ripple_beyond_the_accepted_is_refused_with_a_speed_that_keeps_it() -> N
 
 def test_motion_is_drawn_at_the_speed_that_is_played(modulated: GeneratedSkirt) -> None:
     """Velocity and acceleration are differences of U over the time that the law takes."""
-    result, height_mm, rpm = modulated, 30.0, 230.0
+    result, height_mm, rpm = modulated, 6.0, 230.0
     assert result.speed is not None
     turns = np.linspace(0, 1, 20_001)
     u_mm, velocity, acceleration = motion_played(
@@ -353,4 +355,4 @@ def test_motion_is_drawn_at_the_speed_that_is_played(modulated: GeneratedSkirt) 
     bend = np.gradient(velocity, time_s)
     assert np.abs(acceleration - bend)[5:-5].max() < 5e-3 * np.abs(bend).max()
     uniform = motion_played(result.geometry, rpm, height_mm, turns, None)[1]
-    assert np.abs(velocity - uniform).max() > 0.2 * np.abs(uniform).max()
+    assert np.abs(velocity - uniform).max() > 0.1 * np.abs(uniform).max()
