@@ -134,8 +134,6 @@ def test_programmer_takes_the_place_back(started: Session, table: bytes) -> None
     started.chip.write_flash(LOG, b"\xff" * SECTOR_BYTES)
     started.chip.write_flash(LOG, FIRST_PLACE.read_bytes())
     assert restart(started) == "flashed"
-    started.remote.use(named(table, "third"))
-    assert restart(started) == "third"
 
 
 def test_tick_goes_on_while_flash_is_busy(started: Session, table: bytes) -> None:

@@ -169,7 +169,7 @@ def expect_halt(session: Session, at: int, address: int) -> None:
     assert "enable 1" not in [event.what for event in board.events if event.at > at]
 
 
-@pytest.mark.parametrize("is_fault", [False, True])
+@pytest.mark.parametrize("is_fault", [pytest.param(False, marks=pytest.mark.long), True])
 def test_double_error_in_the_cut_halts_with_its_address(ready: Session, is_fault: bool) -> None:
     """Whether the load raises a bus fault too, or the monitor's interrupt alone."""
     chip = ready.chip

@@ -4,6 +4,7 @@
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -42,6 +43,7 @@ def with_feed(text: str, feed_mm: float) -> str:
     return re.sub(r'(\nspeed = "[a-z-]+"\n)', rf"\g<1>feed_mm = {feed_mm}\n", text)
 
 
+@cache
 def made(text: str) -> GeneratedLobes:
     """Return the table of a part file's text."""
     return generate_lobes(cam(text))
@@ -155,7 +157,15 @@ spindle_rpm = 60
 )
 
 
-@pytest.mark.parametrize(("phase_deg", "rpm"), [(0, 60), (20, 120), (90, 30), (180, 60)])
+@pytest.mark.parametrize(
+    ("phase_deg", "rpm"),
+    [
+        pytest.param(0, 60, marks=pytest.mark.long),
+        (20, 120),
+        pytest.param(90, 30, marks=pytest.mark.long),
+        (180, 60),
+    ],
+)
 def test_laws_of_neighbours_are_made_for_each_alone(phase_deg: int, rpm: int) -> None:
     """Between two lobes the ratio goes to 1: their phases are no matter to the spindle's limit."""
     text = PAIR.replace("phase_deg = 180", f"phase_deg = {phase_deg}")

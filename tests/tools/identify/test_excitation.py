@@ -206,7 +206,7 @@ def found_on(u: SimulatedU) -> Identified:
 @pytest.mark.parametrize(
     "other",
     [
-        {},
+        pytest.param({}, marks=pytest.mark.long),
         {"friction": 20, "quantum_nm": 1000},
         {"hz": 220.0, "damping": 0.55, "delay_us": 130.0, "friction": 10, "quantum_nm": 100},
         {"hz": 600.0, "damping": 0.8, "delay_us": 40.0, "friction": 2, "tick_hz": 40_000},

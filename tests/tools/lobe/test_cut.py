@@ -422,7 +422,7 @@ def check_set_points(trace: Columns) -> None:
     assert change.max() <= 1.05 * ACCELERATION_DEG_S2
 
 
-@pytest.mark.parametrize("at_s", ["0.82", "1.0"])
+@pytest.mark.parametrize("at_s", ["0.82", pytest.param("1.0", marks=pytest.mark.long)])
 def test_emergency_stop_brings_the_swing_back(cam: Path, tmp_path: Path, at_s: str) -> None:
     """Within its limits, and enable holds until it rests at 0; U and X leave beyond the lift."""
     trace = traced(cam, tmp_path, "--inject", f"estop@{at_s}", status=1)

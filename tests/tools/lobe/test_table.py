@@ -136,7 +136,13 @@ def test_modulated_table_keeps_the_machines_limits() -> None:
 
 WEAK = [
     ("uniform", "u_stroke_mm = 24", "u_stroke_mm = 10", "no speed helps: give less lift"),
-    ("constant-surface", "u_speed_mm_s = 400", "u_speed_mm_s = 40", "limited by u_speed_mm_s"),
+    pytest.param(
+        "constant-surface",
+        "u_speed_mm_s = 400",
+        "u_speed_mm_s = 40",
+        "limited by u_speed_mm_s",
+        marks=pytest.mark.long,
+    ),
     (
         "uniform",
         "u_acceleration_mm_s2 = 20000",

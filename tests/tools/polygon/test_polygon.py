@@ -447,7 +447,15 @@ NEVER = [
 ]
 
 
-@pytest.mark.parametrize(("lines", "message"), NEVER, ids=["p4c", "sharp", "arcs", "large"])
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        pytest.param(*NEVER[0], id="p4c", marks=pytest.mark.long),
+        pytest.param(*NEVER[1], id="sharp"),
+        pytest.param(*NEVER[2], id="arcs"),
+        pytest.param(*NEVER[3], id="large"),
+    ],
+)
 def test_what_no_table_holds(lines: str, message: str, tmp_path: Path) -> None:
     """Refused with numbers and remedy, where the image would not take it or the firmware refuse.
 

@@ -110,7 +110,15 @@ def blocked_s(table: Path, rpm: int, at_s: float, folder: Path) -> tuple[float, 
     return float(t_s[first] - begin), abs(float(off_um))
 
 
-@pytest.mark.parametrize("at_s", [0.1, 0.1025, 0.105, 0.1075])
+@pytest.mark.parametrize(
+    "at_s",
+    [
+        0.1,
+        pytest.param(0.1025, marks=pytest.mark.long),
+        0.105,
+        pytest.param(0.1075, marks=pytest.mark.long),
+    ],
+)
 def test_blocked_u_is_seen_within_a_tenth_of_the_ovality_and_the_first_turn(
     oval: Path, table: Path, tmp_path: Path, at_s: float
 ) -> None:

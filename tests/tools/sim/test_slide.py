@@ -68,7 +68,7 @@ def piece(
     return pos, vel
 
 
-@pytest.mark.parametrize("friction", [5.0, 20.0])
+@pytest.mark.parametrize("friction", [pytest.param(5.0, marks=pytest.mark.long), 20.0])
 def test_slide_with_friction_moves_as_the_closed_form(
     oval30: Path, tmp_path: Path, friction: float
 ) -> None:
