@@ -5,13 +5,26 @@
 #include <stdio.h>  // snprintf
 #include <string.h> // memset, strlen
 
-static void test_a_part_is_cut_by_commands(void)
+/// Home in ready homes anew: off, then as from off. A beat only waits for the next state.
+static void test_each_command_leads_to_its_state(void)
 {
-    to_cutting();
-    expect_answer(cam_ok, 0, stop, 0, 0);
-    loop_until(cam_state_ready);
-    expect_answer(cam_ok, 0, disable, 0, 0);
-    loop_until(cam_state_off);
+    static const struct {
+        uint8_t command;
+        cam_err_t err;
+        cam_state_t state;
+    } steps[] = {
+        {hold, cam_err_state, cam_state_off}, {resume, cam_err_state, cam_state_off},
+        {home, cam_ok, cam_state_homing},     {home, cam_err_state, cam_state_ready},
+        {home, cam_ok, cam_state_off},        {beat, cam_ok, cam_state_homing},
+        {beat, cam_ok, cam_state_ready},      {start, cam_ok, cam_state_cutting},
+        {hold, cam_ok, cam_state_holding},    {resume, cam_ok, cam_state_cutting},
+        {stop, cam_ok, cam_state_ready},      {disable, cam_ok, cam_state_off},
+    };
+    for (uint8_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
+        expect_answer(steps[i].err, 0, steps[i].command, i, 0);
+        loop_until(steps[i].state);
+        fixture_can_loop(&f, 2);
+    }
 }
 
 static void test_a_command_before_the_last_was_taken_is_busy(void)
@@ -49,22 +62,20 @@ static void test_set_answers_the_value_in_force(void)
     expect_answer(cam_err_param_state, 0, set, cam_param_k1_ns, 1);
 }
 
+/// @return the answer before the last n
+static fixture_answer_t answer_before(uint32_t n)
+{
+    return fixture_can_answer(
+        &hal_host.slow.sent[(hal_host.slow.n_sent - 1u - n) % hal_host_can_frames]);
+}
+
 /// The last answers, oldest first, are a refusal and the range.
 static void expect_range(uint8_t command, uint8_t index, int32_t low, int32_t high)
 {
-    const uint8_t commands[] = {command, get_minimum, get_maximum};
-    const int32_t values[] = {0, low, high};
-    for (uint32_t i = 0; i < 3u; i++) {
-        const uint32_t at = hal_host.slow.n_sent - 3u + i;
-        const fixture_answer_t answer =
-            fixture_can_answer(&hal_host.slow.sent[at % hal_host_can_frames]);
-        TEST_ASSERT_EQUAL_UINT32(commands[i], answer.command);
-        TEST_ASSERT_EQUAL_UINT32(index, answer.index);
-        TEST_ASSERT_EQUAL_INT32(i == 0u ? cam_err_param_range : cam_ok, answer.result);
-        if (i > 0u) {
-            TEST_ASSERT_EQUAL_INT32(values[i], answer.value);
-        }
-    }
+    const fixture_answer_t refused = answer_before(2);
+    expect_fields(refused, cam_err_param_range, refused.value, command, index);
+    expect_fields(answer_before(1), cam_ok, low, get_minimum, index);
+    expect_fields(answer_before(0), cam_ok, high, get_maximum, index);
 }
 
 static void test_a_value_out_of_range_is_answered_with_the_range(void)
@@ -110,20 +121,6 @@ static void test_a_range_without_room_is_kept(void)
     TEST_ASSERT_EQUAL_UINT32(get, last_answer().command);
 }
 
-static void test_home_homes_and_homes_anew(void)
-{
-    expect_answer(cam_ok, 0, home, 0, 0);
-    loop_until(cam_state_homing);
-    expect_answer(cam_err_state, 0, home, 0, 0);
-    loop_until(cam_state_ready);
-    fixture_can_loop(&f, 2);
-    expect_answer(cam_ok, 0, home, 0, 0);
-    loop_until(cam_state_off);
-    TEST_ASSERT_EQUAL_HEX32(0, hal_host.out.outputs & hal_out_enable);
-    loop_until(cam_state_homing);
-    loop_until(cam_state_ready);
-}
-
 static void test_unknown_commands_have_an_error_of_their_own(void)
 {
     static const uint8_t commands[][2] = {{0, 3}, {18, 0}, {199, 0}, {255, 255}};
@@ -144,13 +141,11 @@ static void test_an_answer_without_room_is_kept_before_the_next_command(void)
     TEST_ASSERT_EQUAL_INT32(10, f.rig.machine.params.engage_turns); // not yet read
     hal_host.slow.n_room = 1;
     cam_can_poll(&f.can); // sends the first answer; the second finds no room again
-    TEST_ASSERT_EQUAL_UINT32(get, last_answer().command);
-    TEST_ASSERT_EQUAL_INT32(10, last_answer().value);
+    expect_fields(last_answer(), cam_ok, 10, get, cam_param_engage_turns);
     TEST_ASSERT_EQUAL_INT32(20, f.rig.machine.params.engage_turns); // nothing waited any more
     hal_host.slow.n_room = 1;
     cam_can_poll(&f.can);
-    TEST_ASSERT_EQUAL_UINT32(set, last_answer().command);
-    TEST_ASSERT_EQUAL_INT32(20, last_answer().value);
+    expect_fields(last_answer(), cam_ok, 20, set, cam_param_engage_turns);
     TEST_ASSERT_EQUAL_UINT32(n_sent + 2u, hal_host.slow.n_sent);
 }
 
@@ -167,8 +162,6 @@ static void test_bus_off_stops_nothing_and_ends(void)
     fixture_can_loop(&f, 1);
     TEST_ASSERT_EQUAL_INT32(10000, last_answer().value);
 }
-
-// All parameters
 
 static void test_saved_parameters_are_reverted_to(void)
 {
@@ -199,8 +192,6 @@ static void test_numbers_of_a_refusal_are_read_field_by_field(void)
     expect_answer(cam_ok, cam_param_encoder_sign, refusal, cam_refusal_parameter, 0);
 }
 
-// Changes in the cut
-
 static void test_parts_are_set_and_read(void)
 {
     expect_answer(cam_ok, 0, get_parts, 3, 0);
@@ -208,17 +199,6 @@ static void test_parts_are_set_and_read(void)
     expect_answer(cam_ok, 4711, get_parts, 3, 0);
     f.rig.machine.n_parts = UINT32_MAX;
     expect_answer(cam_ok, INT32_MAX, get_parts, 0, 0);
-}
-
-static void test_hold_and_resume_are_carried_out(void)
-{
-    expect_answer(cam_err_state, 0, hold, 7, 0);
-    expect_answer(cam_err_state, 0, resume, 8, 0);
-    to_cutting();
-    expect_answer(cam_ok, 0, hold, 9, 0);
-    loop_until(cam_state_holding);
-    expect_answer(cam_ok, 0, resume, 10, 0);
-    loop_until(cam_state_cutting);
 }
 
 // By hand
@@ -281,38 +261,37 @@ static void test_wrong_axes_and_values_are_refused_with_the_limit(void)
 
 // Frames that no tool should send; tests/fuzz sends random ones
 
-static fixture_answer_t answer_to(const hal_can_frame_t *frame)
-{
-    const uint32_t n_sent = hal_host.slow.n_sent;
-    (void)hal_host_can_receive(frame);
-    cam_can_poll(&f.can);
-    TEST_ASSERT_EQUAL_UINT32(n_sent + 1u, hal_host.slow.n_sent);
-    const hal_can_frame_t sent = fixture_can_sent(0x5C0);
-    TEST_ASSERT_EQUAL_UINT32(8, sent.n);
-    return fixture_can_answer(&sent);
-}
-
 static void test_malformed_frames_are_answered_and_do_nothing(void)
 {
-    static const uint32_t lengths[] = {0, 1, 2, 7, 12, 64};
-    for (uint32_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
-        const uint32_t n = lengths[i];
-        const hal_can_frame_t frame = {.id = 0x640, .n = n, .data = {enable, 9}};
-        const fixture_answer_t answer = answer_to(&frame);
-        TEST_ASSERT_EQUAL_INT32(cam_err_frame, answer.result);
-        TEST_ASSERT_EQUAL_UINT32(n > 0u ? enable : 0, answer.command);
-        TEST_ASSERT_EQUAL_UINT32(n > 1u ? 9 : 0, answer.index);
-        TEST_ASSERT_EQUAL_INT32(0, answer.value);
+    static const struct {
+        hal_can_frame_t frame;
+        cam_err_t err;
+    } cases[] = {
+        {{.n = 0, .data = {0}}, cam_err_frame},
+        {{.n = 1, .data = {enable}}, cam_err_frame},
+        {{.n = 2, .data = {enable, 9}}, cam_err_frame},
+        {{.n = 7, .data = {enable, 9}}, cam_err_frame},
+        {{.n = 12, .data = {enable, 9}}, cam_err_frame},
+        {{.n = 64, .data = {enable, 9}}, cam_err_frame},
+        {{.n = 8, .data = {enable, 0, 0x80}}, cam_err_not_commander},
+        {{.n = 8, .data = {enable, 0, 0, 0x80}}, cam_err_not_commander},
+    };
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const uint32_t n_sent = hal_host.slow.n_sent;
+        hal_can_frame_t frame = cases[i].frame;
+        frame.id = 0x640;
+        (void)hal_host_can_receive(&frame);
+        fixture_can_loop(&f, 1);
+        TEST_ASSERT_EQUAL_UINT32(n_sent + 1u, hal_host.slow.n_sent);
+        TEST_ASSERT_EQUAL_UINT32(8, fixture_can_sent(0x5C0).n);
+        expect_fields(last_answer(), cases[i].err, last_answer().value, frame.data[0],
+                      frame.data[1]);
+        TEST_ASSERT_EQUAL_INT32(cases[i].err == cam_err_frame ? 0 : me, last_answer().value);
     }
-    for (uint32_t at = 2; at < 4u; at++) {
-        hal_can_frame_t frame = {.id = 0x640, .n = 8, .data = {enable}};
-        frame.data[at] = 0x80;
-        TEST_ASSERT_EQUAL_INT32(cam_err_not_commander, answer_to(&frame).result);
-    }
-    fixture_can_loop(&f, 2);
     TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
 }
 
+/// Of those that come before a command, and of more than a poll reads.
 static void test_foreign_ids_are_passed_over(void)
 {
     const uint32_t n_sent = hal_host.slow.n_sent;
@@ -324,10 +303,6 @@ static void test_foreign_ids_are_passed_over(void)
     TEST_ASSERT_EQUAL_UINT32(n_sent, hal_host.slow.n_sent);
     fixture_can_receive(0x123, 8, enable, 0, 0);
     expect_answer(cam_ok, 0, enable, 0, 0); // follows a foreign frame in the same poll
-}
-
-static void test_a_flood_of_foreign_ids_does_not_hold_up_a_poll(void)
-{
     for (uint32_t i = 0; i < hal_host_can_frames; i++) {
         fixture_can_receive(0x123, 8, 0, 0, 0);
     }
@@ -359,45 +334,4 @@ static void test_a_long_line_is_cut_off(void)
     fixture_can_start(&f);
     TEST_ASSERT_EQUAL_size_t(120, strlen(fixture_can_line(2)));
     TEST_ASSERT_EQUAL_STRING_LEN("start: halt: wwww", fixture_can_line(2), 17);
-}
-
-/// One a poll, the lowest bit first, and again after a reset.
-static void test_states_and_faults_have_their_lines(void)
-{
-    TEST_ASSERT_EQUAL_UINT32(3, hal_host.n_lines); // start, params, table
-    to_cutting();
-    fixture_can_loop(&f, 1);
-    const uint32_t n_lines = hal_host.n_lines;
-    TEST_ASSERT_EQUAL_STRING("state cutting", fixture_can_line(0));
-    f.rig.lathe.error_nm[hal_axis_u] = 200000;
-    hal_host_fault_estop(true);
-    fixture_can_loop(&f, 4000);
-    TEST_ASSERT_EQUAL_UINT32(n_lines + 3u, hal_host.n_lines);
-    TEST_ASSERT_EQUAL_STRING("state fault", fixture_can_line(2));
-    TEST_ASSERT_EQUAL_STRING("fault estop: emergency stop", fixture_can_line(1));
-    TEST_ASSERT_EQUAL_STRING("fault following_error: U does not follow", fixture_can_line(0));
-    hal_host_fault_drive(true);
-    fixture_can_loop(&f, 2);
-    TEST_ASSERT_EQUAL_STRING("fault drive: a drive is not ready", fixture_can_line(0));
-    hal_host_fault_drive(false);
-    hal_host_fault_estop(false);
-    f.rig.lathe.error_nm[hal_axis_u] = 0;
-    expect_answer(cam_ok, 0, reset, 0, 0);
-    fixture_can_loop(&f, 3);
-    TEST_ASSERT_EQUAL_STRING("state off", fixture_can_line(0));
-    expect_answer(cam_ok, 0, enable, 0, 0);
-    hal_host_fault_estop(true);
-    fixture_can_loop(&f, 5);
-    TEST_ASSERT_EQUAL_STRING("fault estop: emergency stop", fixture_can_line(0));
-}
-
-/// What a check of a table may refuse.
-static void test_every_text_fits_a_line(void)
-{
-    for (int err = 0; err > -20; err--) {
-        char line[200];
-        (void)snprintf(line, sizeof line, "table: %s - home refused until a table is written",
-                       cam_err_text((cam_err_t)err));
-        TEST_ASSERT_LESS_OR_EQUAL_size_t(120, strlen(line));
-    }
 }

@@ -99,33 +99,22 @@ static void expect_parts(uint32_t offset, uint32_t n_words, uint32_t part)
                             (uint32_t)fixture_can_answer(&last).value);
 }
 
-static void expect_piece(uint32_t offset, uint32_t n_words)
-{
-    expect_parts(offset, n_words, 7);
-}
-
 static void test_pieces_are_the_words_of_the_recording(void)
 {
-    static const uint32_t pieces[][3] = {{598, 255, 2}, {5, 1, 1}}; // the first is cut at the end
     record();
     const uint32_t polls = ask_by(read_scope, 0, 255);
-    expect_piece(0, 255);
+    expect_parts(0, 255, 7);
     TEST_ASSERT_UINT32_WITHIN(40, 146u * tick_hz / cam_reading_hz, polls);
-    for (uint32_t i = 0; i < 2u; i++) {
-        (void)ask_by(read_scope, pieces[i][0], pieces[i][1]);
-        expect_piece(pieces[i][0], pieces[i][2]);
-    }
-}
-
-static void test_pieces_over_fd_are_the_same_words(void)
-{
-    record();
-    const uint32_t polls = ask_by(read_scope_fd, 0, 16);
+    (void)ask_by(read_scope, 598, 255);
+    expect_parts(598, 2, 7); // where it ends
+    (void)ask_by(read_scope, 5, 1);
+    expect_parts(5, 1, 7);
+    const uint32_t polls_fd = ask_by(read_scope_fd, 0, 16);
     expect_parts(0, 256, 63);
-    TEST_ASSERT_UINT32_WITHIN(30, 17u * 20000u / cam_reading_fd_hz, polls);
+    TEST_ASSERT_UINT32_WITHIN(30, 17u * tick_hz / cam_reading_fd_hz, polls_fd);
     TEST_ASSERT_EQUAL_UINT32(read_scope_fd, fixture_can_answer(&last).command);
     (void)ask_by(read_scope_fd, 3, 255);
-    expect_parts(3, 597, 63); // where it ends
+    expect_parts(3, 597, 63);
     expect_answer(cam_err_scope_range, 0, read_scope_fd, 3, 600 | 1 << 24);
 }
 
@@ -168,14 +157,6 @@ static void ask_for_piece(uint32_t n)
     fixture_can_receive(0x640, 8, read_scope, 7, (int32_t)(n << 24));
 }
 
-static void test_release_gives_the_recording_up(void)
-{
-    record();
-    expect_answer(cam_ok, 0, release_scope, 0, 0);
-    expect_answer(cam_ok, cam_scope_idle, get_scope, cam_scope_field_phase, 0);
-    expect_answer(cam_err_scope_range, 0, read_scope, 0, 1 << 24);
-}
-
 static void test_a_full_queue_delays_a_piece(void)
 {
     ask_for_piece(100);
@@ -185,7 +166,7 @@ static void test_a_full_queue_delays_a_piece(void)
     TEST_ASSERT_EQUAL_UINT32(0, last.id);
     hal_host.slow.n_room = 1000;
     go_on(1000);
-    expect_piece(0, 100);
+    expect_parts(0, 100, 7);
 }
 
 static void test_a_command_ends_a_piece_and_a_new_recording_too(void)
@@ -226,6 +207,7 @@ static void test_a_block_ends_a_piece(void)
     TEST_ASSERT_LESS_THAN_UINT32(255u * 4u, n_piece);
 }
 
+/// Of a recording that was released, too.
 static void test_words_that_are_not_there_are_refused(void)
 {
     expect_answer(cam_err_scope_range, 0, read_scope, 0, 1 << 24);
@@ -233,6 +215,9 @@ static void test_words_that_are_not_there_are_refused(void)
     expect_answer(cam_err_scope_range, 0, read_scope, 3, 600 | 1 << 24);
     expect_answer(cam_err_scope_range, 0, read_scope, 3, 0); // no words are asked for
     expect_answer(cam_err_scope_range, 0, read_scope, 3, -1);
+    expect_answer(cam_ok, 0, release_scope, 0, 0);
+    expect_answer(cam_ok, cam_scope_idle, get_scope, cam_scope_field_phase, 0);
+    expect_answer(cam_err_scope_range, 0, read_scope, 0, 1 << 24);
 }
 
 static void test_fields_and_learned_values_have_their_errors(void)
@@ -379,25 +364,19 @@ static void test_a_distance_out_of_range_is_answered_with_the_range(void)
     TEST_ASSERT_EQUAL_UINT32(0, n_sent);
 }
 
-/// test_cam_strobe.c renews it.
-static void test_it_ends_after_two_seconds(void)
+/// The status comes as before; test_cam_strobe.c renews the samples.
+static void test_samples_end_after_two_seconds(void)
 {
     forget();
-    sample(1000);
-    go_on(39900);
+    sample(80);
+    go_on(20000);
+    TEST_ASSERT_UINT32_WITHIN(1, 250, n_sent);
+    TEST_ASSERT_UINT32_WITHIN(5, 500, n_status);
+    go_on(19900);
+    TEST_ASSERT_UINT32_WITHIN(2, 499, n_sent);
     const uint32_t n = n_sent;
-    TEST_ASSERT_UINT32_WITHIN(1, 40, n);
     go_on(10000);
     TEST_ASSERT_UINT32_WITHIN(1, n, n_sent);
-}
-
-static void test_status_comes_as_before(void)
-{
-    forget();
-    sample(40);
-    go_on(20000);
-    TEST_ASSERT_UINT32_WITHIN(1, 500, n_sent);
-    TEST_ASSERT_UINT32_WITHIN(5, 500, n_status);
 }
 
 /// Whatever rounds the main loop makes, no two messages are nearer than 2 ms, and each sample is
@@ -441,6 +420,7 @@ static void test_everything_else_goes_first(void)
     TEST_ASSERT_EQUAL_UINT32(0, f.rig.machine.strobe.n_lost); // the queue bridged it
 }
 
+/// A renewal does not end it.
 static void test_a_piece_of_a_recording_takes_as_long_as_ever(void)
 {
     record();
@@ -451,12 +431,6 @@ static void test_a_piece_of_a_recording_takes_as_long_as_ever(void)
     for (uint32_t i = 2; i + 1u < n_sent; i++) {    // to the end of the piece
         TEST_ASSERT_EQUAL_UINT32(160, sent_tick[i] - sent_tick[i - 1u]);
     }
-}
-
-static void test_a_renewal_does_not_end_a_piece(void)
-{
-    record();
-    sample(40);
     forget();
     fixture_can_receive(0x640, 8, read_scope, 0, (int32_t)(255u << 24));
     go_on(300);

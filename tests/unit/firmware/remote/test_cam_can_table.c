@@ -13,6 +13,14 @@ static int32_t send(uint8_t command)
     return result_of(command, 0, 0);
 }
 
+/// @return the error in the status
+static int32_t sent_err(void)
+{
+    fixture_can_loop(&f, 201);
+    const hal_can_frame_t frame = fixture_can_sent(0x1C0);
+    return fixture_can_i16(&frame, 2);
+}
+
 /// The line, the status and the answer to a home give the reason.
 static void expect_no_table(cam_err_t err)
 {
@@ -20,9 +28,7 @@ static void expect_no_table(cam_err_t err)
     (void)snprintf(line, sizeof line, "table: %s - home refused until a table is written",
                    cam_err_text(err));
     TEST_ASSERT_EQUAL_STRING(line, fixture_can_line(0));
-    fixture_can_loop(&f, 201);
-    const hal_can_frame_t frame = fixture_can_sent(0x1C0);
-    TEST_ASSERT_EQUAL_INT32(err, fixture_can_i16(&frame, 2));
+    TEST_ASSERT_EQUAL_INT32(err, sent_err());
     expect_answer(err, 0, enable, 0, 0);
 }
 
@@ -49,9 +55,7 @@ static void test_a_good_table_is_taken(void)
 {
     TEST_ASSERT_EQUAL_STRING("table: short skirt in use", fixture_can_line(0));
     TEST_ASSERT_EQUAL_UINT32(f.rig.image.size, f.rig.machine.table.image_size);
-    fixture_can_loop(&f, 201);
-    const hal_can_frame_t frame = fixture_can_sent(0x1C0);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_can_i16(&frame, 2));
+    TEST_ASSERT_EQUAL_INT32(cam_ok, sent_err());
     expect_homing();
     begin();
     memset(&f.rig.image.bytes[f.rig.image.size], 0xA5, 128); // as long as an old signature
@@ -126,25 +130,28 @@ static void test_size_in_the_header_that_cannot_be(void)
     expect_start_without_table(cam_err_image_crc);
 }
 
-static void test_select_takes_a_table_written_after_the_start(void)
+static void test_select_takes_a_table_written_after_the_start_or_the_damage(void)
 {
     f.rig.image.bytes[0] ^= 1u;
     expect_start_without_table(cam_err_image_magic);
     f.rig.image.bytes[0] ^= 1u;
     TEST_ASSERT_EQUAL_INT32(cam_ok, send(select_table));
     TEST_ASSERT_EQUAL_STRING("table: short skirt in use", fixture_can_line(0));
+    f.rig.image.bytes[1000] ^= 8u;
+    fixture_can_loop(&f, 12); // two rounds of the check in the background
+    expect_no_table(cam_err_image_crc);
+    f.rig.image.bytes[1000] ^= 8u;
+    TEST_ASSERT_EQUAL_INT32(cam_ok, send(select_table));
     expect_homing();
 }
 
-static void test_select_of_a_sector_overwritten_with_rubbish_forgets_the_table(void)
+/// In ready this is a fault.
+static void test_select_of_an_overwritten_sector_forgets_the_table(void)
 {
     fixture_image_put(&f.rig.image, fixture_at_version, 2);
     TEST_ASSERT_EQUAL_INT32(cam_err_image_version, send(select_table));
     expect_no_table(cam_err_image_version);
-}
-
-static void test_select_of_a_damaged_table_in_ready_is_a_fault(void)
-{
+    setUp();
     TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_ready));
     f.rig.image.bytes[1000] ^= 1u;
     TEST_ASSERT_EQUAL_INT32(cam_err_image_crc, send(select_table));
@@ -152,21 +159,20 @@ static void test_select_of_a_damaged_table_in_ready_is_a_fault(void)
     TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(table), fixture_rig_status(&f.rig).first_fault);
 }
 
-static void select_rubbish_elsewhere(void)
+/// Its refusal is what is reported, also when the table in use is damaged later.
+static void test_select_of_a_bad_table_elsewhere_keeps_the_one_in_use(void)
 {
     memset(other.bytes, 0xFF, sizeof other.bytes);
     hal_host.slow.table.bytes = other.bytes;
     TEST_ASSERT_EQUAL_INT32(cam_err_image_magic, send(select_table));
     TEST_ASSERT_NULL(strstr(fixture_can_line(0), "home refused"));
-}
-
-static void test_select_of_a_bad_table_elsewhere_keeps_the_one_in_use(void)
-{
-    select_rubbish_elsewhere();
-    fixture_can_loop(&f, 201);
-    const hal_can_frame_t frame = fixture_can_sent(0x1C0);
-    TEST_ASSERT_EQUAL_INT32(cam_err_image_magic, fixture_can_i16(&frame, 2));
+    TEST_ASSERT_EQUAL_INT32(cam_err_image_magic, sent_err());
     expect_homing();
+    TEST_ASSERT_EQUAL_INT32(cam_ok, send(disable));
+    fixture_can_loop(&f, 2);
+    f.rig.image.bytes[1000] ^= 8u;
+    fixture_can_loop(&f, 12);
+    expect_no_table(cam_err_image_magic);
 }
 
 static void test_select_out_of_order_keeps_the_result_of_the_last_check(void)
@@ -181,24 +187,6 @@ static void test_select_out_of_order_keeps_the_result_of_the_last_check(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, f.can.store.err);
     fixture_can_loop(&f, 2);
     TEST_ASSERT_EQUAL_UINT32(n_lines + 1u, hal_host.n_lines); // state off
-}
-
-static void test_damage_found_in_the_background_is_reported(void)
-{
-    f.rig.image.bytes[1000] ^= 8u;
-    fixture_can_loop(&f, 12); // two rounds of the check
-    expect_no_table(cam_err_image_crc);
-    f.rig.image.bytes[1000] ^= 8u;
-    TEST_ASSERT_EQUAL_INT32(cam_ok, send(select_table));
-    expect_homing();
-}
-
-static void test_damage_of_the_table_in_use_after_another_was_refused(void)
-{
-    select_rubbish_elsewhere();
-    f.rig.image.bytes[1000] ^= 8u;
-    fixture_can_loop(&f, 12);
-    expect_no_table(cam_err_image_magic);
 }
 
 static void test_damage_while_enabled_is_reported_with_the_fault(void)

@@ -110,6 +110,7 @@ static void send_whole(uint32_t length)
     expect_bytes(length);
 }
 
+/// Up to the room; as short as they may be and padded to eight bytes.
 static void test_single_frames(void)
 {
     for (uint32_t n = 1; n <= 7u; n++) {
@@ -117,10 +118,13 @@ static void test_single_frames(void)
         for (uint32_t i = 0; i < n; i++) {
             data[1 + i] = pattern(i);
         }
+        t.capacity = n;
         TEST_ASSERT_EQUAL_INT(cam_isotp_message, give(1u + n, data));
         expect_bytes(n);
-        TEST_ASSERT_EQUAL_INT(cam_isotp_message, give(8, data)); // padded to eight bytes
+        TEST_ASSERT_EQUAL_INT(cam_isotp_message, give(8, data));
         expect_bytes(n);
+        t.capacity = n - 1u;
+        TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give(1u + n, data));
     }
 }
 
@@ -132,26 +136,11 @@ static void test_long_messages_of_every_form(void)
         send_whole(lengths[i]);
         expect_idle();
     }
-}
-
-static void test_padded_last_frame(void)
-{
+    memset(bytes, 0, sizeof bytes);
     begin(8);
-    TEST_ASSERT_EQUAL_INT(cam_isotp_message, give_next(1, 6, 7));
+    TEST_ASSERT_EQUAL_INT(cam_isotp_message, give_next(1, 6, 7)); // the last frame is padded
     expect_bytes(8);
     TEST_ASSERT_EQUAL_UINT8(0, bytes[8]);
-}
-
-static void test_too_long_is_refused_and_not_received(void)
-{
-    static const uint32_t lengths[] = {capacity + 1, UINT32_MAX};
-    for (uint32_t i = 0; i < 2u; i++) {
-        begin(lengths[i]);
-        expect_flow(0x32, 0);
-        TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_next(1, 2, 7));
-    }
-    TEST_ASSERT_EQUAL_UINT8(0, bytes[0]);
-    send_whole(100);
 }
 
 static void test_wrong_sequence_breaks(void)
@@ -191,11 +180,12 @@ static void test_a_new_message_takes_the_place_of_the_old(void)
     expect_idle();
 }
 
+/// Nor do they disturb a message.
 static void test_frames_without_a_place_are_passed_over(void)
 {
     static const struct {
         uint32_t n;
-        uint8_t data[8];
+        uint8_t data[12];
     } frames[] = {
         {0, {0}},
         {1, {0x00}},                      // single frame without a byte
@@ -210,17 +200,12 @@ static void test_frames_without_a_place_are_passed_over(void)
         {3, {0x30, 8, 0}}, // flow control, which only the receiver sends
         {8, {0x40}},
         {8, {0xF0}},
+        {12, {0x05, 1, 2, 3, 4, 5}},
     };
     for (uint32_t i = 0; i < sizeof frames / sizeof frames[0]; i++) {
         TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give(frames[i].n, frames[i].data));
         TEST_ASSERT_FALSE(t.is_receiving || t.has_flow);
     }
-    uint8_t wide[12] = {0x05, 1, 2, 3, 4, 5};
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give(12, wide));
-}
-
-static void test_they_do_not_disturb_a_message(void)
-{
     begin(15);
     expect_flow(0x30, 8);
     static const uint8_t foreign[] = {0x30, 0, 0};
@@ -231,23 +216,21 @@ static void test_they_do_not_disturb_a_message(void)
     expect_bytes(15);
 }
 
-static void test_a_single_frame_may_fill_the_room(void)
-{
-    static const uint8_t six[] = {6, 1, 2, 3, 4, 5, 6};
-    t.capacity = 6;
-    TEST_ASSERT_EQUAL_INT(cam_isotp_message, give(7, six));
-    t.capacity = 5;
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give(7, six));
-}
-
-/// A length of 32 bits counts in all of them, and what is longer than the memory is refused.
+/// A length of 32 bits counts in all of them; what is longer than the memory is refused, and not
+/// received.
 static void test_each_byte_of_a_length_counts(void)
 {
-    static const uint32_t more[] = {1, 0x200, 0x30000, 0x4000000, 0xF0000000};
-    for (uint32_t i = 0; i < sizeof more / sizeof more[0]; i++) {
-        const uint32_t length = 4096u + more[i];
-        begin(length);
-        TEST_ASSERT_EQUAL_HEX32(length, t.length);
-        TEST_ASSERT_EQUAL(length > capacity, t.is_too_long);
+    static const uint32_t lengths[] = {4097,    0x1200,    capacity,   capacity + 1,
+                                       0x31000, 0x4001000, 0xF0001000, UINT32_MAX};
+    for (uint32_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
+        const bool is_too_long = lengths[i] > capacity;
+        bytes[2] = 0;
+        begin(lengths[i]);
+        TEST_ASSERT_EQUAL_HEX32(lengths[i], t.length);
+        TEST_ASSERT_EQUAL(is_too_long, t.is_too_long);
+        expect_flow(is_too_long ? 0x32 : 0x30, is_too_long ? 0 : 8);
+        TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_next(1, 2, 7));
+        TEST_ASSERT_EQUAL_UINT8(is_too_long ? 0 : pattern(2), bytes[2]);
     }
+    send_whole(100);
 }

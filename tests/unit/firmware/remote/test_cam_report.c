@@ -73,7 +73,8 @@ static void test_status_keeps_its_period_across_the_wrap_of_the_tick(void)
     TEST_ASSERT_EQUAL_UINT32(n_sent + 5u * 10u, hal_host.slow.n_sent);
 }
 
-/// Periods without a poll are skipped, and a late poll does not stretch the next period.
+/// Periods without a poll are skipped, and a late poll does not stretch the next period. Status
+/// that finds no room is lost.
 static void test_late_polls_do_not_change_the_raster(void)
 {
     fixture_rig_ticks(&f.rig, 1100);
@@ -86,17 +87,12 @@ static void test_late_polls_do_not_change_the_raster(void)
     fixture_rig_ticks(&f.rig, 150);
     cam_can_poll(&f.can);
     TEST_ASSERT_EQUAL_UINT32(n_sent + 15u, hal_host.slow.n_sent);
-}
-
-static void test_status_that_finds_no_room_is_lost_without_harm(void)
-{
     hal_host.slow.n_room = 1;
-    const uint32_t n_sent = hal_host.slow.n_sent;
     fixture_can_loop(&f, 400);
-    TEST_ASSERT_EQUAL_UINT32(n_sent + 1u, hal_host.slow.n_sent);
+    TEST_ASSERT_EQUAL_UINT32(n_sent + 16u, hal_host.slow.n_sent);
     hal_host.slow.n_room = 100;
     fixture_can_loop(&f, 200);
-    expect_status_at(n_sent + 1u);
+    expect_status_at(n_sent + 16u);
 }
 
 static void test_status_has_state_reset_and_faults(void)
@@ -113,21 +109,14 @@ static void test_status_has_state_reset_and_faults(void)
     TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_can_i32(&frame, 4));
 }
 
-/// Let the interrupt publish a speed and a height, and poll until they are on the bus.
-static hal_can_frame_t motion_of(uint32_t tick_hz, int32_t speed_q32, int32_t z_nm)
+/// The newest record, a second later, with the frames of its status.
+static cam_tick_record_t *one_second_later(void)
 {
-    begin(tick_hz);
     static cam_tick_record_t record;
     record = *g_cam.trace.newest;
-    record.tick += tick_hz;
-    record.angle.speed_q32 = speed_q32;
-    record.want.z_nm = z_nm;
+    record.tick += m->tick_hz;
     g_cam.trace.newest = &record;
-    g_cam.spindle.n_late = 0x89ABCDEFu;
-    cam_can_poll(&f.can);
-    record.tick += tick_hz;
-    cam_can_poll(&f.can);
-    return fixture_can_sent(0x2C0);
+    return &record;
 }
 
 static void test_speed_is_rounded_signed_and_saturated(void)
@@ -148,8 +137,16 @@ static void test_speed_is_rounded_signed_and_saturated(void)
         {100000, INT32_MIN, INT32_MIN},
     };
     for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        const hal_can_frame_t frame = motion_of(cases[i].tick_hz, cases[i].speed_q32, -7654321);
-        TEST_ASSERT_EQUAL_INT32(cases[i].mrpm, fixture_can_i32(&frame, 0));
+        begin(cases[i].tick_hz);
+        g_cam.spindle.n_late = 0x89ABCDEFu;
+        cam_tick_record_t *record = one_second_later();
+        record->angle.speed_q32 = cases[i].speed_q32;
+        record->want.z_nm = -7654321;
+        cam_can_poll(&f.can);
+        record->tick += cases[i].tick_hz; // for the other page
+        cam_can_poll(&f.can);
+        const hal_can_frame_t spindle = fixture_can_sent(0x2C0);
+        TEST_ASSERT_EQUAL_INT32(cases[i].mrpm, fixture_can_i32(&spindle, 0));
         const hal_can_frame_t z = fixture_can_detail(0);
         TEST_ASSERT_EQUAL_INT32(-7654321, fixture_can_i32(&z, 4));
         const hal_can_frame_t rate = fixture_can_detail(2);
@@ -158,17 +155,8 @@ static void test_speed_is_rounded_signed_and_saturated(void)
     }
 }
 
-/// The newest record, a second later, with the frames of its status.
-static cam_tick_record_t *one_second_later(void)
-{
-    static cam_tick_record_t record;
-    record = *g_cam.trace.newest;
-    record.tick += 20000u;
-    g_cam.trace.newest = &record;
-    return &record;
-}
-
-static void test_status_has_u(void)
+/// The firmware counts in the sense of cutting, so with M4 the drawing's angle falls.
+static void test_status_has_u_and_the_angle_of_the_drawing(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&f.rig, cam_param_lead_ns, 50000));
     TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_cutting));
@@ -176,28 +164,19 @@ static void test_status_has_u(void)
     fixture_can_loop(&f, 1000);
     status = fixture_rig_status(&f.rig);
     TEST_ASSERT_EQUAL_INT(cam_state_cutting, status.state);
-    (void)one_second_later();
-    cam_can_poll(&f.can);
+    for (int32_t direction = -1; direction <= 1; direction += 2) {
+        m->table.direction = direction;
+        one_second_later()->angle.pos_q32 = (INT64_C(3) << 32) + 0x12345678;
+        cam_can_poll(&f.can);
+        const hal_can_frame_t spindle = fixture_can_sent(0x2C0);
+        TEST_ASSERT_EQUAL_HEX32(direction * 0x12345678, fixture_can_i32(&spindle, 4));
+    }
     const hal_can_frame_t u = fixture_can_sent(0x3C0);
     TEST_ASSERT_INT32_WITHIN(1, status.u_set_q6 / 64, fixture_can_i32(&u, 0));
     TEST_ASSERT_EQUAL_INT32(status.u_actual_nm, fixture_can_i32(&u, 4));
     const hal_can_frame_t detail = fixture_can_detail(0);
     TEST_ASSERT_EQUAL_INT32(status.following_nm, fixture_can_i32(&detail, 0) >> 8);
     TEST_ASSERT_INT32_WITHIN(100, 4321, status.following_nm);
-}
-
-/// The firmware counts in the sense of cutting, so with M4 the drawing's angle falls.
-static void test_status_has_the_angle_of_the_drawing(void)
-{
-    TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_cutting));
-    for (int32_t direction = -1; direction <= 1; direction += 2) {
-        m->table.direction = direction;
-        one_second_later()->angle.pos_q32 = (INT64_C(3) << 32) + 0x12345678;
-        cam_can_poll(&f.can);
-        const hal_can_frame_t spindle = fixture_can_sent(0x2C0);
-        const uint32_t angle_q32 = direction > 0 ? 0x12345678u : 0u - 0x12345678u;
-        TEST_ASSERT_EQUAL_HEX32(angle_q32, (uint32_t)fixture_can_i32(&spindle, 4));
-    }
 }
 
 // Pages of Detail
@@ -268,6 +247,8 @@ static void test_signals_are_the_values_they_are_named_for(void)
     status.jog.phase = cam_jog_search;
     status.jog.end = cam_jog_no_switch;
     status.jog.axis = hal_axis_z;
+    TEST_ASSERT_EQUAL_INT(2, cam_jog_done); // the ends of orders have the numbers of camturn.dbc
+    TEST_ASSERT_EQUAL_INT(9, cam_jog_no_stroke);
     const signal_t signals[] = {
         {20000, 2, 8, 24},
         {0x89ABCDEFu, 2, 32, 32},
@@ -307,47 +288,38 @@ static void test_signals_are_the_values_they_are_named_for(void)
     expect(1, 18, 31, 1);
 }
 
-static void test_inputs_are_sent_bit_by_bit(void)
+/// Inputs bit by bit, the wait for the spindle, and the pass, counted from 1; a table without any
+/// is 0 of 0.
+static void test_page_1_has_inputs_wait_and_pass(void)
 {
+    static const cam_pass_t two[2] = {{1000, 100000, 1000000, 0}, {0, 100000, 1000000, 0}};
     static const struct {
-        uint32_t input, bit;
-    } cases[] = {{hal_in_estop, 2}, {hal_in_drive_ready, 3}, {hal_in_bus_lost, 4}};
-    status.is_synced = false;
+        uint32_t input, sent;
+        bool is_synced, is_retracted;
+    } cases[] = {{hal_in_estop, 4, false, false},
+                 {hal_in_drive_ready, 8, false, false},
+                 {hal_in_bus_lost, 16, false, false},
+                 {0, 2, false, true},
+                 {0, 1, true, false}};
     for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         status.inputs = cases[i].input;
-        status.is_retracted = i == 1u;
-        expect(1u << cases[i].bit | (i == 1u ? 2u : 0u), 1, 8, 5);
+        status.is_synced = cases[i].is_synced;
+        status.is_retracted = cases[i].is_retracted;
+        expect(cases[i].sent, 1, 8, 24);
     }
-    status.inputs = 0;
-    status.is_synced = true;
-    expect(1, 1, 8, 5);
     for (uint32_t axis = 0; axis < hal_n_axes; axis++) {
         status.jog.homed = 1u << axis;
         status.inputs = (uint32_t)hal_in_home_u << axis;
         expect(0x11u << axis, 16, 8, 8);
     }
-}
-
-/// Page 1 counts passes from 1; a table without any is 0 of 0.
-static void test_pass_is_counted_from_1(void)
-{
-    static const cam_pass_t two[2] = {{1000, 100000, 1000000, 0}, {0, 100000, 1000000, 0}};
-    expect(0, 1, 16, 16);
+    m->is_unsteady = true;
+    expect(2, 1, 13, 2);
+    status.steady.waited_ticks = 8;
+    expect(1, 1, 13, 2);
     m->table.passes = two;
     m->table.n_passes = 2;
     m->pass = 1;
     expect(2u << 8 | 2u, 1, 16, 16);
-}
-
-static void test_following_error_is_bounded_by_its_bits(void)
-{
-    static const int32_t cases[][2] = {{8388607, 8388607},    {8388608, 8388607},
-                                       {INT32_MAX, 8388607},  {-8388608, -8388608},
-                                       {INT32_MIN, -8388608}, {-5, -5}};
-    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        status.following_nm = cases[i][0];
-        expect((uint32_t)cases[i][1] & (uint32_t)most_24, 0, 8, 24);
-    }
 }
 
 static void test_learning_is_sent(void)
@@ -386,6 +358,13 @@ static void test_learning_is_sent(void)
 
 static void test_values_are_bounded_by_their_bits(void)
 {
+    static const int32_t following_nm[][2] = {{8388607, 8388607},    {8388608, 8388607},
+                                              {INT32_MAX, 8388607},  {-8388608, -8388608},
+                                              {INT32_MIN, -8388608}, {-5, -5}};
+    for (uint32_t i = 0; i < sizeof following_nm / sizeof following_nm[0]; i++) {
+        status.following_nm = following_nm[i][0];
+        expect((uint32_t)following_nm[i][1] & (uint32_t)most_24, 0, 8, 24);
+    }
     hal_host.slow.load.n_corrected = 0x1000000u;
     expect(most_24, 4, 8, 24);
     m->ilc.k1_q16 = 65536 * 200;
@@ -401,15 +380,6 @@ static void test_values_are_bounded_by_their_bits(void)
     }
     TEST_ASSERT_GREATER_THAN_UINT32(most_24, cam_machine_learning(m).ripple_nturn);
     expect(most_24, 15, 8, 24);
-}
-
-static void test_wait_for_the_spindle_is_sent(void)
-{
-    expect(0, 1, 13, 2);
-    m->is_unsteady = true;
-    expect(2, 1, 13, 2);
-    status.steady.waited_ticks = 8;
-    expect(1, 1, 13, 2);
 }
 
 /// The seconds that are left for enable are rounded up.
@@ -495,12 +465,4 @@ static void test_name_of_the_table_comes_in_pieces_or_not_at_all(void)
     for (uint8_t page = 3; page <= 5u; page++) {
         expect(0, page, 8, 56);
     }
-}
-
-/// What came of an order by hand has the number of camturn.dbc.
-static void test_ends_of_orders_by_hand_are_those_of_the_bus(void)
-{
-    TEST_ASSERT_EQUAL_INT(1, cam_jog_runs);
-    TEST_ASSERT_EQUAL_INT(2, cam_jog_done);
-    TEST_ASSERT_EQUAL_INT(9, cam_jog_no_stroke);
 }

@@ -16,10 +16,10 @@
 static void test_names_are_there_and_differ(void)
 {
     for (int i = 0; i < cam_n_states; i++) {
-        TEST_ASSERT_GREATER_THAN(1, strlen(cam_state_name((cam_state_t)i)));
+        const char *name = cam_state_name((cam_state_t)i);
+        TEST_ASSERT_GREATER_THAN(1, strlen(name));
         for (int k = 0; k < i; k++) {
-            TEST_ASSERT_NOT_EQUAL_INT(
-                0, strcmp(cam_state_name((cam_state_t)i), cam_state_name((cam_state_t)k)));
+            TEST_ASSERT_NOT_EQUAL_INT(0, strcmp(name, cam_state_name((cam_state_t)k)));
         }
     }
     for (int i = 0; i < cam_n_faults; i++) {
@@ -27,9 +27,6 @@ static void test_names_are_there_and_differ(void)
         TEST_ASSERT_GREATER_THAN(9, strlen(cam_fault_text((cam_fault_t)i)));
     }
     TEST_ASSERT_EQUAL_STRING("lost_counts", cam_fault_name(cam_fault_lost_counts));
-    TEST_ASSERT_EQUAL_STRING("?", cam_state_name(cam_n_states));
-    TEST_ASSERT_EQUAL_STRING("?", cam_fault_name(cam_n_faults));
-    TEST_ASSERT_EQUAL_STRING("?", cam_fault_text((cam_fault_t)-1));
 }
 
 /// A number may be any that its word holds, wherever it comes from.
@@ -56,6 +53,7 @@ static void test_numbers_beyond_a_list_stand_for_nothing(void)
 
 static void test_err_text_knows_every_error(void)
 {
+    const size_t n_around = strlen("table:  - home refused until a table is written");
     const char *texts[200];
     int n_known = 0;
     uint32_t crc = 0;
@@ -63,6 +61,7 @@ static void test_err_text_knows_every_error(void)
         const char *text = cam_err_text((cam_err_t)err);
         if (strcmp(text, "unknown error") != 0) {
             TEST_ASSERT_GREATER_THAN_size_t(err == 0 ? 3u : 9u, strlen(text));
+            TEST_ASSERT_TRUE(err <= -20 || strlen(text) + n_around <= 120u); // a line about a table
             for (int i = 0; i < n_known; i++) {
                 TEST_ASSERT_NOT_EQUAL_INT(0, strcmp(text, texts[i]));
             }
@@ -79,8 +78,11 @@ static void test_err_text_knows_every_error(void)
 #define WHAT(name, min, def, max, flags, what) what,
 static const char *const whats[cam_n_params] = {CAM_PARAMS(WHAT)};
 
+/// Names, ranges, defaults and flags are those of kept parameters, tools and manuals: a change is
+/// made to the sum here as well.
 static void test_param_set_takes_its_range_and_nothing_else(void)
 {
+    uint32_t crc = 0;
     for (int i = 0; i < cam_n_params; i++) {
         const cam_param_id_t id = (cam_param_id_t)i;
         const cam_param_info_t *info = cam_param_info(id);
@@ -94,16 +96,6 @@ static void test_param_set_takes_its_range_and_nothing_else(void)
         TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_param_set(&params, id, info->min - 1));
         TEST_ASSERT_EQUAL_INT32(info->max, cam_param_get(&params, id));
         TEST_ASSERT_GREATER_THAN(9, strlen(whats[id]));
-    }
-}
-
-/// Names, ranges, defaults and flags are those of kept parameters, tools and manuals. A change is
-/// made here as well.
-static void test_params_are_those_that_are_known(void)
-{
-    uint32_t crc = 0;
-    for (int i = 0; i < cam_n_params; i++) {
-        const cam_param_info_t *info = cam_param_info((cam_param_id_t)i);
         char line[120];
         const int n = snprintf(line, sizeof line, "%s %d %d %d %d\n", info->name, (int)info->min,
                                (int)info->def, (int)info->max, (int)info->flags);
@@ -129,20 +121,15 @@ static void test_signals_and_fields_of_the_recorder_are_those_that_are_known(voi
 /// Learning sets what it needs and leaves all else; what is out of its range is brought back.
 static void test_params_of_learning_and_their_fit(void)
 {
-    const cam_params_t usual = cam_param_defaults();
-    cam_params_t params = usual;
+    cam_params_t due = cam_param_defaults();
+    cam_params_t params = due;
+    due.feed_ramp_turns = 60;
+    due.observer_bandwidth_mHz = 100000;
+    due.rehearse_turns = 40;
+    due.learn_harmonics = 16;
+    due.ripple_turns = 8;
     cam_param_learn(&params, true);
-    TEST_ASSERT_EQUAL_INT32(60, params.feed_ramp_turns);
-    TEST_ASSERT_EQUAL_INT32(100000, params.observer_bandwidth_mHz);
-    TEST_ASSERT_EQUAL_INT32(40, params.rehearse_turns);
-    TEST_ASSERT_EQUAL_INT32(16, params.learn_harmonics);
-    TEST_ASSERT_EQUAL_INT32(8, params.ripple_turns);
-    int n_changed = 0;
-    for (int i = 0; i < cam_n_params; i++) {
-        const cam_param_id_t id = (cam_param_id_t)i;
-        n_changed += cam_param_get(&params, id) != cam_param_get(&usual, id) ? 1 : 0;
-    }
-    TEST_ASSERT_EQUAL_INT(5, n_changed);
+    TEST_ASSERT_EQUAL_MEMORY(&due, &params, sizeof params);
     params.engage_turns = -7;
     params.feed_ramp_turns = 1000;
     cam_param_fit(&params);
