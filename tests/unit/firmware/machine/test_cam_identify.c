@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Excitation of U by the commands of the slow side, and every end of it; the download of its wave
-// into the memory of the recorder.
+// into the memory of the recorder. A wave of force, of a machine that follows its set-points,
+// whatever the force: what reaches the output, how it ends, and what is refused.
 #include "cam_machine_identify.h"
 #include "cam_machine_inner.h" // cam_machine_offer_copy
 #include "cam_machine_scope.h"
@@ -11,10 +12,11 @@
 #include <math.h> // sin
 
 enum { tick_hz = 20000, n = 200, n_periods = 3, fade = 100, place_nm = -300000 };
+enum { largest_mn = 10000, patience = 40000 };
 
 static fixture_rig_t rig;
 static cam_machine_t *const m = &rig.machine;
-static int32_t wave_nm[n];
+static int32_t wave[n];     ///< [nm], or [mN] of forces
 static uint32_t fade_ticks; ///< in which the wave rises, and falls
 
 static int32_t field(uint32_t which)
@@ -24,15 +26,25 @@ static int32_t field(uint32_t which)
     return value;
 }
 
+static void set(cam_param_id_t id, int32_t value)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, id, value));
+}
+
+static void set_place(int32_t nm)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_set(m, cam_scope_field_place_nm, nm));
+}
+
 static cam_err_t load(uint32_t crc_error)
 {
-    const uint8_t *bytes = (const uint8_t *)wave_nm;
-    cam_err_t err = cam_machine_wave_begin(m, sizeof wave_nm);
+    const uint8_t *bytes = (const uint8_t *)wave;
+    cam_err_t err = cam_machine_wave_begin(m, sizeof wave);
     if (err == cam_ok) {
-        err = cam_machine_wave_block(m, 0, bytes, sizeof wave_nm);
+        err = cam_machine_wave_block(m, 0, bytes, sizeof wave);
     }
     return err != cam_ok ? err
-                         : cam_machine_wave_end(m, cam_crc32(0, bytes, sizeof wave_nm) ^ crc_error);
+                         : cam_machine_wave_end(m, cam_crc32(0, bytes, sizeof wave) ^ crc_error);
 }
 
 void setUp(void)
@@ -43,15 +55,9 @@ void setUp(void)
     hal_host.in.axis_nm[hal_axis_x] = 60000000; // clear of the part
     fixture_rig_tick(&rig);
     for (int i = 0; i < n; i++) {
-        wave_nm[i] = (int32_t)(20000.0 * sin(6.283185307179586 * i / n));
+        wave[i] = (int32_t)(20000.0 * sin(6.283185307179586 * i / n));
     }
-    TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_machine_scope_set(&rig.machine, cam_scope_field_place_nm, place_nm));
-}
-
-static cam_state_t state(void)
-{
-    return fixture_rig_state();
+    set_place(place_nm);
 }
 
 /// Ticks with the main loop between them, with signs of life or without.
@@ -59,9 +65,9 @@ static void go_on(uint32_t ticks, bool is_alive)
 {
     for (uint32_t i = 0; i < ticks; i++) {
         fixture_rig_tick(&rig);
-        cam_machine_poll(&rig.machine);
+        cam_machine_poll(m);
         if (is_alive) {
-            cam_machine_keep_alive(&rig.machine);
+            cam_machine_keep_alive(m);
         }
     }
 }
@@ -78,21 +84,21 @@ static void begin(void)
     to_ready();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, n_periods, fade_ticks).err);
     go_on(3, true);
-    TEST_ASSERT_EQUAL_INT(cam_state_identifying, state());
+    TEST_ASSERT_EQUAL_INT(cam_state_identifying, fixture_rig_state());
 }
 
 /// Until the machine has its usual configuration again.
 static void expect_end(cam_excited_t excited, cam_state_t wanted)
 {
-    for (uint32_t i = 0; i < 20000u && (*m).identify.phase != cam_identify_none; i++) {
+    for (uint32_t i = 0; i < 20000u && m->identify.phase != cam_identify_none; i++) {
         go_on(1, true);
     }
     go_on(2, true);
     TEST_ASSERT_EQUAL_INT(excited, field(cam_scope_field_excited));
-    TEST_ASSERT_EQUAL_INT(wanted, state());
-    const cam_config_t *cfg = atomic_load(&(*m).core->config.in_use);
+    TEST_ASSERT_EQUAL_INT(wanted, fixture_rig_state());
+    const cam_config_t *cfg = atomic_load(&m->core->config.in_use);
     TEST_ASSERT_EQUAL_UINT32(0, cfg->play.excite.n);
-    TEST_ASSERT_EQUAL_INT32((*m).identify.following_nm, cfg->guard.following_nm);
+    TEST_ASSERT_EQUAL_INT32(m->identify.following_nm, cfg->guard.following_nm);
 }
 
 /// The first period in full begins with the first sample, however many periods it takes to rise.
@@ -106,11 +112,11 @@ static void expect_wave_is_played(uint32_t ticks)
     const int32_t n_fall = field(cam_scope_field_n_fall);
     const int32_t first = field(cam_scope_field_n_rows) - n_fall - n_periods * n;
     TEST_ASSERT_GREATER_THAN_INT32(0, first);
-    const int32_t *words = &rig.machine.scope.words[rig.machine.scope.at];
+    const int32_t *words = &m->scope.words[m->scope.at];
     for (int32_t i = 0; i < n_periods * n; i++) {
         const int32_t at = (first + i) * 3;
-        TEST_ASSERT_EQUAL_INT32((place_nm + wave_nm[i % n]) * 64, words[at]); // u_set_q6
-        TEST_ASSERT_EQUAL_INT32(place_nm + wave_nm[i % n], words[at + 1]);    // no feed-forward
+        TEST_ASSERT_EQUAL_INT32((place_nm + wave[i % n]) * 64, words[at]); // u_set_q6
+        TEST_ASSERT_EQUAL_INT32(place_nm + wave[i % n], words[at + 1]);    // no feed-forward
     }
 }
 
@@ -119,15 +125,15 @@ static void test_a_wave_is_played_recorded_and_left(void)
     expect_wave_is_played(7 * n + 30);
     expect_wave_is_played(fade);
     go_on(2000, false);
-    TEST_ASSERT_EQUAL_INT32(rig.machine.params.u_retract_nm, hal_host.in.axis_nm[hal_axis_u]);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine)); // a cut follows as ever
+    TEST_ASSERT_EQUAL_INT32(m->params.u_retract_nm, hal_host.in.axis_nm[hal_axis_u]);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(m)); // a cut follows as ever
 }
 
 /// Until it is at its position U has nothing of the wave.
 static void test_the_way_to_the_place_is_without_the_wave(void)
 {
     begin();
-    const cam_axis_motion_t *u = &rig.machine.core->motion.axis[hal_axis_u];
+    const cam_axis_motion_t *u = &m->core->motion.axis[hal_axis_u];
     for (; u->pos_q10 != (int64_t)place_nm * 1024; go_on(1, true)) {
         TEST_ASSERT_EQUAL_INT32(u->pos_q10 >> 4, fixture_rig_status(&rig).u_set_q6);
     }
@@ -141,53 +147,41 @@ static void test_stop_and_disable_let_it_fade(void)
         setUp();
         begin();
         go_on(400, true);
-        TEST_ASSERT_EQUAL_INT(cam_ok, i == 0 ? cam_machine_stop(&rig.machine)
-                                             : cam_machine_disable(&rig.machine));
-        TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_stop(&rig.machine));
+        TEST_ASSERT_EQUAL_INT(cam_ok, i == 0 ? cam_machine_stop(m) : cam_machine_disable(m));
+        TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_stop(m));
         go_on(1, true);
-        TEST_ASSERT_EQUAL_INT(cam_state_identifying, state());
-        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+        TEST_ASSERT_EQUAL_INT(cam_state_identifying, fixture_rig_state());
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(m));
         expect_end(cam_excited_stopped, i == 0 ? cam_state_ready : cam_state_off);
         TEST_ASSERT_EQUAL_UINT32(0, fixture_rig_status(&rig).faults);
     }
-}
-
-static void test_stop_on_the_way_to_the_place_ends_it(void)
-{
-    begin();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
-    go_on(5, true);
-    TEST_ASSERT_EQUAL_INT(cam_state_ready, state());
-    expect_end(cam_excited_stopped, cam_state_ready);
 }
 
 /// Hand a wave over, up to where the interrupt has still to obey the request to play it.
 static void request(uint32_t n_asked)
 {
     to_ready();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(&rig.machine, n_asked, fade).err);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, n_asked, fade).err);
     fixture_rig_tick(&rig);
-    cam_machine_poll(&rig.machine);
-    TEST_ASSERT_EQUAL_INT(cam_identify_requested, rig.machine.identify.phase);
+    cam_machine_poll(m);
+    TEST_ASSERT_EQUAL_INT(cam_identify_requested, m->identify.phase);
 }
 
-/// Between the begin and the slow side's look at it nothing can be stopped: what stops it waits.
+/// Between the begin and the slow side's look at it nothing can be stopped: what stops it waits. A
+/// begin that was missed is known by its end.
 static void test_a_begin_that_was_not_seen_is_not_stopped(void)
 {
     request(n_periods);
-    cam_machine_poll(&rig.machine); // waits for the interrupt
+    cam_machine_poll(m); // waits for the interrupt
     fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_state_identifying, state());
-    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_stop(&rig.machine));
+    TEST_ASSERT_EQUAL_INT(cam_state_identifying, fixture_rig_state());
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_stop(m));
     TEST_ASSERT_EQUAL_INT(cam_excited_runs, field(cam_scope_field_excited));
     expect_end(cam_excited_done, cam_state_ready);
-}
-
-static void test_a_begin_that_was_missed_is_known_by_its_end(void)
-{
+    setUp();
     request(1);
     fixture_rig_ticks(&rig, 4000);
-    TEST_ASSERT_EQUAL_INT(cam_state_ready, state());
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_state());
     expect_end(cam_excited_done, cam_state_ready);
     setUp();
     request(1);
@@ -209,7 +203,7 @@ static void test_begin_and_end_need_room(void)
     for (uint32_t i = 0; i < 20000u && m->identify.phase != cam_identify_ends; i++) {
         go_on(1, true);
     }
-    TEST_ASSERT_EQUAL_INT(cam_state_ready, state());
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_state());
     (void)cam_config_copy(&m->core->config); // somebody else hands a configuration over
     cam_machine_offer_copy(m);
     cam_machine_poll(m);
@@ -217,37 +211,43 @@ static void test_begin_and_end_need_room(void)
     expect_end(cam_excited_done, cam_state_ready);
 }
 
-/// A black box that nobody has read is not overwritten by a wave, and neither is the wave by it.
-static void test_a_box_that_was_not_read_is_in_the_way(void)
+/// A command that is not obeyed yet, a black box that nobody has read, which is not overwritten by
+/// a wave, and neither is the wave by it, and a memory in which some rows of the three signals do
+/// not fit after the wave: nothing is handed over.
+static void test_what_is_in_the_way_of_a_begin(void)
 {
     to_ready();
     m->scope.use = cam_scope_box;
     m->scope.phase = cam_scope_done;
     TEST_ASSERT_EQUAL_INT(cam_err_scope_unread, cam_machine_excite(m, 1, fade).err);
     m->scope.phase = cam_scope_armed;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, 1, fade).err);
-}
-
-/// Some rows of too many signals do not fit after the wave: nothing is handed over.
-static void test_a_recording_without_room_begins_nothing(void)
-{
-    to_ready();
-    m->scope.n_words = n + 2u; // three signals were chosen
-    const uint32_t generation = m->generation;
+    const uint32_t n_words = m->scope.n_words, generation = m->generation;
+    m->scope.n_words = n + 2u;
     TEST_ASSERT_EQUAL_INT(cam_err_scope_memory, cam_machine_excite(m, 1, fade).err);
     TEST_ASSERT_EQUAL_UINT32(generation, m->generation);
     TEST_ASSERT_EQUAL_INT(cam_identify_none, m->identify.phase);
+    m->scope.n_words = n_words;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, 1, fade).err);
+    setUp();
+    to_ready();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_excite(m, 1, fade).err);
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_excite(m, 1, fade).err);
 }
 
+/// So does a stop on the way to the place, at once.
 static void test_silence_ends_it(void)
 {
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_phase_udeg, 0));
+    set(cam_param_phase_udeg, 0);
     begin();
     const int32_t longest = tick_hz / 1000 * cam_identify_patience_ms;
     int32_t ticks = 0;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(m));
+    go_on(5, true);
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_state());
     expect_end(cam_excited_stopped, cam_state_ready);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(&rig.machine, 100, fade).err);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, 100, fade).err);
     while (field(cam_scope_field_excited) == cam_excited_runs && ticks < 2 * longest) {
         go_on(1, false);
         ticks++;
@@ -274,12 +274,12 @@ static void test_following_error_has_the_room_of_the_larger_side(void)
     for (int sign = -1; sign <= 1; sign += 2) {
         setUp();
         for (int i = 0; i < n; i++) {
-            const bool is_large = sign * wave_nm[i] > 0;
-            wave_nm[i] = is_large ? wave_nm[i] : wave_nm[i] / 2;
+            const bool is_large = sign * wave[i] > 0;
+            wave[i] = is_large ? wave[i] : wave[i] / 2;
         }
         begin();
-        const cam_config_t *cfg = atomic_load(&rig.machine.core->config.in_use);
-        TEST_ASSERT_EQUAL_INT32(rig.machine.identify.following_nm + 20000, cfg->guard.following_nm);
+        const cam_config_t *cfg = atomic_load(&m->core->config.in_use);
+        TEST_ASSERT_EQUAL_INT32(m->identify.following_nm + 20000, cfg->guard.following_nm);
     }
 }
 
@@ -299,7 +299,7 @@ static void test_it_begins_in_ready_only_and_with_a_whole_wave(void)
     const cam_verdict_t v = cam_machine_excite(m, 1, fade);
     TEST_ASSERT_EQUAL_INT(cam_err_wave_clear, v.err);
     TEST_ASSERT_GREATER_THAN_INT32(0, v.value);
-    TEST_ASSERT_EQUAL_INT(cam_state_ready, state());
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_state());
 }
 
 /// While it plays, and between the command and the tick that obeys it.
@@ -334,14 +334,6 @@ static void test_nothing_else_is_accepted_meanwhile(void)
 
 // Download
 
-/// The wave's step from the last sample to the first is one that no axis could follow.
-static void make_ramp(void)
-{
-    for (int32_t i = 0; i < n; i++) {
-        wave_nm[i] = 100 * (i - 100);
-    }
-}
-
 static void test_downloads_out_of_order_are_refused(void)
 {
     static const struct {
@@ -357,13 +349,12 @@ static void test_downloads_out_of_order_are_refused(void)
         {400, 0, 404, cam_err_download_room},
         {4000, 0, 4, cam_err_download_room},
     };
-    const uint8_t *bytes = (const uint8_t *)wave_nm;
-    make_ramp();
+    const uint8_t *bytes = (const uint8_t *)wave;
     TEST_ASSERT_EQUAL_INT(cam_err_download_order, cam_machine_wave_block(m, 0, bytes, 4));
     TEST_ASSERT_EQUAL_INT(cam_err_wave_length, cam_machine_wave_begin(m, 60));
     TEST_ASSERT_EQUAL_INT(cam_err_wave_length, cam_machine_wave_begin(m, 66));
     TEST_ASSERT_EQUAL_INT(cam_err_scope_memory, cam_machine_wave_begin(m, UINT32_MAX - 3u));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_begin(m, sizeof wave_nm));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_begin(m, sizeof wave));
     for (uint32_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) {
         TEST_ASSERT_EQUAL_INT(
             blocks[i].err,
@@ -372,7 +363,7 @@ static void test_downloads_out_of_order_are_refused(void)
     TEST_ASSERT_EQUAL_INT(cam_err_download_short, cam_machine_wave_end(m, 0));
     TEST_ASSERT_EQUAL_UINT32(400, m->identify.received);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_block(m, 400, bytes + 400, 400));
-    const uint32_t crc = cam_crc32(0, bytes, sizeof wave_nm);
+    const uint32_t crc = cam_crc32(0, bytes, sizeof wave);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_end(m, crc));
     TEST_ASSERT_EQUAL_INT(cam_err_download_order, cam_machine_wave_end(m, crc));
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_start(m));
@@ -388,7 +379,7 @@ static void test_length_of_an_excitation_is_limited(void)
     } cases[] = {{1, 16, true},       {0, 16, false},      {1, 15, false},
                  {1, 65535, true},    {1, 65536, false},   {5990, 1000, true},
                  {5990, 1001, false}, {5991, 1000, false}, {UINT32_MAX, 16, false}};
-    make_ramp();
+    wave[1] = 1000000; // a step that no axis could follow
     to_ready();
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         const cam_verdict_t found = cam_machine_excite(m, cases[i].n_periods, cases[i].fade_ticks);
@@ -400,22 +391,216 @@ static void test_length_of_an_excitation_is_limited(void)
 
 static void test_a_release_forgets_the_wave(void)
 {
-    make_ramp();
+    wave[1] = 1000000; // a step that no axis could follow
     to_ready();
     TEST_ASSERT_NOT_EQUAL_INT(cam_err_wave_none, cam_machine_excite(m, 1, 16).err);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_release(m));
     TEST_ASSERT_EQUAL_INT(cam_err_wave_none, cam_machine_excite(m, 1, 16).err);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_begin(m, sizeof wave_nm));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_begin(m, sizeof wave));
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_release(m));
     TEST_ASSERT_EQUAL_INT(cam_err_download_order,
-                          cam_machine_wave_block(m, 0, (const uint8_t *)wave_nm, 4));
+                          cam_machine_wave_block(m, 0, (const uint8_t *)wave, 4));
 }
 
-static void test_what_is_asked_for_comes_before_an_excitation(void)
+// Waves of force
+
+static cam_err_t set_unit(int32_t unit)
 {
-    to_ready();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(m));
-    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_excite(m, 1, fade).err);
-    fixture_rig_ticks(&rig, 20);
-    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_excite(m, 1, fade).err);
+    return cam_machine_scope_set(m, cam_scope_field_wave_unit, unit);
+}
+
+static void load_force(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    TEST_ASSERT_EQUAL_INT(cam_ok, set_unit(1));
+}
+
+/// A loop of 1 Hz without an integral: at rest where it should be, U gets no force of it.
+static void to_force(void)
+{
+    hal_host.slow.force.quantum_un = 20000;
+    set_place(0);
+    set(cam_param_servo_integral_mHz, 0);
+    set(cam_param_servo_crossover_hz, 1);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    for (int32_t i = 0; i < n; i++) {
+        wave[i] = i % 2 == 0 ? largest_mn - 20 * i : 10 * i - largest_mn;
+    }
+    load_force();
+}
+
+/// @return [mN / 64] force of a tick at the position of the wave
+static int32_t next_q6(bool is_alive)
+{
+    go_on(1, is_alive);
+    TEST_ASSERT_EQUAL_INT32(0, fixture_rig_status(&rig).u_set_q6);
+    TEST_ASSERT_EQUAL_INT32(rig.last.force_q6, hal_host.out.force_q6);
+    return rig.last.force_q6;
+}
+
+/// Play, up to the tick before the force of the first sample of the first period in full.
+static void begin_force(uint32_t periods)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, periods, fade).err);
+    int32_t left = patience;
+    const cam_axis_motion_t *u = &g_cam.motion.axis[hal_axis_u];
+    while (left-- > 0 && (fixture_rig_state() != cam_state_identifying || u->pos_q10 != 0)) {
+        go_on(1, true);
+        TEST_ASSERT_EQUAL_INT32(0, g_cam.motion.u_push_q6);
+    }
+    do {
+        (void)next_q6(true);
+    } while (left-- > 0 && g_cam.play.excite.n_left >= periods * n);
+    TEST_ASSERT_GREATER_THAN_INT32(0, left);
+}
+
+/// Sample by sample in the tick after the one that plays it, then nothing from one tick to the
+/// next, though the last sample is large.
+static void test_force_is_the_samples_and_ends_at_once(void)
+{
+    to_force();
+    begin_force(n_periods);
+    for (int32_t i = 0; i < n_periods * n; i++) {
+        TEST_ASSERT_EQUAL_INT(cam_state_identifying, fixture_rig_state());
+        TEST_ASSERT_EQUAL_INT32(64 * wave[i % n], next_q6(true));
+    }
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_state());
+    TEST_ASSERT_EQUAL_INT32(0, g_cam.motion.u_push_q6);
+    go_on(1, true);
+    TEST_ASSERT_INT32_WITHIN(2, 0, rig.last.force_q6);
+    expect_end(cam_excited_done, cam_state_ready);
+    TEST_ASSERT_EQUAL_UINT32(0, m->identify.n_fall);
+    TEST_ASSERT_EQUAL_UINT32(0, fixture_rig_status(&rig).faults);
+}
+
+/// U retracts to where it plays the wave, so its own force is none.
+static void test_every_end_takes_the_force_away_at_once(void)
+{
+    static const struct {
+        cam_excited_t excited;
+        cam_state_t at_once, state;
+    } ends[] = {{cam_excited_stopped, cam_state_ready, cam_state_ready},
+                {cam_excited_stopped, cam_state_ready, cam_state_off},
+                {cam_excited_silent, cam_state_ready, cam_state_ready},
+                {cam_excited_fault, cam_state_fault, cam_state_fault}};
+    for (int i = 0; i < 4; i++) {
+        setUp();
+        to_force();
+        set(cam_param_u_retract_nm, 0);
+        begin_force(1000);
+        if (ends[i].excited == cam_excited_silent) {
+            for (int k = 0; k < patience && fixture_rig_state() == cam_state_identifying; k++) {
+                go_on(1, false);
+            }
+        } else {
+            if (ends[i].excited == cam_excited_stopped) {
+                TEST_ASSERT_EQUAL_INT(cam_ok,
+                                      i == 0 ? cam_machine_stop(m) : cam_machine_disable(m));
+            }
+            hal_host_fault_estop(ends[i].excited == cam_excited_fault);
+            (void)next_q6(true); // the tick that obeys still writes the force of the last one
+        }
+        TEST_ASSERT_EQUAL_INT(ends[i].at_once, fixture_rig_state());
+        go_on(1, true);
+        TEST_ASSERT_INT32_WITHIN(2, 0, rig.last.force_q6);
+        expect_end(ends[i].excited, ends[i].state);
+    }
+}
+
+/// The force that is set at a fault must not act when the next excitation begins.
+static void test_force_of_a_fault_is_forgotten(void)
+{
+    to_force();
+    g_cam.motion.u_push_q6 = 64 * largest_mn;
+    g_cam.motion.dwell_ticks = patience; // the wave does not play yet
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, 1, fade).err);
+    for (int i = 0; i < 10; i++) {
+        go_on(1, true);
+        TEST_ASSERT_INT32_WITHIN(2, 0, rig.last.force_q6);
+    }
+    TEST_ASSERT_EQUAL_INT(cam_state_identifying, fixture_rig_state());
+}
+
+/// The force limit is that of the samples: a loop that pushes as well is cut at it.
+static void test_force_limit_acts_on_the_sum(void)
+{
+    to_force();
+    set(cam_param_servo_runaway_nm, 10000000);
+    const int32_t limit_mn = m->params.servo_force_limit_mn;
+    wave[0] = limit_mn;
+    load_force();
+    begin_force(2);
+    rig.lathe.error_nm[hal_axis_u] = -20000; // the loop pushes towards plus
+    TEST_ASSERT_EQUAL_INT32(64 * limit_mn, next_q6(true));
+    TEST_ASSERT_TRUE(g_cam.force.servo.is_limited);
+}
+
+/// 1 N per ms are 50 mN per tick.
+static void test_rate_of_the_force_acts(void)
+{
+    to_force();
+    set(cam_param_servo_force_rate_n_per_ms, 1);
+    begin_force(2);
+    for (int32_t i = 0; i < 50; i++) { // samples of either sign in turn, far beyond it
+        const int32_t last_q6 = rig.last.force_q6;
+        TEST_ASSERT_EQUAL_INT32(50 * 64 * (i % 2 == 0 ? 1 : -1), next_q6(true) - last_q6);
+    }
+}
+
+static void expect_refused(cam_err_t err, int32_t value)
+{
+    const cam_verdict_t v = cam_machine_excite(m, 1, fade);
+    TEST_ASSERT_EQUAL_INT(err, v.err);
+    TEST_ASSERT_EQUAL_INT32(value, v.value);
+}
+
+static void test_wave_beyond_the_force_limit_or_out_of_the_stroke_is_refused(void)
+{
+    to_force();
+    const int32_t limit_mn = m->params.servo_force_limit_mn;
+    wave[5] = -limit_mn - 1;
+    load_force();
+    expect_refused(cam_err_wave_force, limit_mn + 1);
+    wave[5] = -limit_mn;
+    load_force();
+    const int32_t end_nm = m->params.u_stroke_nm / 2;
+    set_place(-end_nm - 1);
+    expect_refused(cam_err_wave_stroke, -end_nm - 1);
+    set_place(-end_nm);
+    expect_refused(cam_ok, 0); // whatever its speed and acceleration would be as nanometres
+}
+
+/// Half the clearance of X at the end of U's travel, wherever the wave plays; U may be as far off.
+static void test_x_must_be_clear_of_all_of_us_travel(void)
+{
+    to_force();
+    const cam_config_t *cfg = g_cam.config.in_use;
+    const int32_t clear_nm = (int32_t)(cfg->play.x_clear_q10 / 1024) - m->params.x_clearance_nm / 2;
+    const int32_t travel_nm = m->params.u_stroke_nm / 2 + cfg->guard.approach_nm;
+    set_place(-300000);
+    g_cam.motion.axis[hal_axis_x].pos_q10 = (int64_t)(clear_nm + travel_nm - 1) * 1024;
+    fixture_rig_ticks(&rig, 2);
+    expect_refused(cam_err_wave_clear, clear_nm + travel_nm);
+    g_cam.motion.axis[hal_axis_x].pos_q10 = (int64_t)(clear_nm + travel_nm) * 1024;
+    fixture_rig_ticks(&rig, 2);
+    expect_refused(cam_ok, 0);
+    go_on(1, true);
+    TEST_ASSERT_EQUAL_INT32(2 * travel_nm, g_cam.config.in_use->guard.following_nm);
+}
+
+static void test_unit_is_one_of_two_and_a_force_needs_its_port(void)
+{
+    to_force();
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_range, set_unit(2));
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_range, set_unit(-1));
+    TEST_ASSERT_EQUAL_INT32(1, field(cam_scope_field_wave_unit));
+    TEST_ASSERT_EQUAL_INT(cam_ok, set_unit(0));
+    hal_host.slow.force.quantum_un = 0;
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_unit, set_unit(1));
+    TEST_ASSERT_EQUAL_INT(cam_ok, set_unit(0));
+    TEST_ASSERT_EQUAL_INT32(0, field(cam_scope_field_wave_unit));
+    hal_host.slow.force.quantum_un = 20000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, set_unit(1));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_begin(m, sizeof wave)); // of an older tool
+    TEST_ASSERT_EQUAL_INT32(0, field(cam_scope_field_wave_unit));
 }

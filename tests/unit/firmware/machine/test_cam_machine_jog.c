@@ -30,8 +30,8 @@ static void test_commands_by_hand_are_refused_in_every_other_state(void)
         setUp();
         bring(states[i]);
         const uint32_t generation = machine()->generation;
-        TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_jog(machine(), hal_axis_x, 100).err);
-        TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_step(machine(), hal_axis_x, 100).err);
+        expect_jog(cam_err_state, hal_axis_x, 100);
+        expect_step(cam_err_state, hal_axis_x, 100);
         TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_home_axis(machine(), hal_axis_x));
         cam_machine_keep_alive(machine());
         TEST_ASSERT_EQUAL_UINT32(generation, machine()->generation);
@@ -74,7 +74,7 @@ static void test_gains_and_limits_of_a_jogged_u_wait_until_it_rests(void)
                    {cam_param_k2_us2, 1}};
     enum { n_changes = sizeof changes / sizeof changes[0] };
     to_manual();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), hal_axis_u, 1000).err);
+    expect_jog(cam_ok, hal_axis_u, 1000);
     fixture_rig_ticks(&rig, 100);
     for (uint32_t i = 0; i < n_changes; i++) {
         expect_set(cam_err_busy, changes[i].id, changes[i].value);
@@ -88,24 +88,12 @@ static void test_gains_and_limits_of_a_jogged_u_wait_until_it_rests(void)
     TEST_ASSERT_EQUAL_INT(cam_err_u_speed, cam_machine_check_speed(machine(), 0));
 }
 
-/// A drive that takes positions would press with all its force.
-static void test_stop_is_searched_by_a_limited_force_only(void)
-{
-    for (int32_t method = 4; method <= 5; method++) {
-        setUp();
-        set(cam_param_u_home, method);
-        to_manual();
-        TEST_ASSERT_EQUAL_INT(cam_err_home_none, cam_machine_home_axis(machine(), hal_axis_u));
-    }
-    expect_set(cam_err_param_range, cam_param_x_home, 4);
-}
-
 static void test_manual_needs_no_table(void)
 {
     cam_machine_init(machine(), &g_cam, 20000, hal_clock_hz());
     fixture_rig_tick(&rig);
     to_manual();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), hal_axis_x, 1000).err);
+    expect_jog(cam_ok, hal_axis_x, 1000);
     fixture_rig_ticks(&rig, 1000);
     TEST_ASSERT_GREATER_THAN_INT32(10000, hal_host.out.axis[hal_axis_x].pos_nm);
 }
@@ -124,9 +112,25 @@ static void test_refusals_carry_the_limit(void)
     verdict = cam_machine_step(machine(), hal_axis_u, -700000);
     TEST_ASSERT_EQUAL_INT(cam_err_travel, verdict.err);
     TEST_ASSERT_INT32_WITHIN(200, -600000, verdict.value);
-    TEST_ASSERT_EQUAL_INT(cam_err_hand_axis, cam_machine_jog(machine(), hal_n_axes, 1).err);
+    expect_jog(cam_err_hand_axis, hal_n_axes, 1);
     TEST_ASSERT_EQUAL_INT(cam_err_home_none, cam_machine_home_axis(machine(), hal_axis_x));
+    for (int32_t method = 4; method <= 5; method++) { // a stop: U would press with all its force
+        set(cam_param_u_home, method);
+        TEST_ASSERT_EQUAL_INT(cam_err_home_none, cam_machine_home_axis(machine(), hal_axis_u));
+    }
+    expect_set(cam_err_param_range, cam_param_x_home, 4);
     TEST_ASSERT_EQUAL_UINT32(0, fixture_rig_status(&rig).jog.serial);
+    // Limits of the travel hold from the home on, which an axis without a home always has.
+    set(cam_param_x_home, 2);
+    expect_step(cam_ok, hal_axis_x, 4 * mm);
+    stop_and_rest();
+    set(cam_param_x_home, 0);
+    expect_step(cam_err_travel, hal_axis_x, 4 * mm);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
+    fixture_rig_ticks(&rig, 20);
+    set(cam_param_z_is_measured, 1); // others move it
+    to_manual();
+    expect_jog(cam_err_hand_axis, hal_axis_z, 100);
 }
 
 /// A drive that can hardly brake is not jogged faster than it brakes within what is looked ahead.
@@ -138,13 +142,6 @@ static void test_jog_is_no_faster_than_the_axis_can_brake(void)
     const cam_verdict_t verdict = cam_machine_jog(machine(), hal_axis_x, 100000);
     TEST_ASSERT_EQUAL_INT(cam_err_hand_speed, verdict.err);
     TEST_ASSERT_INT32_WITHIN(50, 3385, verdict.value); // root of 2 * 2.73 mm/s2 * 2.097 mm
-}
-
-static void test_measured_z_is_not_moved_by_hand(void)
-{
-    set(cam_param_z_is_measured, 1);
-    to_manual();
-    TEST_ASSERT_EQUAL_INT(cam_err_hand_axis, cam_machine_jog(machine(), hal_axis_z, 100).err);
 }
 
 /// An order waits for what is posted and for a stop to be taken, not for the axis to rest.
@@ -174,11 +171,18 @@ static void test_one_order_after_the_other(void)
     expect_jog(cam_err_hand_moves, hal_axis_x, 1);
 }
 
-/// An order that was not taken before the state was left is not begun in the next manual.
+/// An order goes on when a parameter changes. One that was not taken before the state was left is
+/// not begun in the next manual.
 static void test_order_is_not_kept_for_the_next_manual(void)
 {
     to_manual();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), hal_axis_x, 1000).err);
+    expect_jog(cam_ok, hal_axis_x, 1000);
+    fixture_rig_ticks(&rig, 200);
+    set(cam_param_phase_udeg, 1000);
+    fixture_rig_ticks(&rig, 200);
+    TEST_ASSERT_GREATER_THAN_INT32(0, hal_host.out.axis[hal_axis_x].vel_q10);
+    stop_and_rest();
+    expect_jog(cam_ok, hal_axis_x, 1000);
     cam_machine_request(machine(), cam_request_disable);
     fixture_rig_ticks(&rig, 200);
     TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
@@ -188,42 +192,17 @@ static void test_order_is_not_kept_for_the_next_manual(void)
     TEST_ASSERT_EQUAL_INT32(x_nm, hal_host.out.axis[hal_axis_x].pos_nm);
 }
 
-/// A parameter may change while an axis moves; its order goes on.
-static void test_order_outlives_a_new_configuration(void)
-{
-    to_manual();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), hal_axis_x, 1000).err);
-    fixture_rig_ticks(&rig, 200);
-    set(cam_param_phase_udeg, 1000);
-    fixture_rig_ticks(&rig, 200);
-    TEST_ASSERT_GREATER_THAN_INT32(0, hal_host.out.axis[hal_axis_x].vel_q10);
-}
-
 static void test_jog_without_travel_limits_ends_at_one_metre(void)
 {
     hal_host.in.axis_nm[hal_axis_x] = 999900000;
     fixture_rig_tick(&rig);
     to_manual();
     for (uint32_t i = 0; i < 10u; i++) {
-        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), hal_axis_x, 10000).err);
+        expect_jog(cam_ok, hal_axis_x, 10000);
         fixture_rig_ticks(&rig, 1000);
     }
     TEST_ASSERT_INT32_WITHIN(10, 1000 * mm - 10, port_nm(hal_axis_x)); // less room to brake
     TEST_ASSERT_EQUAL_INT(cam_jog_limit, jog_state().end);
-}
-
-/// The search has changed U's numbers, so U is not cut with before its home is found.
-static void test_u_whose_search_failed_is_not_cut_with(void)
-{
-    set(cam_param_u_home, 2);
-    to_manual();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_u));
-    TEST_ASSERT_EQUAL_INT(cam_jog_no_switch, until_rest());
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
-    fixture_rig_ticks(&rig, 20);
-    TEST_ASSERT_EQUAL_INT(cam_err_not_homed, cam_machine_enable(machine()));
-    set(cam_param_u_home, 0);
-    TEST_ASSERT_EQUAL_INT(cam_err_not_homed, cam_machine_enable(machine()));
 }
 
 /// X needs room for the smallest radius, for its clearance and for a rehearsal, trims included.
@@ -243,8 +222,9 @@ static void test_work_out_of_the_travel_of_x_is_refused(void)
     expect_set(cam_ok, cam_param_x_trim_nm, -2000);
 }
 
-/// Whether U was searched is remembered of U alone, of a search alone and of one that began; what
-/// follows does not make it forgotten.
+/// The search has changed U's numbers, so U is not cut with before its home is found. This is
+/// remembered of U alone, of a search alone and of one that began; what follows does not make it
+/// forgotten.
 static void test_only_a_search_of_u_makes_its_home_lost(void)
 {
     set(cam_param_x_home, 2);
@@ -263,22 +243,15 @@ static void test_only_a_search_of_u_makes_its_home_lost(void)
     fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_u));
     TEST_ASSERT_TRUE(machine()->offsets.has_searched_u);
-    stop_and_rest();
+    TEST_ASSERT_EQUAL_INT(cam_jog_no_switch, until_rest());
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_x));
     TEST_ASSERT_TRUE(machine()->offsets.has_searched_u);
-}
-
-/// Limits of the travel hold from the home on, which an axis without a home always has.
-static void test_travel_holds_where_the_position_is_known(void)
-{
-    set(cam_param_x_low_nm, -2 * mm);
-    set(cam_param_x_high_nm, 3 * mm);
-    set(cam_param_x_home, 2);
-    to_manual();
-    expect_step(cam_ok, hal_axis_x, 4 * mm);
     stop_and_rest();
-    set(cam_param_x_home, 0);
-    expect_step(cam_err_travel, hal_axis_x, 4 * mm);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_err_not_homed, cam_machine_enable(machine()));
+    set(cam_param_u_home, 0);
+    TEST_ASSERT_EQUAL_INT(cam_err_not_homed, cam_machine_enable(machine()));
 }
 
 // Limits that change
@@ -287,7 +260,7 @@ static void test_travel_holds_where_the_position_is_known(void)
 static void jog(hal_axis_t axis, int32_t um_per_s)
 {
     to_manual();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), axis, um_per_s).err);
+    expect_jog(cam_ok, axis, um_per_s);
     for (uint32_t i = 0; i < 10u; i++) {
         fixture_rig_ticks(&rig, 200);
         cam_machine_keep_alive(machine());
@@ -324,7 +297,7 @@ static void test_stroke_keeps_where_u_stands(void)
     for (size_t i = 0; i < 2u; i++) {
         setUp();
         to_manual();
-        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_step(machine(), hal_axis_u, places_nm[i]).err);
+        expect_step(cam_ok, hal_axis_u, places_nm[i]);
         TEST_ASSERT_EQUAL_INT(cam_jog_done, until_rest());
         TEST_ASSERT_EQUAL_INT32(places_nm[i], port_nm(hal_axis_u));
         expect_set(cam_err_u_place, cam_param_u_stroke_nm, 399998);

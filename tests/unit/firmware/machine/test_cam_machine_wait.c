@@ -123,7 +123,8 @@ static void test_the_end_of_a_pass_is_seen_once(void)
     TEST_ASSERT_EQUAL_UINT32(1, m->n_parts);
 }
 
-/// Home out of ready enables again by itself, unless a fault came between.
+/// Home out of ready enables again by itself, unless a fault came between. Downloads wait for its
+/// end, for the last command and for the last configuration, each by itself.
 static void test_home_ends_where_the_state_is_another(void)
 {
     bring(cam_state_ready);
@@ -142,6 +143,12 @@ static void test_home_ends_where_the_state_is_another(void)
     m->homes_again = true;
     TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_may_exchange(m));
     m->homes_again = false;
+    m->n_requests++;
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_may_exchange(m));
+    m->n_requests--;
+    m->generation++;
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_may_exchange(m));
+    m->generation--;
     bring(cam_state_ready);
     m->homes_again = true; // in another state than off there is nothing to enable
     cam_machine_poll(m);
@@ -166,20 +173,8 @@ static void test_home_waits_until_all_homes_are_read(void)
     TEST_ASSERT_EQUAL_INT(cam_state_homing, fixture_rig_state());
 }
 
-/// Downloads wait for the last command and for the last configuration, each by itself.
-static void test_an_exchange_waits_for_command_and_configuration(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_may_exchange(m));
-    m->n_requests++;
-    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_may_exchange(m));
-    m->n_requests--;
-    m->generation++;
-    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_may_exchange(m));
-    m->generation--;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_may_exchange(m));
-}
-
-/// In ready a table needs one before it, of the same sense.
+/// In ready a table needs one before it, of the same sense. A damaged one is dropped at once where
+/// nothing is enabled: off, and after a fault.
 static void test_a_table_in_ready_follows_another_of_its_sense(void)
 {
     bring(cam_state_ready);
@@ -187,12 +182,6 @@ static void test_a_table_in_ready_follows_another_of_its_sense(void)
     expect_select(cam_err_table_sense);
     m->has_table = true;
     expect_select(cam_ok);
-}
-
-/// A damaged table is dropped at once where nothing is enabled: off, and behind a fault.
-static void test_damage_is_dropped_at_once_in_off_and_fault(void)
-{
-    bring(cam_state_ready);
     hal_host_fault_estop(true);
     until(cam_state_fault);
     rig.image.bytes[rig.image.size - 1u] ^= 1u;
@@ -231,8 +220,8 @@ static void test_a_stop_cuts_short_only_what_has_another_end(void)
     TEST_ASSERT_TRUE(m->is_cut_short); // a stop that is refused mends nothing
 }
 
-/// What the commander leaves is stopped when the interrupt has taken the last request, and again
-/// while the stop finds no room.
+/// What the commander leaves is stopped when the interrupt has taken the last request or order, and
+/// again while the stop finds no room.
 static void test_the_stop_of_a_lost_commander_is_not_forgotten(void)
 {
     bring(cam_state_cutting);
@@ -244,13 +233,9 @@ static void test_the_stop_of_a_lost_commander_is_not_forgotten(void)
     cam_machine_poll(m);
     TEST_ASSERT_FALSE(m->is_stop_due);
     until(cam_state_disengaging);
-}
-
-/// By hand the stop of a lost commander waits for room in the same way.
-static void test_the_stop_of_an_order_waits_for_room(void)
-{
+    setUp();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(m));
-    fixture_rig_ticks(&rig, 20);
+    until(cam_state_manual);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(m, hal_axis_x, 1000).err);
     cam_machine_release_command(m);
     cam_machine_poll(m); // the interrupt has not taken the order
@@ -306,25 +291,21 @@ static void test_hold_needs_a_cut_and_resume_a_hold(void)
     TEST_ASSERT_EQUAL_UINT32(1, m->n_parts);
 }
 
-/// A rate that the interrupt does not know yet goes with the next configuration, whatever it was
-/// made for.
-static void test_rate_that_is_due_goes_with_any_configuration(void)
-{
-    bring(cam_state_ready);
-    rig.machine.is_rate_due = true;
-    set(cam_param_phase_udeg, 1000);
-    TEST_ASSERT_FALSE(rig.machine.is_rate_due);
-}
-
+/// It outlives a command that is on its way.
 static void test_hold_is_forgotten_when_the_cut_ends(void)
 {
     bring(cam_state_cutting);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(m));
     until(cam_state_holding);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(m));
-    until(cam_state_ready);
-    poll_for(2);
+    (void)fixture_rig_until(&rig, cam_state_ready, 400000);
+    m->n_requests++;
+    cam_machine_poll(m);
+    TEST_ASSERT_TRUE(m->is_held);
+    m->n_requests--;
+    cam_machine_poll(m);
     TEST_ASSERT_FALSE(m->is_held);
+    poll_for(2);
     TEST_ASSERT_EQUAL_UINT32(0, m->n_parts); // it was cut short
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(m));
     until(cam_state_cutting);
@@ -332,15 +313,19 @@ static void test_hold_is_forgotten_when_the_cut_ends(void)
     TEST_ASSERT_EQUAL_UINT32(1, m->n_parts);
 }
 
-/// While the interrupt has not taken the last configuration, a hold waits and is not lost.
+/// While the interrupt has not taken the last configuration, a hold waits and is not lost. A rate
+/// that is due goes with any configuration, whatever it was made for.
 static void test_hold_is_handed_over_as_soon_as_there_is_room(void)
 {
     bring(cam_state_cutting);
     expect_set(cam_ok, cam_param_phase_udeg, 5);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(&rig.machine));
-    TEST_ASSERT_TRUE(rig.machine.is_rate_due);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(m));
+    TEST_ASSERT_TRUE(m->is_rate_due);
     until(cam_state_holding);
-    TEST_ASSERT_FALSE(rig.machine.is_rate_due);
+    TEST_ASSERT_FALSE(m->is_rate_due);
+    m->is_rate_due = true;
+    set(cam_param_phase_udeg, 1000);
+    TEST_ASSERT_FALSE(m->is_rate_due);
 }
 
 /// Hold needs a table, a state of the work, and one that does not end it.
@@ -357,19 +342,6 @@ static void test_a_hold_needs_a_table(void)
     m->has_table = true;
     cam_machine_poll(m);
     TEST_ASSERT_EQUAL_UINT32(generation + 1u, m->generation);
-}
-
-/// A hold outlives a command that is on its way, and ends with the work.
-static void test_a_hold_ends_with_the_work_only(void)
-{
-    bring(cam_state_ready);
-    m->is_held = true;
-    m->n_requests++;
-    cam_machine_poll(m);
-    TEST_ASSERT_TRUE(m->is_held);
-    m->n_requests--;
-    cam_machine_poll(m);
-    TEST_ASSERT_FALSE(m->is_held);
 }
 
 /// A resume that finds no room is handed over by the next poll, and brings no hold back.
@@ -394,6 +366,7 @@ static void test_a_resume_waits_for_room(void)
 static void test_changes_in_the_cut_are_bounded(void)
 {
     const int32_t limit_nm = m->params.x_trim_limit_nm;
+    m->params.spindle_limit_mrpm = 2800000;
     bring(cam_state_cutting);
     expect_set(cam_err_trim_limit, cam_param_x_trim_nm, -limit_nm - 1);
     TEST_ASSERT_EQUAL_INT64(limit_nm + 1, m->refusal.needed);
@@ -402,18 +375,12 @@ static void test_changes_in_the_cut_are_bounded(void)
     TEST_ASSERT_EQUAL_INT64(limit_nm, m->refusal.limit);
     set(cam_param_x_trim_nm, -limit_nm);
     set(cam_param_spindle_override_ppm, 1100000);
+    expect_set(cam_err_spindle_speed, cam_param_spindle_override_ppm, 1150000);
+    TEST_ASSERT_EQUAL_INT64(2875000, m->refusal.needed);
+    TEST_ASSERT_EQUAL_INT64(2800000, m->refusal.limit);
+    TEST_ASSERT_EQUAL_INT32(1100000, m->params.spindle_override_ppm);
     expect_set(cam_err_param_state, cam_param_feed_nm, 100000);
     expect_set(cam_err_param_range, cam_param_feed_override_ppm, 1500001);
-}
-
-static void test_an_infeasible_override_is_refused_with_numbers(void)
-{
-    m->params.spindle_limit_mrpm = 2600000;
-    bring(cam_state_ready);
-    expect_set(cam_err_spindle_speed, cam_param_spindle_override_ppm, 1050000);
-    TEST_ASSERT_EQUAL_INT64(2625000, m->refusal.needed);
-    TEST_ASSERT_EQUAL_INT64(2600000, m->refusal.limit);
-    TEST_ASSERT_EQUAL_INT32(1000000, m->params.spindle_override_ppm);
 }
 
 static void test_a_ring_helix_has_its_own_feed_or_none(void)
@@ -422,24 +389,23 @@ static void test_a_ring_helix_has_its_own_feed_or_none(void)
     fixture_rig_init(&rig, &part, 20000);
     bring(cam_state_cutting);
     expect_set(cam_err_override_rings, cam_param_feed_override_ppm, 900000);
-    TEST_ASSERT_EQUAL_INT( // Z would exceed its acceleration by the square of that
-        cam_err_override_rings,
-        cam_machine_set_param(&rig.machine, cam_param_spindle_override_ppm, 1100000));
+    // Z would exceed its acceleration by the square of that.
+    expect_set(cam_err_override_rings, cam_param_spindle_override_ppm, 1100000);
     set(cam_param_spindle_override_ppm, 900000);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(&rig.machine));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(m));
     until(cam_state_holding);
 }
 
 static void test_parts_are_set_from_0_on(void)
 {
-    TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_machine_set_parts(&rig.machine, -1));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_parts(&rig.machine, INT32_MAX));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_parts(&rig.machine, 0));
-    TEST_ASSERT_EQUAL_UINT32(0, rig.machine.n_parts);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_parts(&rig.machine, 41));
+    TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_machine_set_parts(m, -1));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_parts(m, INT32_MAX));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_parts(m, 0));
+    TEST_ASSERT_EQUAL_UINT32(0, m->n_parts);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_parts(m, 41));
     bring(cam_state_cutting);
     until(cam_state_ready);
-    TEST_ASSERT_EQUAL_UINT32(42, rig.machine.n_parts);
+    TEST_ASSERT_EQUAL_UINT32(42, m->n_parts);
 }
 
 // Button and command
@@ -451,7 +417,7 @@ static void test_times_of_the_button_are_plans(void)
         {20000, 50, 125, 5000, 150000}, {1000, 20, 50, 2000, 60000}, {500, 10, 25, 1000, 30000}};
     for (uint32_t i = 0; i < 3u; i++) {
         fixture_rig_init(&rig, &part, cases[i][0]);
-        const cam_acknowledge_config_t cfg = cam_machine_acknowledge_config(&rig.machine);
+        const cam_acknowledge_config_t cfg = cam_machine_acknowledge_config(m);
         TEST_ASSERT_EQUAL_UINT32(cases[i][1], cfg.settle_plans);
         TEST_ASSERT_EQUAL_UINT32(cases[i][2], cfg.least_plans);
         TEST_ASSERT_EQUAL_UINT32(cases[i][3], cfg.most_plans);
@@ -459,34 +425,26 @@ static void test_times_of_the_button_are_plans(void)
     }
 }
 
-static void test_waiver_of_the_port_demands_nothing(void)
-{
-    m->rights.port.is_acknowledge_waived = false;
-    TEST_ASSERT_TRUE(cam_machine_acknowledge_config(m).is_demanded);
-    m->rights.port.is_acknowledge_waived = true;
-    TEST_ASSERT_FALSE(cam_machine_acknowledge_config(m).is_demanded);
-}
-
 static void test_button_is_that_of_the_port(void)
 {
-    static const struct {
+    const hal_operator_t with_button = {.has_acknowledge = true};
+    const struct {
         hal_operator_t port;
         cam_acknowledge_phase_t phase;
         cam_button_t button;
         cam_err_t err;
     } cases[] = {
-        {{.has_acknowledge = true},
-         cam_acknowledge_pressed,
-         cam_button_needed,
-         cam_err_acknowledge},
-        {{.has_acknowledge = true}, cam_acknowledge_given, cam_button_given, cam_ok},
-        {{.has_acknowledge = true}, cam_acknowledge_used, cam_button_given, cam_ok},
+        {with_button, cam_acknowledge_pressed, cam_button_needed, cam_err_acknowledge},
+        {with_button, cam_acknowledge_given, cam_button_given, cam_ok},
+        {with_button, cam_acknowledge_used, cam_button_given, cam_ok},
         {{0}, cam_acknowledge_used, cam_button_none, cam_err_acknowledge_none},
         {{.is_acknowledge_waived = true}, cam_acknowledge_used, cam_button_waived, cam_ok},
     };
     cam_status_t status = fixture_rig_status(&rig);
     for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         m->rights.port = cases[i].port;
+        TEST_ASSERT_EQUAL(!cases[i].port.is_acknowledge_waived,
+                          cam_machine_acknowledge_config(m).is_demanded);
         status.acknowledge.phase = cases[i].phase;
         TEST_ASSERT_EQUAL_INT(cases[i].button, cam_machine_rights(m, &status).button);
         TEST_ASSERT_EQUAL_INT(cases[i].err, cam_machine_check_acknowledge(m, &status));

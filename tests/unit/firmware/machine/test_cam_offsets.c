@@ -59,23 +59,18 @@ static void test_each_axis_has_its_parameters(void)
     p.tool = 0;
     for (uint32_t i = 0; i < 3u; i++) {
         const cam_offsets_axis_t a = cam_offsets_axis(&p, (hal_axis_t)i);
-        TEST_ASSERT_EQUAL_INT32(cam_param_get(&p, (cam_param_id_t)first[i]), a.method);
-        TEST_ASSERT_EQUAL_INT32(cam_param_get(&p, (cam_param_id_t)(first[i] + 1)), a.sense);
-        TEST_ASSERT_EQUAL_INT32(cam_param_get(&p, (cam_param_id_t)(first[i] + 2)),
-                                a.search_um_per_s);
-        TEST_ASSERT_EQUAL_INT32(cam_param_get(&p, (cam_param_id_t)(first[i] + 3)), a.slow_um_per_s);
-        TEST_ASSERT_EQUAL_INT32(cam_param_get(&p, (cam_param_id_t)(first[i] + 4)), a.home_nm);
+        const int32_t found[] = {a.method, a.sense, a.search_um_per_s, a.slow_um_per_s, a.home_nm};
+        for (int k = 0; k < 5; k++) {
+            TEST_ASSERT_EQUAL_INT32(cam_param_get(&p, (cam_param_id_t)(first[i] + k)), found[k]);
+        }
     }
-    const cam_offsets_axis_t x = cam_offsets_axis(&p, hal_axis_x);
-    const cam_offsets_axis_t z = cam_offsets_axis(&p, hal_axis_z);
-    TEST_ASSERT_EQUAL_INT32(p.x_home_travel_nm, x.way_nm);
-    TEST_ASSERT_EQUAL_INT32(p.z_home_travel_nm, z.way_nm);
-    TEST_ASSERT_EQUAL_INT32(p.x_low_nm, x.low_nm);
-    TEST_ASSERT_EQUAL_INT32(p.x_high_nm, x.high_nm);
-    TEST_ASSERT_EQUAL_INT32(p.z_low_nm, z.low_nm);
-    TEST_ASSERT_EQUAL_INT32(p.z_high_nm, z.high_nm);
-    TEST_ASSERT_EQUAL_INT32(p.x_datum_nm, x.datum_nm);
-    TEST_ASSERT_EQUAL_INT32(p.z_datum_nm, z.datum_nm);
+    const int32_t linear_nm[][4] = {{p.x_home_travel_nm, p.x_low_nm, p.x_high_nm, p.x_datum_nm},
+                                    {p.z_home_travel_nm, p.z_low_nm, p.z_high_nm, p.z_datum_nm}};
+    for (uint32_t i = 0; i < 2u; i++) {
+        const cam_offsets_axis_t a = cam_offsets_axis(&p, i == 0u ? hal_axis_x : hal_axis_z);
+        const int32_t found_nm[] = {a.way_nm, a.low_nm, a.high_nm, a.datum_nm};
+        TEST_ASSERT_EQUAL_INT32_ARRAY(linear_nm[i], found_nm, 4);
+    }
     const int32_t tool_nm[][2] = {{p.tool_1_x_nm, p.tool_1_z_nm},
                                   {p.tool_2_x_nm, p.tool_2_z_nm},
                                   {p.tool_3_x_nm, p.tool_3_z_nm},
@@ -196,14 +191,7 @@ static void test_zero_is_refused_where_it_cannot_be(void)
     TEST_ASSERT_EQUAL_INT(cam_err_param_state, cam_machine_zero(machine(), hal_axis_z, 0).err);
 }
 
-// What homing is demanded for
-
-static void test_without_homing_required_nothing_is_demanded(void)
-{
-    set(cam_param_x_home, 2);
-    bring(cam_state_cutting);
-}
-
+/// A measured Z, which others lead, needs no home of its own.
 static void test_homing_required_refuses_until_every_axis_is_homed(void)
 {
     static const hal_axis_t axes[] = {hal_axis_x, hal_axis_u};
@@ -219,20 +207,14 @@ static void test_homing_required_refuses_until_every_axis_is_homed(void)
         disable();
     }
     bring(cam_state_ready);
-}
-
-/// Between the tick that finds a home and the configuration that knows it no cut begins.
-static void test_home_that_is_not_in_force_yet_is_busy(void)
-{
-    set(cam_param_x_home, 1);
-    to_manual();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_x));
-    fixture_rig_ticks(&rig, 20);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
-    fixture_rig_ticks(&rig, 20);
-    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_enable(machine()));
-    cam_machine_poll(machine());
-    fixture_rig_tick(&rig);
+    disable();
+    set(cam_param_z_home, 2);
+    TEST_ASSERT_EQUAL_INT(cam_err_not_homed, cam_machine_enable(machine()));
+    set(cam_param_homing_required, 0);
+    bring(cam_state_ready);
+    disable();
+    set(cam_param_homing_required, 1);
+    set(cam_param_z_is_measured, 1);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(machine()));
 }
 
@@ -252,16 +234,6 @@ static void test_part_beyond_the_travel_is_refused_before_motion(void)
     }
 }
 
-/// A measured Z, which others lead, needs no home of its own.
-static void test_a_measured_z_needs_no_home(void)
-{
-    set(cam_param_homing_required, 1);
-    set(cam_param_z_home, 2);
-    TEST_ASSERT_EQUAL_INT(cam_err_not_homed, cam_machine_enable(machine()));
-    set(cam_param_z_is_measured, 1);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(machine()));
-}
-
 /// A first pass that X cannot reach is not made up for by the last one.
 static void test_every_pass_lies_in_the_travel_of_x(void)
 {
@@ -278,8 +250,9 @@ static void test_every_pass_lies_in_the_travel_of_x(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(machine()));
 }
 
-/// A home that was found while the interrupt has not taken the last configuration is handed over by
-/// the next poll, and until then the positions are not known.
+/// Between the tick that finds a home and the configuration that knows it the positions are not
+/// known, and no cut begins. While the interrupt has not taken the last configuration, the home
+/// waits for it.
 static void test_a_home_that_was_found_waits_for_room(void)
 {
     set(cam_param_x_home, 1);
@@ -288,11 +261,12 @@ static void test_a_home_that_was_found_waits_for_room(void)
     fixture_rig_ticks(&rig, 40);
     expect_set(cam_ok, cam_param_phase_udeg, 5);
     cam_machine_jog_poll(machine());
-    const cam_status_t status = fixture_rig_status(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_check_positions(machine(), &status));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_enable(machine()));
+    cam_machine_poll(machine());
     fixture_rig_tick(&rig);
-    cam_machine_jog_poll(machine());
-    TEST_ASSERT_NOT_EQUAL_INT(cam_err_busy, cam_machine_check_positions(machine(), &status));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(machine()));
 }
 
 /// @return [nm] position of X after an emergency stop in homing, which is reset

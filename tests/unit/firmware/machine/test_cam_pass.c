@@ -4,8 +4,11 @@
 #include "fixture_newer.h"
 #include "rig_bench.h"
 
+static cam_machine_t *const m = &rig.machine;
 static fixture_image_t image;
 static cam_table_t table;
+
+static double x_nm, turns; ///< X when the last cut began, and how long it was
 
 static const fixture_pass_t three[3] = {
     {150000, 200000, 1200000, 0},
@@ -40,13 +43,23 @@ static void test_records_are_taken_in_their_order(void)
     }
 }
 
-static void test_version_belongs_to_the_kinds(void)
+/// test_cam_entry.c has each field.
+static void test_version_and_entry_belong_to_the_kinds(void)
 {
     fixture_image_make(&image, &part);
     TEST_ASSERT_EQUAL_INT(cam_err_image_version, check_with(fixture_at_version, 0x10001u));
     TEST_ASSERT_EQUAL_INT(cam_ok, check(three, 3));
     TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check_with(fixture_at_version, 1u));
     TEST_ASSERT_EQUAL_INT(cam_err_image_version, check_with(fixture_at_version, 0x20001u));
+    TEST_ASSERT_EQUAL_INT(cam_ok, check(three, 3));
+    const size_t path = fixture_image_in(fixture_newer_last(&image), fixture_in_path);
+    const size_t size = fixture_image_in(fixture_newer_last(&image), fixture_in_size);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check_with(path, 1u));
+    TEST_ASSERT_EQUAL_INT(cam_ok, check(three, 3));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_layout, check_with(size, 44u));
+    TEST_ASSERT_EQUAL_INT(cam_ok, check(three, 3));
+    fixture_newer_passes(&image, three, 3); // there twice
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, cam_table_check(image.bytes, image.size, &table));
 }
 
 /// Stock falls from pass to pass to 0; feeds and speeds are those of the parameters.
@@ -87,20 +100,6 @@ static void test_highest_speed_is_that_of_the_pass_that_allows_the_least(void)
     }
 }
 
-/// test_cam_entry.c has each field.
-static void test_entry_of_passes_is_plain(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, check(three, 3));
-    const size_t path = fixture_image_in(fixture_newer_last(&image), fixture_in_path);
-    const size_t size = fixture_image_in(fixture_newer_last(&image), fixture_in_size);
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check_with(path, 1u));
-    TEST_ASSERT_EQUAL_INT(cam_ok, check(three, 3));
-    TEST_ASSERT_EQUAL_INT(cam_err_image_layout, check_with(size, 44u));
-    TEST_ASSERT_EQUAL_INT(cam_ok, check(three, 3));
-    fixture_newer_passes(&image, three, 3); // there twice
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, cam_table_check(image.bytes, image.size, &table));
-}
-
 static void select_passes(const fixture_pass_t *passes)
 {
     fixture_rig_init(&rig, &part, 20000);
@@ -115,24 +114,24 @@ static void bring_ready(void)
     bring(cam_state_ready);
 }
 
-/// Start, and cut to the end. @return [nm] X and [turns] in the state cutting
-static void cut(double *x_nm, double *turns)
+/// Start, and cut to the end.
+static void cut(void)
 {
-    cam_err_t err = cam_machine_start(&rig.machine);
+    cam_err_t err = cam_machine_start(m);
     for (int i = 0; i < 200 && err == cam_err_busy; i++) { // the spindle slows down
         fixture_rig_ticks(&rig, 500);
-        cam_machine_poll(&rig.machine);
-        err = cam_machine_start(&rig.machine);
+        cam_machine_poll(m);
+        err = cam_machine_start(m);
     }
     TEST_ASSERT_EQUAL_INT(cam_ok, err);
     TEST_ASSERT_LESS_THAN_UINT32(400000, fixture_rig_until(&rig, cam_state_cutting, 400000));
     const int64_t from_q32 = fixture_rig_status(&rig).pos_q32;
-    *x_nm = rig.last.out[hal_axis_x].pos_nm;
+    x_nm = rig.last.out[hal_axis_x].pos_nm;
     TEST_ASSERT_LESS_THAN_UINT32(400000, fixture_rig_until(&rig, cam_state_disengaging, 400000));
-    *turns = (double)(fixture_rig_status(&rig).pos_q32 - from_q32) / 4294967296.0;
+    turns = (double)(fixture_rig_status(&rig).pos_q32 - from_q32) / 4294967296.0;
     TEST_ASSERT_LESS_THAN_UINT32(400000, fixture_rig_until(&rig, cam_state_ready, 400000));
     fixture_rig_ticks(&rig, 3);
-    cam_machine_poll(&rig.machine);
+    cam_machine_poll(m);
     fixture_rig_ticks(&rig, 3);
 }
 
@@ -143,12 +142,10 @@ static void test_starts_cut_one_pass_after_the_other(void)
     double x0_nm = 0.0;
     for (uint32_t i = 0; i < 5; i++) {
         const fixture_pass_t *pass = &three[i % 3u];
-        TEST_ASSERT_EQUAL_UINT32(i % 3u, rig.machine.pass);
+        TEST_ASSERT_EQUAL_UINT32(i % 3u, m->pass);
         fixture_rig_ticks(&rig, 2000);
         TEST_ASSERT_EQUAL_INT32((int32_t)pass->spindle_mrpm, hal_host.out.spindle_mrpm);
-        double x_nm;
-        double turns;
-        cut(&x_nm, &turns);
+        cut();
         x0_nm = i == 0u ? x_nm - pass->allowance_nm : x0_nm;
         TEST_ASSERT_DOUBLE_WITHIN(20.0, x0_nm + pass->allowance_nm, x_nm);
         TEST_ASSERT_DOUBLE_WITHIN(0.1, 1e6 / pass->feed_nm + 2.0, turns); // 1 mm and the ramps
@@ -158,43 +155,39 @@ static void test_starts_cut_one_pass_after_the_other(void)
 static void test_pass_that_is_stopped_or_fails_is_cut_again(void)
 {
     bring_ready();
-    double x_nm;
-    double turns;
-    cut(&x_nm, &turns);
-    TEST_ASSERT_EQUAL_UINT32(1, rig.machine.pass);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+    cut();
+    TEST_ASSERT_EQUAL_UINT32(1, m->pass);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(m));
     (void)fixture_rig_until(&rig, cam_state_cutting, 400000);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(m));
     (void)fixture_rig_until(&rig, cam_state_ready, 400000);
-    cam_machine_poll(&rig.machine);
-    TEST_ASSERT_EQUAL_UINT32(1, rig.machine.pass);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+    cam_machine_poll(m);
+    TEST_ASSERT_EQUAL_UINT32(1, m->pass);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(m));
     (void)fixture_rig_until(&rig, cam_state_cutting, 400000);
     hal_host_fault_estop(true);
     (void)fixture_rig_until(&rig, cam_state_fault, 100);
     hal_host_fault_estop(false);
-    cam_machine_poll(&rig.machine);
-    TEST_ASSERT_EQUAL_UINT32(1, rig.machine.pass);
+    cam_machine_poll(m);
+    TEST_ASSERT_EQUAL_UINT32(1, m->pass);
 }
 
 static void test_parameter_chooses_a_pass_and_zero_begins_anew(void)
 {
     bring_ready();
     set(cam_param_pass, 2);
-    double x_nm;
-    double turns;
     for (int i = 0; i < 2; i++) {
-        TEST_ASSERT_EQUAL_UINT32(1, rig.machine.pass);
-        cut(&x_nm, &turns);
+        TEST_ASSERT_EQUAL_UINT32(1, m->pass);
+        cut();
     }
     set(cam_param_pass, 16);
-    TEST_ASSERT_EQUAL_UINT32(2, rig.machine.pass); // the last one
+    TEST_ASSERT_EQUAL_UINT32(2, m->pass); // the last one
     set(cam_param_pass, 0);
-    TEST_ASSERT_EQUAL_UINT32(0, rig.machine.pass);
-    cam_machine_stage_begin(&rig.machine); // a set of parameters chooses it as well
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stage(&rig.machine, cam_param_pass, 2));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stage_commit(&rig.machine));
-    TEST_ASSERT_EQUAL_UINT32(1, rig.machine.pass);
+    TEST_ASSERT_EQUAL_UINT32(0, m->pass);
+    cam_machine_stage_begin(m); // a set of parameters chooses it as well
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stage(m, cam_param_pass, 2));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stage_commit(m));
+    TEST_ASSERT_EQUAL_UINT32(1, m->pass);
 }
 
 /// A choice after the end of a pass is not overtaken by the step to the next one.
@@ -202,7 +195,7 @@ static void test_choice_or_table_after_a_pass_stands(void)
 {
     for (int is_table = 0; is_table < 2; is_table++) {
         bring_ready();
-        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(m));
         (void)fixture_rig_until(&rig, cam_state_cutting, 400000);
         (void)fixture_rig_until(&rig, cam_state_ready, 400000);
         if (is_table != 0) {
@@ -211,8 +204,8 @@ static void test_choice_or_table_after_a_pass_stands(void)
         } else {
             set(cam_param_pass, 0);
         }
-        cam_machine_poll(&rig.machine);
-        TEST_ASSERT_EQUAL_UINT32(0, rig.machine.pass);
+        cam_machine_poll(m);
+        TEST_ASSERT_EQUAL_UINT32(0, m->pass);
     }
 }
 
@@ -239,14 +232,14 @@ static void test_infeasible_pass_is_refused_with_its_number(void)
     static const fixture_pass_t fast[3] = {
         {150000, 100000, 1200000, 0}, {20000, 100000, 3100000, 0}, {0, 100000, 2000000, 0}};
     select_passes(fast);
-    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, cam_machine_enable(&rig.machine));
-    const cam_refusal_t why = cam_machine_feasibility(&rig.machine, 0);
+    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, cam_machine_enable(m));
+    const cam_refusal_t why = cam_machine_feasibility(m, 0);
     TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, why.err);
     TEST_ASSERT_EQUAL_UINT32(2, why.pass);
     TEST_ASSERT_EQUAL_UINT32(3100000, why.speed_mrpm);
-    TEST_ASSERT_EQUAL_UINT32(3000000, cam_machine_highest_mrpm(&rig.machine));
+    TEST_ASSERT_EQUAL_UINT32(3000000, cam_machine_highest_mrpm(m));
     set(cam_param_spindle_mrpm, 2500000);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_check_speed(&rig.machine, 0));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_check_speed(m, 0));
 }
 
 /// Where a port has no axis for the swing, its speed is none, whatever the parameter says.

@@ -87,13 +87,21 @@ static void stop(void)
     expect_true_end();
 }
 
-/// With a plain helix and with rings.
+/// With a plain helix and with rings, and with overrides of the feed.
 static void test_a_cut_ends_where_it_should(void)
 {
-    for (int is_ring_helix = 0; is_ring_helix < 2; is_ring_helix++) {
-        part.is_ring_helix = is_ring_helix != 0;
+    static const struct {
+        bool is_ring_helix;
+        int32_t override_ppm;
+    } cases[] = {{false, 1000000}, {true, 1000000}, {false, 500000}, {false, 1500000}};
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        part.is_ring_helix = cases[i].is_ring_helix;
         fixture_rig_init(&rig, &part, 20000);
-        start_cut();
+        set(cam_param_feed_override_ppm, cases[i].override_ppm);
+        start();
+        const int32_t whole = turns(now().whole_q32);
+        until(cam_state_cutting);
+        TEST_ASSERT_INT32_WITHIN(whole / 1000, whole, turns(now().whole_q32));
         expect_true_end();
     }
 }
@@ -111,20 +119,6 @@ static void test_before_the_cut_the_whole_of_it_is_left(void)
     }
     TEST_ASSERT_INT32_WITHIN(1, due, turns(now().whole_q32));
     expect_true_end();
-}
-
-static void test_an_override_is_in_it(void)
-{
-    static const int32_t ppm[] = {500000, 1500000};
-    for (uint32_t i = 0; i < sizeof ppm / sizeof ppm[0]; i++) {
-        setUp();
-        set(cam_param_feed_override_ppm, ppm[i]);
-        start();
-        const int32_t whole = turns(now().whole_q32);
-        until(cam_state_cutting);
-        TEST_ASSERT_INT32_WITHIN(whole / 1000, whole, turns(now().whole_q32));
-        expect_true_end();
-    }
 }
 
 static void test_a_rehearsal_is_in_it(void)
@@ -191,7 +185,8 @@ static void test_the_speed_is_that_of_the_pass_with_its_override(void)
     TEST_ASSERT_EQUAL_UINT32(2500000, now().mrpm);
 }
 
-/// A hold that was asked for before the rehearsal is one of the cut after it.
+/// A hold that was asked for before the rehearsal is one of the cut after it. After a rehearsal
+/// that was stopped there is no cut.
 static void test_a_rehearsal_is_not_held(void)
 {
     set(cam_param_rehearse_turns, 3);
@@ -205,11 +200,7 @@ static void test_a_rehearsal_is_not_held(void)
     const int32_t from = position();
     until(cam_state_engaging);
     TEST_ASSERT_INT32_WITHIN(50, left - turns(now().left_q32), position() - from);
-}
-
-/// After a rehearsal that was stopped there is no cut.
-static void test_a_stopped_rehearsal_is_followed_by_nothing(void)
-{
+    setUp();
     set(cam_param_rehearse_turns, 1000);
     start();
     while (!g_cam.motion.is_playing || g_cam.motion.scale_q30 < 1 << 29) {
