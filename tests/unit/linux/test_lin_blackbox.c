@@ -12,15 +12,11 @@ void setUp(void)
     lin_blackbox_open(path, &error);
 }
 
-static void test_without_a_file_there_is_memory_and_nothing_kept(void)
-{
-    TEST_ASSERT_EQUAL_STRING("", error.text);
-    TEST_ASSERT_EQUAL_UINT32(0, lin_blackbox_memory().n_kept);
-    TEST_ASSERT_EQUAL_UINT32(lin_blackbox_words, lin_blackbox_memory().n_words);
-}
-
 static void test_words_that_are_kept_are_at_the_begin_after_a_restart(void)
 {
+    TEST_ASSERT_EQUAL_STRING("", error.text); // no file is nothing wrong
+    TEST_ASSERT_EQUAL_UINT32(0, lin_blackbox_memory().n_kept);
+    TEST_ASSERT_EQUAL_UINT32(lin_blackbox_words, lin_blackbox_memory().n_words);
     int32_t *words = lin_blackbox_memory().words;
     for (int32_t i = 0; i < 3000; i++) {
         words[1000 + i] = 7 * i - 9;
@@ -50,9 +46,7 @@ static void test_a_file_of_another_kind_is_reported_and_not_used(void)
 {
     static const long sizes[] = {1, 4093, 4L * lin_blackbox_words + 4};
     for (uint32_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
-        FILE *f = fopen(file, "w");
-        TEST_ASSERT_NOT_NULL(f);
-        (void)fclose(f);
+        put_file(file, "");
         TEST_ASSERT_EQUAL_INT(0, truncate(file, sizes[i]));
         lin_blackbox_open(path, &error);
         expect_error("not a black box; remove it");

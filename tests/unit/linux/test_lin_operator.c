@@ -14,10 +14,7 @@ static void write_secret(const char *text, mode_t mode)
 {
     (void)snprintf(config.secret_file, sizeof config.secret_file, "%s", path);
     (void)unlink(config.secret_file); // one that may only be read would stay
-    FILE *file = fopen(config.secret_file, "w");
-    TEST_ASSERT_NOT_NULL(file);
-    TEST_ASSERT_TRUE(fputs(text, file) >= 0);
-    (void)fclose(file);
+    put_file(config.secret_file, text);
     TEST_ASSERT_EQUAL_INT(0, chmod(config.secret_file, mode));
 }
 
@@ -62,17 +59,14 @@ static void test_a_secret_is_read_without_its_line_end(void)
     TEST_ASSERT_EQUAL_UINT32(64, lin_operator(&config).n_secret);
 }
 
-static void test_a_secret_that_others_may_read_or_write_is_refused(void)
+/// Others may neither read nor write it.
+static void test_a_secret_of_wrong_size_or_rights_is_refused(void)
 {
     static const mode_t modes[] = {0640, 0604, 0620, 0602, 0660, 0644};
     for (size_t i = 0; i < sizeof modes / sizeof modes[0]; i++) {
         write_secret("0123456789abcdef", modes[i]);
         refused("chmod 600");
     }
-}
-
-static void test_a_secret_of_another_size_is_refused(void)
-{
     write_secret("0123456789abcde\n", 0600);
     refused("give 16 .. 64 bytes");
     write_secret("0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef!", 0600);

@@ -51,62 +51,48 @@ static void test_keep_is_found_by_the_next_start(void)
     TEST_ASSERT_NOT_EQUAL_INT(0, access(fresh, F_OK));
 }
 
-static void test_keep_cut_off_leaves_the_old_ones(void)
+static void expect_not_kept(const char *why)
+{
+    TEST_ASSERT_FALSE(lin_params_keep("second", 6, &error));
+    expect_error(why);
+    expect_kept("first");
+}
+
+/// The start, not only the save, reports a read-only folder.
+static void test_keep_that_fails_leaves_the_old_ones(void)
 {
     keep_first();
     put_file(fresh, "sec"); // the supply fell while it was written
     lin_params_open(path, &error);
     expect_kept("first");
     n_good_syncs = 0;
-    TEST_ASSERT_FALSE(lin_params_keep("second", 6, &error));
-    expect_error("not written: Input/output error");
-    expect_kept("first");
-    lin_params_open(path, &error);
-    expect_kept("first");
-}
-
-static void test_folder_that_is_not_confirmed_is_reported(void)
-{
+    expect_not_kept("not written: Input/output error");
     n_good_syncs = 1;
-    TEST_ASSERT_TRUE(lin_params_keep("first", 5, &error));
-    expect_error("a power failure may restore the old one");
-    expect_kept("first");
-}
-
-/// The kept set is used; the start, not only the save, reports that nothing can be saved.
-static void test_read_only_folder_is_reported_at_the_start(void)
-{
-    keep_first();
+    TEST_ASSERT_EQUAL_INT(0, mkdir(fresh, 0700)); // a folder blocks the path, also for root
+    expect_not_kept("not written");
+    TEST_ASSERT_EQUAL_INT(0, rmdir(fresh));
     is_read_only = true;
     lin_params_open(path, &error);
     expect_error("parameters cannot be saved: folder: Read-only");
     expect_kept("first");
-    TEST_ASSERT_EQUAL_INT(0, mkdir(fresh, 0700)); // a folder blocks the path, also for root
-    TEST_ASSERT_FALSE(lin_params_keep("second", 6, &error));
-    TEST_ASSERT_EQUAL_INT(0, rmdir(fresh));
-    expect_kept("first");
+    TEST_ASSERT_TRUE(lin_params_keep("second", 6, &error)); // only its folder is not confirmed
+    expect_error("a power failure may restore the old one");
+    expect_kept("second");
 }
 
 static void test_file_that_cannot_be_read_is_damage(void)
 {
-    static char large[hal_params_most_bytes + 1];
-    memset(large, 'x', sizeof large);
-    FILE *file = fopen(path, "w");
-    TEST_ASSERT_NOT_NULL(file);
-    TEST_ASSERT_EQUAL_size_t(sizeof large, fwrite(large, 1, sizeof large, file));
-    (void)fclose(file);
+    static char large[hal_params_most_bytes + 2];
+    memset(large, 'x', sizeof large - 1u);
+    put_file(path, large);
     lin_params_open(path, &error);
     expect_error("more than 16384 bytes; remove it");
     TEST_ASSERT_TRUE(lin_params_kept().is_damaged);
     TEST_ASSERT_EQUAL_UINT32(0, lin_params_kept().size);
-    TEST_ASSERT_FALSE(lin_params_keep(large, sizeof large, &error));
+    TEST_ASSERT_FALSE(lin_params_keep(large, sizeof large - 1u, &error));
     lin_params_open(folder, &error);
     expect_error("cannot be read: Is a directory");
     TEST_ASSERT_TRUE(lin_params_kept().is_damaged);
-}
-
-static void test_empty_path_keeps_nothing(void)
-{
     lin_params_open("", &error);
     TEST_ASSERT_EQUAL_STRING("", error.text);
     TEST_ASSERT_FALSE(lin_params_keep("first", 5, &error));

@@ -79,7 +79,8 @@ static void turn(int n)
     }
 }
 
-static void test_encoder_speaks_of_the_middle_between_two_ticks(void)
+/// It speaks of the middle between two ticks.
+static void test_encoder_counts_and_wraps_at_its_modulus(void)
 {
     enable();
     turn(2000);
@@ -87,18 +88,14 @@ static void test_encoder_speaks_of_the_middle_between_two_ticks(void)
     const uint32_t counts =
         (uint32_t)(uint64_t)(config.lathe.encoder.start_counts + middle * 10000.0);
     TEST_ASSERT_INT32_WITHIN(1, counts, common_get_u32(said(0x181)->data));
-}
-
-static void test_encoder_wraps_at_its_modulus(void)
-{
     config.encoder_modulus = 10000;
     sim_bus_init(&bus, &config, X_NM, Z_NM);
     enable();
     uint32_t largest = 0;
     for (int i = 0; i < 1500; i++) {
         turn(1);
-        const uint32_t counts = common_get_u32(said(0x181)->data);
-        largest = counts > largest ? counts : largest;
+        const uint32_t now = common_get_u32(said(0x181)->data);
+        largest = now > largest ? now : largest;
     }
     TEST_ASSERT_GREATER_THAN_UINT32(9900, largest);
     TEST_ASSERT_LESS_THAN_UINT32(10000, largest);

@@ -11,7 +11,7 @@ enum {
     enable_operation = 0x0F,
     fault_reset = 0x80,
     it_fails = 0x10000,
-    it_comes_to_rest,
+    it_comes_to_rest
 };
 
 static sim_cia402_t drive;
@@ -39,15 +39,13 @@ static void test_status_words_are_those_of_the_standard(void)
     static const struct {
         cia402_state_t state;
         uint32_t mask, value;
-    } cases[] = {
-        {cia402_switch_on_disabled, 0x4F, 0x40},
-        {cia402_ready_to_switch_on, 0x6F, 0x21},
-        {cia402_switched_on, 0x6F, 0x23},
-        {cia402_operation_enabled, 0x6F, 0x27},
-        {cia402_quick_stop_active, 0x6F, 0x07},
-        {cia402_fault_reaction_active, 0x4F, 0x0F},
-        {cia402_fault, 0x4F, 0x08},
-    };
+    } cases[] = {{cia402_switch_on_disabled, 0x4F, 0x40},
+                 {cia402_ready_to_switch_on, 0x6F, 0x21},
+                 {cia402_switched_on, 0x6F, 0x23},
+                 {cia402_operation_enabled, 0x6F, 0x27},
+                 {cia402_quick_stop_active, 0x6F, 0x07},
+                 {cia402_fault_reaction_active, 0x4F, 0x0F},
+                 {cia402_fault, 0x4F, 0x08}};
     for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         drive.state = cases[i].state;
         TEST_ASSERT_EQUAL_HEX32(cases[i].value, sim_cia402_status(&drive) & cases[i].mask);

@@ -33,13 +33,11 @@ static void begin(bool is_turned)
     design.follower_mm = is_turned ? ROLLER_MM : WHEEL_MM;
     design.is_turned = is_turned;
     design.n_lobes = 1;
-    design.lobe[0] = (sim_lobe_t){
-        .z_last_mm = 12.0,
-        .phase_rad = PHASE_RAD,
-        .lift = {.law = sim_lobe_lift_disc,
-                 .reach_mm = DISC_MM + ROLLER_MM,
-                 .offset_mm = OFFSET_MM},
-    };
+    design.lobe[0] = (sim_lobe_t){.z_last_mm = 12.0,
+                                  .phase_rad = PHASE_RAD,
+                                  .lift = {.law = sim_lobe_lift_disc,
+                                           .reach_mm = DISC_MM + ROLLER_MM,
+                                           .offset_mm = OFFSET_MM}};
     sim_work_init(&work, 30.1, 0.0, 12.0, true);
     sim_lobe_work_init(&lobes, &design, &work, 1, TIP_MM, 0.0);
 }
@@ -65,15 +63,13 @@ static void turn_lobe(int n_turns, int ticks_per_turn, flaw_t flaw)
     for (int i = 0; i <= n_turns * ticks_per_turn + ticks_per_turn / 2; i++) {
         const double turn = (double)i / ticks_per_turn;
         const double phi = SIM_TWO_PI * turn - PHASE_RAD;
-        const sim_lobe_tool_t tool = {
-            .t_s = i / TICKS_S,
-            .turn = turn,
-            .centre_mm = centre_mm(phi) + flaw.far_mm,
-            .swing_deg = flaw.swung * pressure_rad(phi) * DEG,
-            .z_mm = 5.0 + 0.1 * turn,
-            .due_rad_s = SIM_TWO_PI * TICKS_S / ticks_per_turn,
-            .is_counted = turn >= 0.5,
-        };
+        const sim_lobe_tool_t tool = {.t_s = i / TICKS_S,
+                                      .turn = turn,
+                                      .centre_mm = centre_mm(phi) + flaw.far_mm,
+                                      .swing_deg = flaw.swung * pressure_rad(phi) * DEG,
+                                      .z_mm = 5.0 + 0.1 * turn,
+                                      .due_rad_s = SIM_TWO_PI * TICKS_S / ticks_per_turn,
+                                      .is_counted = turn >= 0.5};
         sim_lobe_work_cut(&lobes, &tool);
     }
 }

@@ -14,26 +14,21 @@ void setUp(void)
     config = sim_scale_defaults();
 }
 
-static void check_latency(double latency_us)
-{
-    const double f = SIM_TWO_PI * 100.0;
-    config.latency_us = latency_us;
-    sim_scale_init(&scale, &config, 0.0, STEP_S);
-    for (int i = 0; i < 400; i++) {
-        const double t_s = i * STEP_S;
-        sim_scale_push(&scale, 5e5 * sin(f * t_s), 5e5 * f * cos(f * t_s));
-        const double wanted = 5e5 * sin(f * (t_s - latency_us * 1e-6));
-        if (i > 30) {
-            TEST_ASSERT_DOUBLE_WITHIN(0.004, wanted, sim_scale_read_micro(&scale));
-        }
-    }
-}
-
 static void test_reading_is_older_by_the_latency(void)
 {
     static const double us[] = {0.0, 1.0, 4.5, 50.0, 75.0, 1000.0};
-    for (int i = 0; i < 6; i++) {
-        check_latency(us[i]);
+    const double f = SIM_TWO_PI * 100.0;
+    for (int k = 0; k < 6; k++) {
+        config.latency_us = us[k];
+        sim_scale_init(&scale, &config, 0.0, STEP_S);
+        for (int i = 0; i < 400; i++) {
+            const double t_s = i * STEP_S;
+            sim_scale_push(&scale, 5e5 * sin(f * t_s), 5e5 * f * cos(f * t_s));
+            const double wanted = 5e5 * sin(f * (t_s - us[k] * 1e-6));
+            if (i > 30) {
+                TEST_ASSERT_DOUBLE_WITHIN(0.004, wanted, sim_scale_read_micro(&scale));
+            }
+        }
     }
 }
 

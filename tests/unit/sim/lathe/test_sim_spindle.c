@@ -21,14 +21,10 @@ static void run(double set_rad_per_s, int n, double dt_s)
     }
 }
 
-static void test_step_far_from_set_speed_accelerates_by_torque_over_inertia(void)
+static void test_step_is_by_the_torque_and_near_the_set_speed_an_exponential(void)
 {
     run(250.0, 2000, PERIOD_S);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 50.0, spindle.speed_rad_per_s); // 500 rad/s2 for 0.1 s
-}
-
-static void test_step_near_set_speed_is_an_exponential(void)
-{
     spindle.speed_rad_per_s = 99.0;
     run(100.0, 500, PERIOD_S);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.0 - exp(-40.0 * 0.025), spindle.speed_rad_per_s);

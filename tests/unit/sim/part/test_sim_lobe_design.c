@@ -36,14 +36,12 @@ static bool read(const char *text)
 /// theta, OC and alpha_C of MATHS.md (30), to the digits of its worked table.
 static void test_disc_has_the_published_contacts(void)
 {
-    static const double golden[][3] = {
-        {0, 30.0, 0.0},
-        {15, 29.81482741, 14.2894418},
-        {60, 27.33594637, 57.4060029},
-        {90, 24.78478796, 86.6956948},
-        {135, 21.36048680, 132.2894311},
-        {165, 20.15666787, 163.9489426},
-    };
+    static const double golden[][3] = {{0, 30.0, 0.0},
+                                       {15, 29.81482741, 14.2894418},
+                                       {60, 27.33594637, 57.4060029},
+                                       {90, 24.78478796, 86.6956948},
+                                       {135, 21.36048680, 132.2894311},
+                                       {165, 20.15666787, 163.9489426}};
     TEST_ASSERT_TRUE(read("{" HEAD ", \"lobes\": [" DISC "]}"));
     for (int i = 0; i < 6; i++) {
         const double theta = golden[i][0] / 360.0 * SIM_TWO_PI;
