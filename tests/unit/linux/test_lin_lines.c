@@ -67,67 +67,55 @@ const char *lin_gpio_library(void)
     return "none";
 }
 
-void suiteSetUp(void)
+void setUp(void)
 {
     const lin_config_t config = lin_config_defaults();
     common_error_t error;
-    if (!lin_lines_open(&config, &error)) {
-        abort();
-    }
-}
-
-void setUp(void)
-{
+    TEST_ASSERT_TRUE(lin_lines_open(&config, &error));
     for (int i = 0; i < n_places; i++) {
         chip[i].is_broken = false;
         chip[i].n_writes = 0;
     }
 }
 
-static void test_only_changes_are_written(void)
+static void write(uint32_t outputs, uint32_t n)
 {
-    for (int i = 0; i < 10; i++) {
-        lin_lines_write(hal_out_enable);
+    for (uint32_t i = 0; i < n; i++) {
+        lin_lines_write(outputs);
     }
-    TEST_ASSERT_TRUE(enable->is_high);
-    TEST_ASSERT_EQUAL_UINT32(1, enable->n_writes);
+}
+
+static void expect_enable(bool is_high, uint32_t n_writes)
+{
+    TEST_ASSERT_EQUAL(is_high, enable->is_high);
+    TEST_ASSERT_EQUAL_UINT32(n_writes, enable->n_writes);
+}
+
+/// Only changes are written, and enable low until it is written. A line that was lost is an
+/// emergency stop for good.
+static void test_enable_low_is_repeated_until_it_is_written(void)
+{
+    write(hal_out_enable, 10);
+    expect_enable(true, 1);
     TEST_ASSERT_EQUAL_UINT32(0, fault->n_writes);
     TEST_ASSERT_EQUAL_HEX32(hal_in_drive_ready, lin_lines_read());
     TEST_ASSERT_EQUAL_INT(lin_n_lines, lin_lines_lost());
-}
-
-/// Behind test_only_changes_are_written(): enable is high.
-static void test_enable_low_is_repeated_until_it_is_written(void)
-{
     enable->is_broken = true;
-    for (uint32_t i = 1; i <= 5u; i++) {
-        lin_lines_write(hal_out_fault);
-        TEST_ASSERT_EQUAL_UINT32(i, enable->n_writes);
-        TEST_ASSERT_TRUE(enable->is_high);
-    }
+    write(hal_out_fault, 5);
+    expect_enable(true, 6);
     TEST_ASSERT_EQUAL_INT(lin_line_enable, lin_lines_lost());
     TEST_ASSERT_EQUAL_HEX32(hal_in_estop, lin_lines_read());
     enable->is_broken = false;
-    lin_lines_write(hal_out_fault);
-    lin_lines_write(hal_out_fault);
-    TEST_ASSERT_FALSE(enable->is_high);
-    TEST_ASSERT_EQUAL_UINT32(6, enable->n_writes);
+    write(hal_out_fault, 2);
+    expect_enable(false, 7);
     TEST_ASSERT_EQUAL_UINT32(1, fault->n_writes);
-}
-
-/// A write that failed may have taken effect, so low is written although it was low before.
-static void test_enable_that_could_not_be_set_is_taken_back(void)
-{
+    // A write that failed may have taken effect, so low is written although it was low before.
     enable->is_broken = true;
-    lin_lines_write(hal_out_enable | hal_out_fault);
+    write(hal_out_enable | hal_out_fault, 1);
     enable->is_broken = false;
     enable->is_high = true;
-    lin_lines_write(hal_out_fault);
-    TEST_ASSERT_FALSE(enable->is_high);
-}
-
-static void test_line_that_was_lost_is_an_emergency_stop_for_good(void)
-{
+    write(hal_out_fault, 1);
+    expect_enable(false, 9);
     TEST_ASSERT_TRUE(estop->is_high);
     TEST_ASSERT_EQUAL_HEX32(hal_in_estop, lin_lines_read());
 }
