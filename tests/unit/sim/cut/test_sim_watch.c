@@ -117,8 +117,8 @@ bool sim_link_is_stopped(void)
     return is_signalled && period > cut_begin;
 }
 
-/// Watch until the end. @return how it ended
-static const char *run(void)
+/// Watch until the end, which must be this one.
+static void expect_end(const char *name, bool is_good)
 {
     memset(&watch, 0, sizeof watch);
     TEST_ASSERT_TRUE_MESSAGE(
@@ -128,13 +128,13 @@ static const char *run(void)
     while (watch.end == sim_watch_running && period < 10000) {
         sim_watch_tick(&watch);
     }
-    return sim_watch_end_name(&watch);
+    TEST_ASSERT_EQUAL_STRING(name, sim_watch_end_name(&watch));
+    TEST_ASSERT_EQUAL(is_good, sim_watch_is_good(&watch));
 }
 
 static void test_cut_is_done_when_the_controller_is_ready_again(void)
 {
-    TEST_ASSERT_EQUAL_STRING("done", run());
-    TEST_ASSERT_TRUE(sim_watch_is_good(&watch));
+    expect_end("done", true);
     TEST_ASSERT_EQUAL_STRING("ready", sim_watch_state(&watch));
     TEST_ASSERT_DOUBLE_WITHIN(0.002, 0.3, watch.session.cut_s);
     TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.3 * 5.0, watch.session.cut_turns); // 300 r/min
@@ -144,35 +144,28 @@ static void test_cut_is_done_when_the_controller_is_ready_again(void)
 static void test_fault_ends_when_all_rests(void)
 {
     fault_at = 400;
-    TEST_ASSERT_EQUAL_STRING("fault", run());
-    TEST_ASSERT_FALSE(sim_watch_is_good(&watch));
+    expect_end("fault", false);
     TEST_ASSERT_EQUAL_HEX32(1u, watch.faults);
     TEST_ASSERT_DOUBLE_WITHIN(0.003, 0.4, watch.fault_s);
     TEST_ASSERT_TRUE(watch.stopped_s > watch.fault_s);
 }
 
+/// A controller without SYNC is lost. An injection reaches the nodes meanwhile.
 static void test_controller_without_sync_is_lost(void)
 {
+    TEST_ASSERT_TRUE(sim_inject_parse(&options.session.inject[options.session.n_injects++],
+                                      "u-block@0.05", sim_inject_on_bus, &error));
     gone_at = 400;
-    TEST_ASSERT_EQUAL_STRING("lost", run());
-    TEST_ASSERT_FALSE(sim_watch_is_good(&watch));
+    expect_end("lost", false);
+    TEST_ASSERT_TRUE(watch.bus.lathe.drive[hal_axis_u].is_blocked);
 }
 
 static void test_time_and_signals_end_it(void)
 {
     options.is_staying = true;
-    TEST_ASSERT_EQUAL_STRING("timeout", run());
+    expect_end("timeout", false);
     sim_watch_close(&watch);
     period = 0;
     is_signalled = true;
-    TEST_ASSERT_EQUAL_STRING("stopped", run());
-    TEST_ASSERT_TRUE(sim_watch_is_good(&watch));
-}
-
-static void test_injection_reaches_the_nodes(void)
-{
-    TEST_ASSERT_TRUE(sim_inject_parse(&options.session.inject[options.session.n_injects++],
-                                      "u-block@0.1", sim_inject_on_bus, &error));
-    (void)run();
-    TEST_ASSERT_TRUE(watch.bus.lathe.drive[hal_axis_u].is_blocked);
+    expect_end("stopped", true);
 }

@@ -76,19 +76,26 @@ static void test_rehearsal_leaves_the_turns_of_full_amplitude(void)
     }
 }
 
+/// Of two passes.
 static void test_cut_behind_it_has_the_largest_error_of_each_turn(void)
 {
-    whole_rehearsal(20.0);
-    rest(6.0, true);
-    cut(1.0, 3.0);
-    cut(1.0, 2.0);
-    cut(0.6, 1.0);
-    rest(1.0, false);
-    TEST_ASSERT_EQUAL_UINT32(kept - 1 + 3, turns.n);
-    TEST_ASSERT_EQUAL_INT(sim_turns_cut, turns.entry[kept - 1].kind);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 3.0, turns.entry[kept - 1].um);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 2.0, turns.entry[kept].um);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, turns.entry[kept + 1].um); // a part of a turn counts
+    const sim_turn_t *first = &turns.entry[kept - 1];
+    for (uint32_t pass = 1; pass <= 2u; pass++) {
+        whole_rehearsal(20.0);
+        rest(6.0, true);
+        cut(1.0, 3.0);
+        cut(1.0, 2.0);
+        cut(0.6, 1.0); // a part of a turn counts
+        rest(1.0, false);
+        TEST_ASSERT_EQUAL_UINT32(pass * (kept + 2), turns.n);
+        TEST_ASSERT_EQUAL_INT(sim_turns_rehearsed, first[-1].kind);
+        for (int i = 0; i < 3; i++) {
+            TEST_ASSERT_EQUAL_INT(sim_turns_cut, first[i].kind);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-9, 3.0 - i, first[i].um);
+            TEST_ASSERT_TRUE(first[i].turn > first[i - 1].turn);
+        }
+        first += kept + 2;
+    }
     TEST_ASSERT_DOUBLE_WITHIN(1e-2, 4.37 + rise + kept + fall + 6.0, turns.entry[kept - 1].turn);
 }
 
@@ -104,19 +111,6 @@ static void test_rehearsal_that_was_broken_off_keeps_what_was_full(void)
     rehearse(9.0, 0.0, 0.0, 0.0); // U never moved
     rest(1.0, false);
     TEST_ASSERT_EQUAL_UINT32(0, turns.n);
-}
-
-static void test_each_of_several_passes_has_its_turns(void)
-{
-    for (int pass = 0; pass < 2; pass++) {
-        whole_rehearsal(5.0);
-        rest(2.0, true);
-        cut(4.0, 1.0);
-        rest(2.0, false);
-    }
-    TEST_ASSERT_EQUAL_UINT32(2 * (kept - 1 + 4), turns.n);
-    TEST_ASSERT_EQUAL_INT(sim_turns_rehearsed, turns.entry[kept - 1 + 4].kind);
-    TEST_ASSERT_TRUE(turns.entry[kept + 3].turn > turns.entry[kept + 2].turn);
 }
 
 /// A long cut stays in the memory, and its largest error in the history.
