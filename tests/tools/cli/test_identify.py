@@ -123,6 +123,7 @@ def test_drive_that_rings_is_fitted_beside_its_mode(tmp_path: Path) -> None:
         assert settings["u_friction_nm"] == pytest.approx(friction_nm, rel=0.02)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_part_may_decide(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Known too little, but good enough for the part; else status 1, one line and no file."""
     machine = tmp_path / "coarse.toml"
@@ -141,6 +142,7 @@ def test_part_may_decide(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> 
     assert (tmp_path / "coarse_identified.toml").exists()
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_recording_of_another_instrument(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -208,6 +210,7 @@ def excited_plant(plant: Plant) -> Callable[..., Recording]:
     return excite
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_settings_reach_the_controller(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -230,6 +233,7 @@ def test_state_must_be_ready(bench: Bench, capsys: pytest.CaptureFixture[str]) -
     assert "the state is off, U is excited in ready only; enable and home" in said
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_excitation_over_the_bus(bench: Bench, capsys: pytest.CaptureFixture[str]) -> None:
     """U of the bench does at once what it is told: excited and recorded, but no drive to be set."""
     ready(bench)

@@ -5,13 +5,15 @@ from collections.abc import Iterator
 
 import pytest
 
+from tests.tools.cases.command_cases import undraw
 from tests.tools.cases.drive_plant import designed
 
 
 @pytest.fixture(scope="package", autouse=True)
 def _loops() -> Iterator[None]:
-    """Design the loop of a drive once."""
+    """Design the loop of a drive once; leave pictures empty, which a module's example draws."""
     with pytest.MonkeyPatch.context() as patch:
+        undraw(patch)
         for user in ("judgement", "proposal"):
             patch.setattr(f"camtools.tune.{user}.best", designed)
         yield

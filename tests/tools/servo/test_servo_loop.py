@@ -125,8 +125,12 @@ def played(plant: Plant, outer_n: float) -> tuple[NDArray[np.float64], NDArray[n
 
 CASES = pytest.mark.parametrize(
     ("plant", "most_um"),
-    [(SLOW, 3.5), (QUICK, 2.2), (FAST, 1.1), (SOFT, 6.0)],
-    ids=["75 us", "25 us", "25 us and 3 kHz", "soft"],
+    [
+        pytest.param(SLOW, 3.5, id="75 us"),
+        pytest.param(QUICK, 2.2, id="25 us", marks=pytest.mark.long),
+        pytest.param(FAST, 1.1, id="25 us and 3 kHz", marks=pytest.mark.long),
+        pytest.param(SOFT, 6.0, id="soft"),
+    ],
 )
 BACK = round(0.02 * STEP_HZ)
 
@@ -175,7 +179,14 @@ def test_gain_margin_is_that_of_the_closed_loop(plant: Plant, most_um: float) ->
     assert unstable[-100:].max() > 2.0 * most_um
 
 
-@pytest.mark.parametrize(("plant", "most_um"), [(SLOW, 0.45), (QUICK, 0.26), (FAST, 0.08)])
+@pytest.mark.parametrize(
+    ("plant", "most_um"),
+    [
+        (SLOW, 0.45),
+        pytest.param(QUICK, 0.26, marks=pytest.mark.long),
+        pytest.param(FAST, 0.08, marks=pytest.mark.long),
+    ],
+)
 def test_feed_forward_is_led_by_the_whole_delay(plant: Plant, most_um: float) -> None:
     """With the right mass and friction, before any learning; 295 N at the peak."""
     seen, right = played(plant, 0.0)
