@@ -235,6 +235,7 @@ def test_tolerances_of_a_part_file(perkins: SkirtPart) -> None:
         FormTolerances.model_validate({"ovality_um": 2.0})
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_sections_without_roundness() -> None:
     """A part of a turn is named, not judged; a lobe has no axes; along the normal."""
     found = make_sheets(cut_of(GaugedSections((section(), section(2, 3000)), ())), OVAL)
@@ -281,6 +282,7 @@ def test_too_few_ticks_call_no_roundness_good(is_fastest_told: bool) -> None:
         assert by_name(found.sections[0].features)[name].verdict == verdict
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_what_is_out_is_told_by_the_verdict_of_the_part() -> None:
     """The form error is good, a stated tolerance is not: the part is out, and its data say why."""
     cut = cut_of(GAUGED, 9.0)
