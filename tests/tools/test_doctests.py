@@ -34,9 +34,25 @@ def modules() -> Iterator[str]:
                 yield module.name
 
 
+PLOTS = sorted(name for name in modules() if name.endswith("plots"))
+
+
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("name", sorted(set(modules()) - WITHOUT))
 def test_module_example(name: str) -> None:
     """The module's docstring holds an example, and it gives what it says."""
+    check_example(name)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", PLOTS)
+def test_pictures_of_an_example_are_drawn(name: str) -> None:
+    """Drawing refuses none of them."""
+    check_example(name)
+
+
+def check_example(name: str) -> None:
+    """Run the example of a module."""
     result = doctest.testmod(importlib.import_module(name))
     assert result.attempted > 0 or name.startswith(DRAWING)
     assert result.failed == 0
