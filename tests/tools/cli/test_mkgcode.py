@@ -106,7 +106,7 @@ def test_opposite_rotation_and_diameters(tmp_path: Path) -> None:
         ("perkins240", {"path": '"stepped"', "feed_mm": "0.2", "spindle_rpm": "500"}),
         ("perkins240_equal_volume", {"spindle_rpm": "200"}),
         ("perkins240_equal_volume", {"spindle_rpm": "200", "path": '"stepped"'}),
-        ("16v240zj", {}),
+        pytest.param("16v240zj", {}, marks=pytest.mark.long),
         ("scan90", {}),
         ("scan90", {"direction": "-1"}),
         ("perkins240_equal_volume", {"spindle_rpm": "200", "direction": "-1"}),
