@@ -2,8 +2,7 @@
 /// main: start-up and background loop of an image for a machine. The simulator has a loop of its
 /// own.
 #include "cam_machine.h"
-#include "cam_machine_scope.h"
-#include "cam_can.h"
+#include "cam_remote.h"
 #include "hal/hal.h"
 #include "hal/version.h"
 

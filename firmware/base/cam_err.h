@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_err: errors of the slow side. The interrupt returns none; it latches faults (cam_guard.h).
+/// cam_err: errors of the slow side. The interrupt returns none; it latches faults (cam_state.h).
 #ifndef CAM_ERR_H
 #define CAM_ERR_H
 
@@ -65,7 +65,7 @@
     X(spindle_loop,          -57, "the spindle's speed loop is too slow for its modulation") \
     X(spindle_set_point,     -58, "the set-point of the speed loop would exceed the highest speed") \
     X(z_stations,            -59, "the table stops Z at each lobe, which a measured Z cannot do") \
-    /* Recorder and excitation (cam_scope.h, cam_machine_identify.h) */ \
+    /* Recorder and excitation (cam_recorder.h, cam_machine.h) */ \
     X(scope_field,           -60, "there is no such field of the recorder, or it is read-only") \
     X(scope_range,           -61, "the value is out of the range of the recorder's field") \
     X(scope_memory,          -62, "the memory of the recorder is too small for it") \
@@ -76,7 +76,7 @@
     X(wave_speed,            -68, "the wave would move U faster than it can") \
     X(wave_acceleration,     -69, "the wave would accelerate U more than it can") \
     X(wave_clear,            -70, "X is not far enough off the work for the wave of U") \
-    /* Jogging and homing (cam_machine_jog.h) */ \
+    /* Jogging and homing (cam_machine.h) */ \
     X(hand_axis,             -71, "there is no such axis, or the controller does not move it") \
     X(hand_speed,            -72, "the speed exceeds the axis's jog speed") \
     X(travel,                -73, "an axis would leave its travel") \
@@ -96,9 +96,9 @@
     X(params_keep,           -91, "the parameters could not be kept") \
     X(scope_unread,          -95, "the black box of a fault has not been read yet") \
     X(scope_before,          -96, "more rows are requested before the trigger than fit") \
-    /* Outputs of the port (cam_derived_limits.h) */ \
+    /* Outputs of the port (cam_feasible.h) */ \
     X(param_output,         -110, "the axis would be faster than the port's output allows") \
-    /* Command and level (cam_rights.h, cam_acknowledge.h) */ \
+    /* Command and level (cam_param.h, cam_plan.h) */ \
     X(acknowledge,          -120, "press the acknowledge button at the machine: required after power-on, " \
                                   "emergency stop or fault") \
     X(acknowledge_none,     -121, "the port has no input acknowledge, and its builder has not waived it in the " \
@@ -108,14 +108,14 @@
     X(lock_none,            -124, "locked for good: the port has neither a key switch nor a secret") \
     X(unlock,               -125, "the answer does not match the last challenge, which is now void") \
     X(hard_limit,           -126, "the value exceeds the limits that the port's builder fixed when its image was built") \
-    /* Timed moves and their feed-forward (cam_gains.h); length of a cut (cam_feasible.h) */ \
+    /* Timed moves, their feed-forward, and the length of a cut (cam_feasible.h) */ \
     X(gain,                 -135, "the command to U, feed-forward included, would exceed its limits") \
     X(jerk,                 -136, "the jerk is so small that its window does not fit") \
     X(turns,                -137, "the feed is so small that the part has too many turns") \
     X(u_command,            -138, "the feed-forward would command U beyond its stroke") \
     X(u_command_speed,      -139, "the feed-forward would command U faster than its limits allow") \
     X(u_command_acceleration, -140, "the feed-forward would command U to accelerate too much") \
-    /* Position loop of U (cam_servo_design.h) */ \
+    /* Position loop of U (cam_feasible_inner.h) */ \
     X(servo_none,           -141, "U takes forces, but its position loop is not set: tools/tune designs it") \
     X(servo,                -142, "a parameter of U's position loop is beyond its bound by the others") \
     X(servo_force,          -143, "acceleration, speed and stroke of U would take more than the force limit") \

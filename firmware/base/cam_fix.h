@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_fix: fixed-point operations, inline, for both sides.
+/// cam_fix: arithmetic of both sides, inline: fixed point, angles, and the fences between the
+/// sides.
+///
+/// Read the operations on numbers first, then the two kinds of angles, last the fences.
 ///
 /// `_q<n>` in a name gives the number of fraction bits: 0.5 in q28 is 2^27. Right shifts of
 /// negative numbers are arithmetic (asserted below), so they round towards minus infinity. Left
 /// shifts of signed values are written as multiplications and sums that wrap by design are computed
 /// in uint32, because C11 leaves both undefined for signed operands. Names in brackets are single
 /// instructions of Cortex-M4/M7: ARMv7-M Architecture Reference Manual, A7.7. Context of all
-/// functions: ISR or slow side, unless noted.
+/// functions: ISR or slow side, constant time, unless noted.
 #ifndef CAM_FIX_H
 #define CAM_FIX_H
 
-#include <stdbool.h> // bool
-#include <stdint.h>  // int32_t, int64_t
+#include <stdatomic.h> // fences
+#include <stdbool.h>   // bool
+#include <stdint.h>    // int32_t, int64_t, uint32_t
 
 _Static_assert((-3 >> 1) == -2, "arithmetic right shift");
 
@@ -293,6 +297,61 @@ static inline int64_t cam_per_rad(int64_t x)
 static inline bool cam_is_between(int64_t v, int64_t low, int64_t high)
 {
     return v >= low && v <= high;
+}
+
+/// Angles and master positions. An angle is `theta_q32`: uint32, 2^32 = one turn, so that it wraps
+/// by design; a quarter turn is 0x40000000. A master position is `pos_q32`: int64, Q32.32 turns
+/// since the index was found, rising while the spindle turns in the sense of cutting. It cannot
+/// overflow in practice: 2^31 turns at 3000 r/min last 497 days, and every homing restarts the
+/// count.
+
+/// 2 pi * 2^24
+#define CAM_TWO_PI_Q24 INT64_C(105414357)
+
+/// One turn of a master position.
+#define CAM_TURN_Q32 ((int64_t)1 << 32)
+
+/// @return [turn / 2^32] the angle within the turn of a master position
+static inline uint32_t cam_angle_of_pos(int64_t pos_q32)
+{
+    return (uint32_t)((uint64_t)pos_q32);
+}
+
+/// @return [turn, Q32.32] the first whole turn at or after pos_q32
+static inline int64_t cam_angle_next_turn(int64_t pos_q32)
+{
+    return (int64_t)(((uint64_t)pos_q32 + (uint64_t)(CAM_TURN_Q32 - 1)) &
+                     ~(uint64_t)(CAM_TURN_Q32 - 1));
+}
+
+/// Fences: the interrupt's side of every hand-over to and from the slow side. The writer writes the
+/// data first and then sets an atomic index or counter. The slow side uses C11 acquire and release
+/// operations; the interrupt uses a relaxed operation and one of these fences. On a Cortex-M both
+/// sides run on one core, so keeping the compiler's order is enough. Elsewhere (simulator, Linux)
+/// they may run on different cores, and the fence is a real one.
+
+/// Memory order of the interrupt's own atomic loads and stores. The fences alone would do, but a
+/// thread sanitizer does not understand fences, and with several cores the orders cost nothing.
+#if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
+#define CAM_ORDER_ACQUIRE memory_order_relaxed
+#define CAM_ORDER_RELEASE memory_order_relaxed
+#define CAM_FENCE atomic_signal_fence
+#else
+#define CAM_ORDER_ACQUIRE memory_order_acquire
+#define CAM_ORDER_RELEASE memory_order_release
+#define CAM_FENCE atomic_thread_fence
+#endif
+
+/// Call after the load that shows a hand-over: from here on all earlier writes are visible.
+static inline void cam_fence_acquire_isr(void)
+{
+    CAM_FENCE(memory_order_acquire);
+}
+
+/// Call before the store that hands over: a side that sees the store also sees all earlier writes.
+static inline void cam_fence_release_isr(void)
+{
+    CAM_FENCE(memory_order_release);
 }
 
 #endif

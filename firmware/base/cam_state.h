@@ -56,7 +56,7 @@ typedef enum {
     cam_request_reset,
     cam_request_table_fault, ///< raise fault `table`: the background check found damage
     cam_request_identify,    ///< play the wave of the configuration on U
-    cam_request_manual,      ///< enable the drives without the spindle, for jogging (cam_jog.h)
+    cam_request_manual,      ///< enable the drives without the spindle, for jogging (cam_plan.h)
 } cam_request_t;
 
 /// Faults in the order of their bits, each with a clause for people. FAULTS.md lists how soon each

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_build.h"
-#include "cam_angle.h"          // CAM_TURN_Q32
-#include "cam_build_inner.h"    // cam_build_motion
-#include "cam_changes.h"        // cam_changes_build
-#include "cam_demand.h"         // cam_demand_half_stroke_nm
-#include "cam_derived_limits.h" // cam_derived_limits_jump_counts
-#include "cam_fix.h"            // cam_sat_i32
-#include "cam_plan.h"           // cam_plan_ticks
-#include "cam_units.h"          // cam_units_ticks_of_ns
-#include "cam_feed_profile.h"   // cam_feed_profile_z_last_nm
-#include "hal/hal.h"            // hal_has_edge_time
-#include <stddef.h>             // NULL
+#include "cam_build_inner.h"
+#include "cam_fix.h"      // CAM_TURN_Q32, cam_sat_i32
+#include "cam_feasible.h" // cam_changes_build, cam_demand_half_stroke_nm
+#include "cam_plan.h"     // cam_plan_ticks
+#include "cam_eval.h"     // cam_feed_profile_z_last_nm
+#include "hal/hal.h"      // hal_has_edge_time
+#include <stddef.h>       // NULL
 
 enum {
     height_end = 64,       ///< [slices / 2^32] of U's height below the last slice, with rounding

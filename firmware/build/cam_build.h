@@ -4,11 +4,11 @@
 #ifndef CAM_BUILD_H
 #define CAM_BUILD_H
 
-#include "cam_config.h"  // cam_config_t
-#include "cam_err.h"     // CAM_MUST_USE
-#include "cam_param.h"   // cam_params_t
-#include "cam_refusal.h" // cam_refusal_t
-#include <stdint.h>      // int32_t, uint32_t
+#include "cam_config.h" // cam_config_t
+#include "cam_err.h"    // CAM_MUST_USE
+#include "cam_param.h"  // cam_params_t, cam_refusal_t
+#include "cam_table.h"  // cam_table_t
+#include <stdint.h>     // int32_t, int64_t, uint32_t
 
 /// Derive a configuration.
 /// @param config      result, on success complete but for cam_config_learn()
@@ -35,5 +35,11 @@ static inline int32_t cam_build_settle_turns(const cam_params_t *params)
 
 /// @return [turn / 2^32 per tick] of a speed, rounded, saturated
 int32_t cam_build_speed_q32(uint32_t speed_mrpm, uint32_t tick_hz);
+
+/// @return a * b / c rounded to nearest; a * b must fit 62 bits; a, b >= 0, c > 0
+static inline int64_t cam_units_scale(int64_t a, int64_t b, int64_t c)
+{
+    return (a * b + c / 2) / c;
+}
 
 #endif

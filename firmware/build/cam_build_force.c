@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_build_inner.h"
-#include "cam_angle.h"       // CAM_TWO_PI_Q24
-#include "cam_fix.h"         // cam_clamp_i64
-#include "cam_servo_setup.h" // cam_servo_setup
-#include "cam_units.h"       // cam_units_scale
-#include "hal/hal.h"         // hal_takes_force
-#include <stdbool.h>         // bool
+#include "cam_fix.h"      // CAM_TWO_PI_Q24, cam_clamp_i64
+#include "cam_feasible.h" // cam_servo_setup
+#include "hal/hal.h"      // hal_takes_force
+#include <stdbool.h>      // bool
 
 enum {
     observer_hz = 300, ///< bandwidth of the observer, at most a twentieth of the tick rate

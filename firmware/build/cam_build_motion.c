@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_build_inner.h"
-#include "cam_angle.h"          // CAM_TURN_Q32
-#include "cam_cut.h"            // cam_cut_smaller
-#include "cam_derived_limits.h" // cam_derived_limits_approach_share
-#include "cam_fix.h"            // cam_clamp_i64, cam_root_u64
-#include "cam_gains.h"          // cam_gains_log2_window
-#include "cam_jerk_filter.h"    // cam_jerk_filter_most_q10
-#include "cam_units.h"          // cam_units_scale
+#include "cam_fix.h"      // CAM_TURN_Q32, cam_clamp_i64, cam_root_u64
+#include "cam_feasible.h" // cam_cut_smaller, cam_derived_limits_approach_share
+#include "cam_motion.h"   // cam_jerk_filter_most_q10
 
 /// [nm / 1024 per tick or plan] limit of speeds and accelerations, so that their sum fits a word
 #define MOST_Q10 (INT64_C(1) << 29)
@@ -160,7 +156,7 @@ void cam_build_jog(cam_config_t *config, const cam_params_t *params, uint32_t ti
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         jog->limits[i].log2_window = gentle[i].log2_window;
     }
-    // Braking in steps may overshoot by an eighth of the acceleration (cam_move_profile.h).
+    // Braking in steps may overshoot by an eighth of the acceleration (cam_motion.h).
     const int64_t over_q10 = jog->limits[hal_axis_u].acceleration_q10 / 8 + 1024;
     const int64_t end_q10 = (int64_t)p->u_stroke_nm * 512 - over_q10;
     jog->u_end_q10 = cam_clamp_i64(end_q10, 0, INT64_MAX) / 1024 * 1024;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_changes.h"
+#include "cam_feasible.h"
 #include "cam_fix.h" // cam_clamp_i64
 
 /// The override 1, and the smallest above 0: its reciprocal still fits a word.

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_command.h"
-#include "cam_bounds.h" // cam_bounds_next
-#include "cam_fix.h"    // cam_abs_i64
-#include "cam_gains.h"  // cam_gains_log2_window
-#include <stdbool.h>    // bool
-#include <stddef.h>     // NULL
+#include "cam_feasible_inner.h"
+#include "cam_table.h" // cam_bounds_next
+#include "cam_fix.h"   // cam_abs_i64
+#include <stdbool.h>   // bool
+#include <stddef.h>    // NULL
 
 /// Bernstein coefficients of a quintic. A derivative is raised to the same degree.
 enum { n_coefficients = 6 };

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_demand.h"
-#include "cam_command.h"    // cam_command_stroke_demand
-#include "cam_z_coupling.h" // cam_z_coupling_of
-#include "cam_peaks.h"      // cam_peaks_set_point_q20
-#include "cam_plan.h"       // cam_plan_ticks
-#include <stdbool.h>        // bool
-#include <stddef.h>         // size_t
+#include "cam_feasible_inner.h"
+#include "cam_table.h" // cam_peaks_set_point_q20
+#include "cam_plan.h"  // cam_plan_ticks
+#include <stdbool.h>   // bool
+#include <stddef.h>    // size_t
 
 /// The interrupt's arithmetic holds 16 knots per tick; half of them leaves room for overspeed.
 enum { max_knots_per_tick = 8 };

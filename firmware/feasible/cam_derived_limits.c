@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_derived_limits.h"
-#include "cam_cut.h"   // cam_cut_divided_up
-#include "cam_fix.h"   // cam_clamp_i64
-#include "cam_gains.h" // cam_gains_check
-#include "cam_guard.h" // cam_guard_history
-#include "hal/hal.h"   // hal_axis_scale
-#include <stdbool.h>   // bool
-#include <stddef.h>    // NULL
+#include "cam_feasible.h"
+#include "cam_fix.h"  // cam_clamp_i64
+#include "cam_tick.h" // cam_guard_history
+#include "hal/hal.h"  // hal_axis_scale
+#include <stdbool.h>  // bool
+#include <stddef.h>   // NULL
 
 enum { least_jump_counts = 8, quantisation_counts = 4, most_jump_counts = 1 << 30 };
 enum {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_feasible.h"
-#include "cam_changes.h" // cam_changes_feed_ppm
+#include "cam_feasible_inner.h"
 
 /// [turns] Most feed of a part, ramps included: a day at 3000 r/min. All lengths of
-/// cam_feed_motion.h fit their words with it, whatever the override.
+/// cam_feed_motion_t fit their words with it, whatever the override.
 enum { most_turns = 1 << 22 };
 
 /// Widths of the ranges that are searched: 2^26 / 1000 = 67 109 r/min and 2^24 nm = 16.8 mm.
@@ -40,7 +39,7 @@ static cam_cut_t cut_of(const cam_table_t *table, const cam_params_t *params, ui
     return c;
 }
 
-/// With a feed of a nanometre a tall part takes more turns than cam_feed_motion.h can count. Unlike
+/// With a feed of a nanometre a tall part takes more turns than cam_feed_motion_t can count. Unlike
 /// the demands of the axes (cam_demand_t) this one falls with a rising feed.
 static cam_demand_t turns_demand(const cam_cut_t *c)
 {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_gains.h"
-#include "cam_cut.h"         // cam_cut_divided_up, cam_cut_greater
-#include "cam_jerk_filter.h" // cam_jerk_filter_most_log2
-#include "cam_plan.h"        // cam_plan_ticks
-#include <stdbool.h>         // bool
-#include <stddef.h>          // size_t
+#include "cam_feasible.h"
+#include "cam_motion.h" // cam_jerk_filter_most_log2
+#include "cam_plan.h"   // cam_plan_ticks
+#include <stdbool.h>    // bool
+#include <stddef.h>     // size_t
 
 /// Without a jerk: shortest window of U, which is also at least two ticks, and that of X and Z.
 enum { least_u_ns = 800000, least_xz_ns = 6400000 };

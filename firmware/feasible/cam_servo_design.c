@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_servo_design.h"
+#include "cam_feasible_inner.h"
 #include "cam_doubles.h" // CAM_PI, cam_nearest, cam_root
 #include "cam_fix.h"     // cam_is_between
 #include <stdbool.h>     // bool

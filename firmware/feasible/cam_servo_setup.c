@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_servo_setup.h"
-#include "cam_servo_design.h" // cam_servo_design
-#include "hal/hal.h"          // hal_force, hal_takes_force
+#include "cam_feasible_inner.h"
+#include "hal/hal.h" // hal_force, hal_takes_force
 
 /// Mass x square of the tick rate, 10^9 / 128, up to which motion_q24 of cam_build_force.c exceeds
 /// its word.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_z_coupling.h"
-#include "cam_feed.h" // cam_feed_ramp_q32
-#include <stdbool.h>  // bool
-#include <stddef.h>   // NULL
+#include "cam_feasible_inner.h"
+#include "cam_motion.h" // cam_feed_ramp_q32
+#include <stdbool.h>    // bool
+#include <stddef.h>     // NULL
 
 /// @return whether Z is geared along a ring-helix
 static bool has_rings(const cam_cut_t *c)

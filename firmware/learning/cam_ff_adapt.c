@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_ff_adapt.h"
+#include "cam_learning_inner.h"
 #include "cam_doubles.h" // cam_limit, cam_nearest
 #include <stdbool.h>     // bool
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_harmonic_correction.h"
+#include "cam_learning_inner.h"
 #include "cam_doubles.h" // cam_limit, cam_nearest
 #include "cam_fix.h"     // cam_clamp_i32
 #include <string.h>      // memset
@@ -14,7 +14,7 @@ void cam_harmonic_correction_forget(cam_harmonic_correction_t *s)
 
 void cam_harmonic_correction_restart_guard(cam_harmonic_correction_t *s)
 {
-    for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
+    for (uint32_t k = 0; k < cam_ilc_terms; k++) {
         s->best_q6[k] = UINT32_MAX;
         s->last_q6[k] = UINT32_MAX;
         s->n_halved[k] = 0;
@@ -40,7 +40,7 @@ static cam_complex_t kept_q6(const cam_harmonic_correction_t *s, uint32_t k)
 void cam_harmonic_correction_set_probe(cam_harmonic_correction_t *s, int32_t size_q6, uint32_t n,
                                        uint32_t which)
 {
-    for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
+    for (uint32_t k = 0; k < cam_ilc_terms; k++) {
         const int64_t size = k <= n && (which >> k & 1u) != 0u ? (int64_t)size_q6 : 0;
         const uint32_t step = 128u * k * k / n;
         s->c_q6[k].re = (int32_t)(size * cam_cos_q24(step) >> 24);
@@ -159,14 +159,14 @@ void cam_harmonic_correction_age(cam_harmonic_correction_t *s, uint32_t k)
 
 void cam_harmonic_correction_restore(cam_harmonic_correction_t *s)
 {
-    for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
+    for (uint32_t k = 0; k < cam_ilc_terms; k++) {
         s->c_q6[k] = s->best_q6[k] != UINT32_MAX ? kept_q6(s, k) : s->c_q6[k];
     }
 }
 
 void cam_harmonic_correction_scale(cam_harmonic_correction_t *s, uint32_t part_q16)
 {
-    for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
+    for (uint32_t k = 0; k < cam_ilc_terms; k++) {
         s->c_q6[k].re = (int32_t)((int64_t)s->c_q6[k].re * part_q16 >> 16);
         s->c_q6[k].im = (int32_t)((int64_t)s->c_q6[k].im * part_q16 >> 16);
     }
@@ -175,7 +175,7 @@ void cam_harmonic_correction_scale(cam_harmonic_correction_t *s, uint32_t part_q
 uint32_t cam_harmonic_correction_sum_q6(const cam_harmonic_correction_t *s)
 {
     uint32_t sum = 0;
-    for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
+    for (uint32_t k = 0; k < cam_ilc_terms; k++) {
         sum += cam_complex_size(s->c_q6[k]);
     }
     return sum;
@@ -183,7 +183,7 @@ uint32_t cam_harmonic_correction_sum_q6(const cam_harmonic_correction_t *s)
 
 void cam_harmonic_correction_rotate(cam_harmonic_correction_t *s, uint32_t angle_q32)
 {
-    for (uint32_t k = 1; k < cam_harmonic_terms; k++) {
+    for (uint32_t k = 1; k < cam_ilc_terms; k++) {
         s->c_q6[k] = cam_harmonics_rotated(s->c_q6[k], k, angle_q32);
         keep(s, k, cam_harmonics_rotated(kept_q6(s, k), k, angle_q32));
     }

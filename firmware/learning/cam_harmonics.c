@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_harmonics.h"
+#include "cam_learning_inner.h"
 #include "cam_fix.h" // cam_sat_i32
 #include <stddef.h>  // size_t
 
@@ -100,7 +100,7 @@ static parts_t parts_at(const cam_complex_t *c, uint32_t from, uint32_t i)
 {
     parts_t p = {0};
     uint32_t step = from * i;
-    for (uint32_t k = from; k <= cam_harmonics_most; k += 2u) {
+    for (uint32_t k = from; k <= cam_ilc_harmonics; k += 2u) {
         const int32_t cosine = cosine_q30[step % circle];
         const int32_t minus_sine = cosine_q30[(step + quarter) % circle];
         p.cos = cam_mulhi_add(p.cos, c[k].re * (1 << shift_in), cosine);

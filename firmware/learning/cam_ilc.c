@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_ilc.h"
-#include "cam_doubles.h"    // cam_nearest, cam_root
-#include "cam_fix.h"        // cam_abs_i64
-#include "cam_harmonics.h"  // cam_harmonics_of
-#include "cam_ilc_chip.h"   // cam_ilc_chip_step
-#include "cam_ilc_update.h" // cam_ilc_update_begin
-#include <stddef.h>         // NULL
-#include <string.h>         // memset
+#include "cam_learning_inner.h"
+#include "cam_doubles.h" // cam_nearest, cam_root
+#include "cam_fix.h"     // cam_abs_i64
+#include <stddef.h>      // NULL
+#include <string.h>      // memset
 
 enum {
     drive_steps = 5,          ///< of layer 1 before probing

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Blending the learned values in.
-#include "cam_doubles.h"   // cam_nearest
-#include "cam_fix.h"       // cam_clamp_i32
-#include "cam_harmonics.h" // cam_harmonics_slew
-#include "cam_ilc.h"
-#include "cam_ilc_chip.h" // cam_ilc_chip_blend
-#include <stddef.h>       // NULL
+#include "cam_learning_inner.h"
+#include "cam_doubles.h" // cam_nearest
+#include "cam_fix.h"     // cam_clamp_i32
+#include <stddef.h>      // NULL
 
 enum {
     rehearsal_step_nm = 1000,

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_ilc_chip.h"
-#include "cam_doubles.h"    // cam_limit, cam_nearest
-#include "cam_fix.h"        // cam_abs_i64, cam_sat_i32
-#include "cam_ilc_update.h" // cam_ilc_update_guarded_q6
+#include "cam_learning_inner.h"
+#include "cam_doubles.h" // cam_limit, cam_nearest
+#include "cam_fix.h"     // cam_abs_i64, cam_sat_i32
 
 enum {
     least_feed_nm = 1500, ///< below it the force of the chip is small

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_ilc_update.h"
-#include "cam_doubles.h"   // cam_limit, cam_nearest, cam_root
-#include "cam_fix.h"       // cam_abs_i64
-#include "cam_harmonics.h" // cam_harmonics_of
-#include "cam_ilc_chip.h"  // cam_ilc_chip_is_cut
+#include "cam_learning_inner.h"
+#include "cam_doubles.h" // cam_limit, cam_nearest, cam_root
+#include "cam_fix.h"     // cam_abs_i64
 
 enum {
     ticks_per_order = 24,      ///< smallest period of a harmonic that is learned

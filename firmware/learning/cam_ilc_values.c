@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Learned values by index.
+#include "cam_learning_inner.h"
 #include "cam_fix.h" // cam_clamp_i32, cam_is_within
-#include "cam_ilc.h"
 
 #define IS_PROBED (INT32_C(1) << 30) ///< bit of the masks: U was probed
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_ripple.h"
-#include "cam_angle.h"   // CAM_TURN_Q32
+#include "cam_learning_inner.h"
+#include "cam_fix.h"     // CAM_TURN_Q32, cam_abs_i64
 #include "cam_doubles.h" // CAM_PI, cam_limit, cam_nearest
-#include "cam_fix.h"     // cam_abs_i64
 #include <string.h>      // memset
 
 #define MOST_Q32 INT64_C(67108864) ///< [turn / 2^32] largest plausible ripple: 1/64 turn
@@ -77,7 +76,7 @@ cam_complex_t cam_ripple_order(const cam_ripple_t *r, uint32_t k)
 uint32_t cam_ripple_sum(const cam_ripple_t *r)
 {
     uint32_t sum = 0;
-    for (uint32_t k = 1; k <= (uint32_t)cam_harmonics_most; k++) {
+    for (uint32_t k = 1; k <= (uint32_t)cam_ilc_harmonics; k++) {
         sum += cam_complex_size(cam_ripple_order(r, k)) >> cam_ripple_down;
     }
     return sum;
@@ -108,7 +107,7 @@ bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t least_q32, int3
     }
     const double drift = drift_q32(r) * r->n;
     const double least = (double)least_q32 * r->n;
-    for (int32_t k = 1; k <= cam_harmonics_most; k++) {
+    for (int32_t k = 1; k <= cam_ilc_harmonics; k++) {
         const double re = r->sum[k - 1].re - drift / (k * k);
         const double im = r->sum[k - 1].im;
         const bool is_seen = re * re + im * im > least * least;

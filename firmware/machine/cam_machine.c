@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_machine.h"
-#include "cam_build.h"            // cam_build_speed_q32
-#include "cam_fix.h"              // cam_is_within
-#include "cam_machine_jog.h"      // cam_machine_check_positions
-#include "cam_machine_identify.h" // cam_machine_identify_poll
-#include "cam_machine_inner.h"    // cam_machine_post
-#include "cam_machine_scope.h"    // cam_machine_scope_poll
-#include "cam_pass.h"             // cam_pass_next
-#include "hal/hal.h"              // hal_halt, hal_scope_memory
-#include <stddef.h>               // NULL
-#include <string.h>               // memset
+#include "cam_machine_inner.h"
+#include "cam_build.h" // cam_build_speed_q32
+#include "cam_fix.h"   // cam_is_within
+#include "hal/hal.h"   // hal_halt, hal_scope_memory
+#include <stddef.h>    // NULL
+#include <string.h>    // memset
 
 /// [bytes] checked per call of cam_machine_poll(); offset where the image's CRC begins
 /// (TABLE_FORMAT.md).

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_machine_identify.h"
-#include "cam_blackbox.h"      // cam_blackbox_is_unread
-#include "cam_fix.h"           // cam_sat_i32
-#include "cam_machine_inner.h" // cam_machine_request
-#include "cam_table.h"         // cam_crc32
-#include "cam_wave.h"          // cam_wave_judge
-#include <stddef.h>            // NULL
-#include <string.h>            // memcmp, memcpy
+#include "cam_machine_inner.h"
+#include "cam_recorder.h" // cam_blackbox_is_unread
+#include "cam_fix.h"      // cam_sat_i32
+#include "cam_table.h"    // cam_crc32
+#include <stddef.h>       // NULL
+#include <string.h>       // memcmp, memcpy
 
 // The wave
 

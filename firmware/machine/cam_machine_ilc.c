@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Learning: its setup from parameters and table, and the hand-over to the interrupt.
-#include "cam_angle.h"         // CAM_TURN_Q32
-#include "cam_build.h"         // cam_build_speed_q32
-#include "cam_eval.h"          // cam_eval_profile
-#include "cam_feasible.h"      // cam_feasible_demands
-#include "cam_gains.h"         // cam_gains_bound
-#include "cam_machine_inner.h" // cam_machine_newest_config
-#include "hal/hal.h"           // hal_measures_u
-#include <stddef.h>            // NULL
+#include "cam_machine_inner.h"
+#include "cam_fix.h"      // CAM_TURN_Q32
+#include "cam_build.h"    // cam_build_speed_q32
+#include "cam_eval.h"     // cam_eval_profile
+#include "cam_feasible.h" // cam_feasible_demands, cam_gains_bound
+#include "hal/hal.h"      // hal_measures_u
+#include <stddef.h>       // NULL
 
 _Static_assert(sizeof(cam_ilc_t) + sizeof(cam_turn_bins_t) + 2u * sizeof(cam_learned_t) <= 8448u,
                "RAM of learning: state, bins of two turns, and what is in force in two halves");

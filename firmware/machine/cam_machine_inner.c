@@ -3,7 +3,6 @@
 #include "cam_feasible.h" // cam_feasible_highest_mrpm
 #include "cam_build.h"    // cam_build_config, cam_build_origin
 #include "cam_fix.h"      // cam_abs_i64
-#include "cam_pass.h"     // cam_pass_params, cam_pass_check
 #include <stdatomic.h>    // atomic_store_explicit
 #include <stddef.h>       // NULL
 

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_machine_jog.h"
-#include "cam_cut.h"           // cam_cut_smaller
-#include "cam_demand.h"        // cam_demand_clearance_nm
-#include "cam_fix.h"           // cam_sat_i32
-#include "cam_machine_inner.h" // cam_machine_post
-#include "cam_pass.h"          // cam_pass_count
-#include "cam_units.h"         // cam_units_scale
-#include <stddef.h>            // NULL
+#include "cam_machine_inner.h"
+#include "cam_feasible.h" // cam_cut_smaller, cam_demand_clearance_nm
+#include "cam_fix.h"      // cam_sat_i32
+#include "cam_build.h"    // cam_units_scale
+#include <stddef.h>       // NULL
 
 // Orders
 
@@ -76,7 +73,7 @@ typedef struct {
 } limits_t;
 
 /// @return the stroke of U; the travel of X or Z less an eighth of the acceleration, the largest
-///         overshoot of stepwise braking (cam_move_profile.h)
+///         overshoot of stepwise braking (cam_motion.h)
 static limits_t limits_of(const cam_machine_t *m, const cam_status_t *status, hal_axis_t axis)
 {
     const cam_jog_config_t *jog = &cam_machine_newest_config(m)->play.jog;

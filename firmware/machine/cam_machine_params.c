@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parameter changes: which are allowed in which state, staged changes, kept parameters.
-#include "cam_derived_limits.h" // cam_derived_limits_most
-#include "cam_fix.h"            // cam_is_within, cam_clamp_i32
-#include "cam_machine_jog.h"    // cam_machine_is_x_in_travel
-#include "cam_machine_inner.h"  // cam_machine_judge, cam_machine_hand_over
-#include "cam_pass.h"           // cam_pass_first
-#include "hal/hal.h"            // hal_params_kept
-#include <stddef.h>             // NULL
-#include <string.h>             // memcmp
+#include "cam_machine_inner.h"
+#include "cam_feasible.h" // cam_derived_limits_most
+#include "cam_fix.h"      // cam_is_within, cam_clamp_i32
+#include "hal/hal.h"      // hal_params_kept
+#include <stddef.h>       // NULL
+#include <string.h>       // memcmp
 
 /// No version of the parameters has this number.
 #define NO_VERSION UINT32_MAX

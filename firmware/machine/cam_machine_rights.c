@@ -2,7 +2,7 @@
 #include "cam_machine_inner.h" // cam_machine_is_pending
 #include "cam_plan.h"          // cam_plan_ticks
 
-/// Times of the acknowledge button (cam_acknowledge.h).
+/// Times of the acknowledge button (cam_plan.h).
 enum { settle_ms = 20, least_ms = 50, most_ms = 2000, good_s = 60 };
 
 /// @return [plans], rounded up

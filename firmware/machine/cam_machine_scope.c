@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_machine_scope.h"
-#include "cam_blackbox.h" // cam_blackbox_begin
+#include "cam_machine_inner.h"
+#include "cam_recorder.h" // cam_blackbox_begin
 
 void cam_machine_blackbox(cam_machine_t *m)
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_offsets.h"
+#include "cam_machine_inner.h"
 #include "cam_fix.h" // cam_clamp_i64, cam_sat_i32
 
 cam_offsets_axis_t cam_offsets_axis(const cam_params_t *params, hal_axis_t axis)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_pass.h"
+#include "cam_machine_inner.h"
 #include "cam_feasible.h" // cam_feasible_check
 #include "hal/hal.h"      // hal_has_swing
 #include <stdbool.h>      // bool

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_changes.h" // cam_changes_feed_ppm
 #include "cam_machine.h"
-#include "cam_state.h" // cam_state_is_in_work
-#include <stdatomic.h> // atomic_load_explicit
-#include <stddef.h>    // NULL
+#include "cam_feasible.h" // cam_changes_feed_ppm
+#include "cam_state.h"    // cam_state_is_in_work
+#include <stdatomic.h>    // atomic_load_explicit
+#include <stddef.h>       // NULL
 
 static int64_t at_least_0(int64_t turns_q32)
 {

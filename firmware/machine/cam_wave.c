@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_wave.h"
+#include "cam_machine_inner.h"
 #include "cam_fix.h" // cam_abs_i64, cam_sat_i32
 
 static int64_t most_of(int64_t a, int64_t b)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_envelope.h"
+#include "cam_motion.h"
 #include "cam_fix.h" // cam_mulhi
 
 /// [1] in the unit of envelopes.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_excite.h"
+#include "cam_motion.h"
 #include "cam_fix.h" // cam_sat_i32
 
 bool cam_excite_step_isr(cam_excite_t *e, const cam_excite_config_t *cfg, int32_t *offset_q6)

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_feed.h"
-#include "cam_angle.h" // CAM_TURN_Q32
-#include "cam_fix.h"   // cam_root_u64
+#include "cam_motion.h"
+#include "cam_fix.h" // CAM_TURN_Q32, cam_root_u64
 
 /// [1 / 2^32] one.
 #define ONE_Q32 (UINT64_C(1) << 32)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_jerk_filter.h"
+#include "cam_motion.h"
 #include "cam_fix.h" // cam_clamp_i32, cam_sat_i32
 
 /// Sums over m = 0 .. n - 1 of m and of m^2, by log2 n.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_move_profile.h"
+#include "cam_motion.h"
 #include "cam_fix.h" // cam_is_within
 
 /// Braking by a per tick from v covers v (v - a) / 2a; with the tick at v itself v (v + a) / 2a.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_blake2b.h"
+#include "cam_param_inner.h"
 #include <stdbool.h> // bool
 #include <string.h>  // memcpy, memset
 

@@ -1,9 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_param.h"
-#include "cam_fix.h"  // cam_clamp_i32
-#include "cam_hard.h" // CAM_HARD_LEAST
-#include <stddef.h>   // NULL, offsetof
-#include <string.h>   // memcpy, strcmp, strlen, strncmp
+#include "cam_fix.h" // cam_clamp_i32
+#include <stddef.h>  // NULL, offsetof
+#include <string.h>  // memcpy, strcmp, strlen, strncmp
+
+// Hard limits, see cam_param.h.
+#ifdef CAM_HARD_LIMITS_FILE
+#include CAM_HARD_LIMITS_FILE // CAM_HARD_LIMITS
+#else
+#define CAM_HARD_LIMITS(X, id)
+#endif
+
+#define CAM_HARD_IS(id, name, least, most) || (id) == cam_param_##name
+#define CAM_HARD_LEAST_OF(id, name, least, most) (id) == cam_param_##name ? (least):
+#define CAM_HARD_MOST_OF(id, name, least, most) (id) == cam_param_##name ? (most):
+
+// Whether a parameter has such limits, and which: constant expressions.
+#define CAM_HARD_IS_SET(id) (0 CAM_HARD_LIMITS(CAM_HARD_IS, id))
+#define CAM_HARD_LEAST(id) (CAM_HARD_LIMITS(CAM_HARD_LEAST_OF, id) INT32_MIN)
+#define CAM_HARD_MOST(id) (CAM_HARD_LIMITS(CAM_HARD_MOST_OF, id) INT32_MAX)
 
 /// Ranges and defaults of the list, within the hard limits.
 #define MOST_OF(a, b) ((a) > (b) ? (a) : (b))

@@ -1,14 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_param: every number that a machine builder may set, with unit, range and default.
+/// cam_param: every number that a machine builder may set, with unit, range and default; how they
+/// are refused, kept and protected.
 ///
 /// CAM_PARAMS lists X(name, min, default, max, flags, what). The name ends in the unit. Parameters
-/// are int32 and reach the interrupt through cam_build_config(). All functions: slow side.
+/// are int32 and reach the interrupt through cam_build_config().
+///
+/// Hard limits: a port's builder may fix limits of parameters when its image is built. CMake's
+/// CAM_HARD_LIMITS names a header with a list of X(id, name, least, most); id is passed on
+/// (example: tests/unit/firmware/hard_limits/hard_limits.h). No source, be it the bus, a file or
+/// the store, can set a listed parameter outside its range, and its default is clamped to it. The
+/// ranges of CAM_PARAMS hold as well. following_limit_nm = 0 derives the limit from the part, so a
+/// list that bounds it must begin above 0.
+///
+/// Read the list and its functions first, then refusals, the stored text, and last the rights to
+/// change parameters. All functions: slow side, one caller.
 #ifndef CAM_PARAM_H
 #define CAM_PARAM_H
 
 #include "cam_err.h" // cam_err_t
+#include "hal/hal.h" // hal_params_t, hal_operator_t
 #include <stdbool.h> // bool
-#include <stdint.h>  // int32_t, uint8_t
+#include <stdint.h>  // int32_t, int64_t, uint8_t, uint32_t
 
 // clang-format off
 #define CAM_PARAMS(X) \
@@ -137,8 +149,8 @@
 #define CAM_RETIRED_PARAMS(X) X(switch_) X(trace_on)
 // clang-format on
 
-/// Flags of a parameter. Without `operator` it is a limit or constant and needs the unlocked level
-/// (cam_rights.h). Without `off` or `cut` it changes in off, ready and manual.
+/// Flags of a parameter. Without `operator` it is a limit or constant and needs the unlocked level.
+/// Without `off` or `cut` it changes in off, ready and manual.
 typedef enum {
     cam_flag_operator = 1,   ///< an operator sets it for a part, without the unlocked level
     cam_flag_cut = 2,        ///< it may change in the work, too
@@ -170,7 +182,7 @@ typedef struct {
     const char *name;      ///< with the unit as its last word
     int32_t min, def, max; ///< within the hard limits, if any
     uint8_t flags;         ///< of cam_flag_t
-    bool is_hard;          ///< it has hard limits (cam_hard.h)
+    bool is_hard;          ///< it has hard limits
 } cam_param_info_t;
 
 /// @return description of a parameter, NULL when id is not one
@@ -205,5 +217,173 @@ int32_t cam_param_get(const cam_params_t *params, cam_param_id_t id);
 /// @return cam_ok, cam_err_param_id, cam_err_param_range, or cam_err_hard_limit for a parameter
 ///         with hard limits; *params is unchanged on error
 CAM_MUST_USE cam_err_t cam_param_set(cam_params_t *params, cam_param_id_t id, int32_t value);
+
+/// Why a check refuses parameters or a speed, with the numbers.
+typedef struct {
+    cam_err_t err;        ///< cam_ok: nothing is refused
+    cam_param_id_t param; ///< the refused parameter; cam_n_params: none
+    int64_t needed;       ///< its value, or what the motion needs; in the unit of the limit
+    int64_t limit; ///< in the unit of the parameter or of CAM_ERR_LIMITS; 0 where none is known
+    uint32_t speed_mrpm;      ///< [r/min / 1000] the speed that was judged; 0: none
+    uint32_t highest_mrpm;    ///< [r/min / 1000] cam_feasible_highest_mrpm()
+    uint32_t largest_feed_nm; ///< [nm] cam_feasible_largest_feed_nm()
+    uint32_t pass;            ///< number of the pass that was judged; 0: the table has none
+} cam_refusal_t;
+
+/// @return no refusal
+static inline cam_refusal_t cam_refusal_none(void)
+{
+    return (cam_refusal_t){.err = cam_ok, .param = cam_n_params};
+}
+
+/// @return the refusal of a parameter
+static inline cam_refusal_t cam_refusal_of(cam_err_t err, cam_param_id_t param, int64_t needed,
+                                           int64_t limit)
+{
+    return (cam_refusal_t){.err = err, .param = param, .needed = needed, .limit = limit};
+}
+
+/// Parameters as the text that a port stores.
+///
+///     # camturn parameters, kept by the controller; tools/camctl params changes them
+///     version = 12
+///     counts_per_turn = 10000
+///     ...
+///     crc32 = 2774812345
+///
+/// Parameters are found by name, so an image with other parameters, or in another order, reads the
+/// text too. The CRC-32 covers all bytes before its line. The text is TOML, as in files of
+/// tools/camctl.
+
+enum {
+    cam_param_store_name_bytes = 40, ///< [bytes] of the longest name of a parameter, with its end
+    cam_param_store_line_bytes = 64, ///< [bytes] of the longest line
+    cam_param_store_most_bytes =
+        (cam_n_params + 4) * cam_param_store_line_bytes, ///< [bytes] of the whole text
+};
+
+/// Result of reading a text.
+typedef struct {
+    cam_err_t err;          ///< cam_ok, cam_err_params_none or cam_err_params_damaged
+    bool is_torn;           ///< a later save is incomplete
+    uint32_t version;       ///< of the parameters
+    uint32_t n_retired;     ///< lines with retired parameters
+    uint32_t n_unknown;     ///< lines with other parameters unknown to this image
+    uint32_t n_unfit;       ///< values out of their range
+    uint32_t n_missing;     ///< parameters of this image without a line
+    cam_param_id_t unfit;   ///< the first one out of range; cam_n_params: none
+    cam_param_id_t missing; ///< the first one missing; cam_n_params: none
+    char unknown[cam_param_store_name_bytes]; ///< name of the first unknown one, cut off
+} cam_param_store_found_t;
+
+/// @return CRC-32 of the lines `name = value` in the order of CAM_PARAMS, the same in a controller
+///         and in a file of tools/camctl
+uint32_t cam_param_store_checksum(const cam_params_t *params);
+
+/// Write parameters as text.
+/// @param text  buffer of cam_param_store_most_bytes
+/// @return      [bytes] of the text
+uint32_t cam_param_store_write(char *text, const cam_params_t *params, uint32_t version);
+
+/// Read parameters from a text.
+/// @param kept    from the port
+/// @param params  parameters without a valid line keep their value, all of them if it is damaged
+cam_param_store_found_t cam_param_store_read(const hal_params_t *kept, cam_params_t *params);
+
+/// Rights: command over a bus, and the level at which limits may be changed.
+///
+/// One sender at a time has command. Taking command starts a session, a number that each of the
+/// sender's frames carries. After a second without such a frame, command is lost; another sender
+/// may also take it over. Both are counted. The session separates senders that follow the rules and
+/// shows a former commander that it no longer has command; it does not protect against forged
+/// frames.
+///
+/// Limits, constants and tables change in the unlocked level only. The commander gets it when the
+/// key switch is turned on or by answering a challenge, whose secret never crosses the bus. It ends
+/// with command, with lock, and after ten minutes. A key left on does not unlock for the next
+/// commander.
+///
+/// A program that calls cam_machine.h directly (simulator, LinuxCNC) is trusted: it has command and
+/// is unlocked. Times are counted in ticks.
+
+enum {
+    cam_rights_patience_s = 1, ///< command is lost after this without a frame of its session
+    cam_rights_level_s = 600,  ///< the level is locked again after this
+    cam_rights_most_sender = 254,
+};
+
+/// Level, and what unlocked it. The number is part of the CAN protocol.
+typedef enum { cam_level_locked, cam_level_key, cam_level_challenge } cam_level_t;
+
+/// State; made by cam_rights_init().
+typedef struct {
+    hal_operator_t port; ///< key switch, secret and button of the port
+    uint32_t tick_hz;
+    bool is_bus_calling;   ///< the call being handled came over a bus (cam_can.c)
+    uint8_t commander;     ///< its sender number; 0: nobody
+    uint8_t session;       ///< of the commander, or the last one
+    uint32_t heard_tick;   ///< [ticks] of its last frame
+    uint32_t n_take_overs; ///< take-overs of command
+    uint32_t n_losses;     ///< losses of command
+    cam_level_t level;
+    uint32_t level_tick;     ///< [ticks] when it was unlocked
+    bool is_key_on;          ///< key switch at the last poll
+    bool is_challenged;      ///< the challenge awaits its answer
+    uint32_t challenge;      ///< the last one
+    uint32_t challenge_tick; ///< [ticks] when it was given
+    uint64_t noise;          ///< from the times of the commander's frames
+} cam_rights_t;
+
+/// Begin: nobody has command, and the level is locked.
+void cam_rights_init(cam_rights_t *r, const hal_operator_t *port, uint32_t tick_hz);
+
+/// Take command with a new session.
+/// @param sender   1 .. cam_rights_most_sender
+/// @param is_over  take it over if another sender has it
+/// @return cam_ok; cam_err_not_commander if another sender has it; cam_err_frame: sender invalid
+CAM_MUST_USE cam_err_t cam_rights_take(cam_rights_t *r, uint8_t sender, bool is_over,
+                                       uint32_t tick);
+
+/// Release command and lock the level.
+void cam_rights_release(cam_rights_t *r);
+
+/// @return whether a frame belongs to the current session
+bool cam_rights_is_commander(const cam_rights_t *r, uint8_t sender, uint8_t session);
+
+/// Note a frame of the commander.
+void cam_rights_hear(cam_rights_t *r, uint32_t tick);
+
+/// Make a challenge. Its answer needs the port's secret, so an overheard answer is useless.
+/// @param challenge  result
+/// @return cam_ok; cam_err_busy within a second of the last one; without a secret cam_err_locked
+///         (the port has a key switch) or cam_err_lock_none
+CAM_MUST_USE cam_err_t cam_rights_challenge(cam_rights_t *r, uint32_t tick, uint32_t *challenge);
+
+/// Unlock the level by the answer to the last challenge, which is void afterwards.
+/// @param answer  first four bytes, the lowest first, of BLAKE2b-512 keyed with the secret, of the
+///                challenge as four bytes, the lowest first
+/// @return cam_ok, cam_err_unlock
+CAM_MUST_USE cam_err_t cam_rights_unlock(cam_rights_t *r, uint32_t answer, uint32_t tick);
+
+/// Lock the level; turning the key switch on again unlocks it.
+void cam_rights_lock(cam_rights_t *r);
+
+/// Update command and level from time and key switch.
+/// @param inputs  hal_in_* of the last tick
+/// @return        whether command was lost since the last call
+bool cam_rights_poll(cam_rights_t *r, uint32_t inputs, uint32_t tick);
+
+/// @return cam_ok in the unlocked level; else cam_err_locked, or cam_err_lock_none if this port
+///         cannot unlock
+CAM_MUST_USE cam_err_t cam_rights_check_level(const cam_rights_t *r);
+
+/// @return [s] until the level is locked again, rounded up; 0: locked
+uint32_t cam_rights_level_left_s(const cam_rights_t *r, uint32_t tick);
+
+enum { cam_text_number_bytes = 21 }; ///< [bytes] longest number with sign and end
+
+/// @param buffer  of cam_text_number_bytes
+/// @return        the number in decimal, in the buffer
+const char *cam_text_number(char *buffer, int64_t value);
 
 #endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_param_store.h"
+#include "cam_param.h"
 #include "cam_table.h" // cam_crc32
-#include "cam_text.h"  // cam_text_number
 #include <stddef.h>    // NULL
 #include <string.h>    // memcpy, memset, strlen, strncmp
 

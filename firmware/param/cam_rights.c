@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_rights.h"
-#include "cam_blake2b.h" // cam_blake2b_keyed
+#include "cam_param.h"
+#include "cam_param_inner.h" // cam_blake2b_keyed
 
 void cam_rights_init(cam_rights_t *r, const hal_operator_t *port, uint32_t tick_hz)
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_text.h"
+#include "cam_param.h"
 
 const char *cam_text_number(char *buffer, int64_t value)
 {

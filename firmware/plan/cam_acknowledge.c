@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_acknowledge.h"
+#include "cam_plan.h"
 
 static void enter(cam_acknowledge_t *a, cam_acknowledge_phase_t phase)
 {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_feed_motion.h"
-#include "cam_angle.h" // CAM_TURN_Q32, cam_angle_next_turn
-#include "cam_feed.h"  // cam_feed_height_nm_isr, cam_feed_ring_end_q32
-#include "cam_fix.h"   // cam_clamp_i32, cam_wrap_add_i64, ..
+#include "cam_plan_inner.h"
+#include "cam_fix.h"    // CAM_TURN_Q32, cam_angle_next_turn, cam_clamp_i32, cam_wrap_add_i64, ..
+#include "cam_motion.h" // cam_feed_height_nm_isr, cam_feed_ring_end_q32
 
 /// Most halvings of a rate that is too high for the remaining part: down to 1/128.
 enum { most_halvings = 7 };

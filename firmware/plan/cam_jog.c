@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_jog.h"
-#include "cam_plan_move.h" // cam_plan_move_share
-#include "cam_fix.h"       // cam_clamp_i64, cam_is_within, cam_wrap_diff, ..
+#include "cam_plan_inner.h"
+#include "cam_fix.h" // cam_clamp_i64, cam_is_within, cam_wrap_diff, ..
 
 static void end_order(cam_jog_t *h, cam_jog_end_t how)
 {

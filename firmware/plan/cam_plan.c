@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_plan.h"
-#include "cam_plan_move.h"    // cam_plan_move_line_isr
-#include "cam_angle.h"        // cam_angle_of_pos
-#include "cam_envelope.h"     // cam_envelope_step_q30
-#include "cam_eval.h"         // cam_eval_height
-#include "cam_fix.h"          // cam_clamp_i32
-#include "cam_positioning.h"  // cam_positioning_isr
-#include "cam_swing.h"        // cam_swing_plan_isr
-#include "cam_feed_profile.h" // cam_feed_profile_at
+#include "cam_plan_inner.h"
+#include "cam_fix.h"    // cam_angle_of_pos, cam_clamp_i32
+#include "cam_motion.h" // cam_envelope_step_q30
+#include "cam_eval.h"   // cam_eval_height, cam_feed_profile_at
 
 /// [nm / 1024] half a nanometre: the tick truncates X to nanometres, so this rounds to nearest.
 #define HALF_NM_Q10 512
@@ -39,6 +34,14 @@ static int32_t envelope_q30(const cam_plan_t *p, const cam_play_config_t *cfg, i
         cam_envelope_step_q30(cam_wrap_sub_i64(pos_q32, p->disengage_at_q32), lag_q32,
                               cfg->disengage_q32, cfg->per_disengage_q31);
     return cam_mul_shift(risen_q30, ONE_Q30 - fallen_q30, 30);
+}
+
+/// @return slice of a channel: pattern of the current lobe, or the slices around the height
+static inline cam_height_t slice_of(const cam_shaft_t *s, const cam_table_t *t,
+                                    const cam_channel_t *ch, int32_t z_nm)
+{
+    return t->n_lobes > 0u ? cam_lobes_slice(ch->n_slices, t->lobes[s->i_lobe].pattern)
+                           : cam_eval_height(ch, z_nm);
 }
 
 /// @return [nm / 1024] a height of the part in port coordinates of Z, MATHS.md (170)
@@ -162,7 +165,7 @@ static void plan_speed(cam_plan_t *p, const cam_play_config_t *cfg, const cam_an
     const cam_speed_config_t speed = cam_speed_overridden(&cfg->speed, p->spindle_rate_q30);
     const uint32_t theta_q32 = cam_angle_of_pos(cam_angle_ahead(angle, cfg->ratio_q16));
     const cam_ratio_t ratio = cam_speed_ratio_at(ch, theta_q32 - phase_then_q32(m, cfg),
-                                                 cam_shaft_slice(&p->shaft, cfg->table, ch, z_nm));
+                                                 slice_of(&p->shaft, cfg->table, ch, z_nm));
     const int32_t from_q28 = p->ratio_q28;
     const int32_t held_q28 = // wider than any checked table
         cam_clamp_i32(ratio.ratio_q28, CAM_RATIO_ONE_Q28 / 32, CAM_RATIO_ONE_Q28 * 5);
@@ -338,8 +341,7 @@ static void plan_axes(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tic
         const cam_swing_config_t *swing = &cfg->swing;
         const int64_t swing_q32 = ahead_q32(angle, swing->ahead_q16, m->alpha_q40, swing->ahead2);
         cam_swing_plan_isr(&m->swing, cfg, cam_angle_of_pos(swing_q32) - phase_then_q32(m, cfg),
-                           cam_shaft_slice(&p->shaft, cfg->table, &cfg->table->angle, z_nm),
-                           scale_q30);
+                           slice_of(&p->shaft, cfg->table, &cfg->table->angle, z_nm), scale_q30);
     }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_plan_move.h"
+#include "cam_plan_inner.h"
 
 /// Continue the filtered motion, or begin a new one if something else has moved the axis meanwhile.
 /// @return the axis in units per plan, speed saturated

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_positioning.h"
-#include "cam_plan_move.h" // cam_plan_move_profile_q10
-#include "cam_fix.h"       // cam_sat_sub
-#include "cam_swing.h"     // cam_swing_rest_isr
+#include "cam_plan_inner.h"
+#include "cam_fix.h" // cam_sat_sub
 
 static bool is_at(const cam_axis_motion_t *m, int64_t position_q10)
 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_shaft.h"
-#include "cam_envelope.h" // cam_envelope_smooth_q30
-#include "cam_fix.h"      // cam_wrap_add
+#include "cam_plan_inner.h"
+#include "cam_motion.h" // cam_envelope_smooth_q30
+#include "cam_fix.h"    // cam_wrap_add
 
 /// [1] in the unit of shares.
 #define ONE_Q30 (INT32_C(1) << 30)

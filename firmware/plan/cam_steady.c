@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_steady.h"
-#include "cam_angle.h" // CAM_TURN_Q32
-#include "cam_fix.h"   // cam_wrap_sub_i64
+#include "cam_plan_inner.h"
+#include "cam_fix.h" // CAM_TURN_Q32, cam_wrap_sub_i64
 
 /// @return whether the mean speed of a turn agrees with that of the last one, if there is one
 static bool is_agreeing(const cam_steady_t *s, uint32_t length_q24, uint32_t most_q16)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_swing.h"
+#include "cam_plan_inner.h"
 #include "cam_fix.h" // cam_mulhi
 
 /// @return [turn / 2^32] position on the line after some ticks; it wraps

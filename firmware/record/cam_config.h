@@ -8,21 +8,18 @@
 #ifndef CAM_CONFIG_H
 #define CAM_CONFIG_H
 
-#include "cam_channel.h"      // cam_table_t
-#include "cam_excite.h"       // cam_excite_config_t
-#include "cam_feed.h"         // cam_rings_t
-#include "cam_fence.h"        // cam_fence_acquire_isr, CAM_ORDER_ACQUIRE
-#include "cam_turn_bins.h"    // cam_learned_t
-#include "cam_move_profile.h" // cam_motion_limits_t
-#include "cam_servo.h"        // cam_servo_config_t
-#include "cam_speed.h"        // cam_speed_config_t
-#include "cam_state.h"        // CAM_FAULT_BIT
-#include "hal/hal.h"          // hal_n_axes
-#include <stdatomic.h>        // offered, in_use
-#include <stdbool.h>          // bool
-#include <stdint.h>           // int32_t, int64_t, uint32_t
+#include "cam_eval.h"   // cam_speed_config_t
+#include "cam_fix.h"    // cam_fence_acquire_isr, CAM_ORDER_ACQUIRE
+#include "cam_motion.h" // cam_excite_config_t, cam_motion_limits_t, cam_rings_t
+#include "cam_record.h" // cam_learned_t
+#include "cam_servo.h"  // cam_servo_config_t
+#include "cam_table.h"  // cam_table_t
+#include "hal/hal.h"    // hal_n_axes
+#include <stdatomic.h>  // offered, in_use
+#include <stdbool.h>    // bool
+#include <stdint.h>     // int16_t, int32_t, int64_t, uint32_t
 
-/// Configuration of cam_spindle.h.
+/// Configuration of observe (cam_tick_inner.h).
 typedef struct {
     const int16_t *dm;                ///< cam_learned_t of the same configuration
     uint32_t sign_mask;               ///< 0, or ~0 when counts fall while cutting
@@ -66,7 +63,7 @@ typedef struct {
     int32_t gain_q32;  ///< [1 / tick] speed over distance, at most a quarter per plan
 } cam_swing_limits_t;
 
-/// Configuration of cam_swing.h.
+/// Configuration of the swing (cam_plan_inner.h).
 typedef struct {
     bool is_swung;             ///< the table swings the tool and there is an axis for it
     int32_t ahead_q16;         ///< [ticks] from a plan to the end of its interval, plus the lag
@@ -132,7 +129,7 @@ typedef struct {
     cam_jog_order_t order;
 } cam_jog_config_t;
 
-/// Configuration of the button at the machine (cam_acknowledge.h).
+/// Configuration of the button at the machine (cam_plan.h).
 typedef struct {
     bool is_demanded;      ///< false: enable needs no press
     uint32_t settle_plans; ///< [plans] for which a level of the input is stable before it counts
@@ -141,7 +138,7 @@ typedef struct {
     uint32_t good_plans;   ///< [plans] in which enable must come
 } cam_acknowledge_config_t;
 
-/// Configuration of play and plan (cam_play.h, cam_plan.h).
+/// Configuration of play and plan (cam_tick_inner.h, cam_plan.h).
 typedef struct {
     const cam_table_t *table; ///< NULL: none, enable is refused
     const int16_t *c;         ///< of cam_learned_t of the same configuration
@@ -193,7 +190,7 @@ typedef struct {
     cam_excite_config_t excite; ///< wave of U in the state identifying
     cam_jog_config_t jog;       ///< order of the state manual
     cam_acknowledge_config_t acknowledge;
-    // Changed by the operator in the cut (cam_changes.h); read by the plan alone
+    // Changed by the operator in the cut (cam_changes_build()); read by the plan alone
     int32_t feed_rate_q30;     ///< [1] override of the feed; 0: it is held, else at least 1/100
     int32_t per_feed_rate_q24; ///< [1] its reciprocal, 0 where it is held
     int32_t x_trim_q4;         ///< [nm / 16] stock of the pass and the operator's trim
@@ -202,7 +199,7 @@ typedef struct {
     int32_t spindle_step_q30;  ///< [1] largest change per plan
 } cam_play_config_t;
 
-/// Configuration of cam_guard.h.
+/// Configuration of the guard (cam_tick_inner.h).
 typedef struct {
     int32_t overspeed_q32;      ///< [turn / 2^32 per tick]
     uint32_t stopped_ticks;     ///< [ticks] in the cut
@@ -230,7 +227,7 @@ typedef struct {
     int32_t chip_q6;      ///< [nm / 64] against the mean of that force
 } cam_u_gains_t;
 
-/// Feed-forward of U in the cut, and limits of X and Z per plan (cam_axis_command.h).
+/// Feed-forward of U in the cut, and limits of X and Z per plan (cam_tick_inner.h).
 typedef struct {
     cam_u_gains_t configured;       ///< without the learned part; no force of the chip
     cam_u_gains_t in_cut;           ///< with it
@@ -239,7 +236,7 @@ typedef struct {
     int32_t jump_q10[hal_n_axes];   ///< [nm / 1024] step of position in a plan
 } cam_axis_command_config_t;
 
-/// Configuration of cam_force.h.
+/// Configuration of the force of U (cam_tick_inner.h).
 typedef struct {
     bool is_used; ///< U takes forces
     cam_servo_config_t servo;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_turn_bins.h"
-#include "cam_fence.h" // cam_fence_release_isr
-#include <stddef.h>    // NULL, size_t
-#include <string.h>    // memset
+#include "cam_record.h"
+#include "cam_fix.h" // cam_fence_release_isr
+#include <stddef.h>  // NULL, size_t
+#include <string.h>  // memset
 
 /// Turns are numbered modulo 2^24; this bit marks a number as valid.
 #define IS_TURN (UINT32_C(1) << 24)

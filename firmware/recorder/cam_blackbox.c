@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_blackbox.h"
+#include "cam_recorder.h"
 #include "hal/hal.h" // hal_scope_keep
 #include <string.h>  // memcpy
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_scope.h"
+#include "cam_recorder.h"
 #include "cam_fix.h" // cam_wrap_sub
 
 enum { most_every = 1000000, word_bytes = 4 };

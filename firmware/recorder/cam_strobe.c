@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_strobe.h"
+#include "cam_recorder.h"
 #include "cam_fix.h" // cam_wrap_sub
 #include <stddef.h>  // NULL
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_can.h"
-#include "cam_can_inner.h"        // cam_can_carry_out
-#include "cam_fix.h"              // cam_clamp_i32
-#include "cam_machine_identify.h" // cam_machine_wave_block
-#include "camturn.h"              // camturn_command_unpack
-#include <stddef.h>               // NULL
+#include "cam_remote_inner.h"
+#include "cam_fix.h"     // cam_clamp_i32
+#include "cam_machine.h" // cam_machine_wave_block
+#include "camturn.h"     // camturn_command_unpack
+#include <stddef.h>      // NULL
 
 /// Offsets of command and parameter in a frame. They are echoed even if the frame is too short.
 enum { at_command, at_parameter, n_echoed };

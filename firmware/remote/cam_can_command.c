@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_can_inner.h"
-#include "cam_fix.h"              // cam_sat_i32
-#include "cam_machine_identify.h" // cam_machine_excite
-#include "cam_machine_jog.h"      // cam_machine_jog
-#include "cam_machine_scope.h"    // cam_machine_scope_start
-#include <stddef.h>               // NULL
+#include "cam_remote_inner.h"
+#include "cam_fix.h"     // cam_sat_i32
+#include "cam_machine.h" // cam_machine_excite, cam_machine_jog, cam_machine_scope_start
+#include "camturn.h"     // struct camturn_command_t
+#include <stddef.h>      // NULL
 
 // Parameters
 
@@ -65,7 +64,7 @@ static cam_outcome_t begin_params(const cam_can_t *r)
     return with_version(r, cam_ok);
 }
 
-/// @return a field of the last refusal, saturated, with units as in cam_refusal.h
+/// @return a field of the last refusal, saturated, with units as in cam_refusal_t
 static cam_outcome_t get_refusal(const cam_refusal_t *last, uint32_t field)
 {
     const int64_t values[cam_n_refusals] = {
@@ -172,12 +171,15 @@ static cam_outcome_t set_learned(const cam_can_t *r, uint32_t index, int32_t val
     return get_learned(r, index, cam_machine_set_learned(r->machine, index, value));
 }
 
+/// An FD piece is a multiple of this many words, at most that many times.
+enum { fd_grain = 16, fd_most = 252 };
+
 /// Begin sending a piece of the recording; unless it is refused, the answer follows it.
 static cam_outcome_t read_scope(cam_can_t *r, const struct camturn_command_t *m, bool is_fd)
 {
-    const uint32_t most = (uint32_t)cam_reading_fd_most;
+    const uint32_t most = (uint32_t)fd_most;
     const uint32_t grains = m->count < most ? m->count : most;
-    const uint32_t n_words = is_fd ? grains * (uint32_t)cam_reading_fd_grain : m->count;
+    const uint32_t n_words = is_fd ? grains * (uint32_t)fd_grain : m->count;
     r->reading.parameter = m->parameter;
     const cam_err_t err = cam_reading_begin(&r->reading, &r->machine->scope, m->offset, n_words,
                                             is_fd, cam_status_tick(r->machine->core));

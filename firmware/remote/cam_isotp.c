@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_isotp.h"
+#include "cam_remote_inner.h"
 #include <string.h> // memcpy
 
 /// Kind of a frame: the high nibble of its first byte.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_log_text.h"
-#include "cam_derived_limits.h" // cam_derived_limits_form_pm
-#include "cam_text.h"           // cam_text_number
-#include <stddef.h>             // NULL
+#include "cam_remote_inner.h"
+#include "cam_feasible.h" // cam_derived_limits_form_pm
+#include "cam_param.h"    // cam_text_number
+#include <stddef.h>       // NULL
 
 enum { max_line = 120 }; ///< longest line that hal_text() allows
 

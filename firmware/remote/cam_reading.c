@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_reading.h"
+#include "cam_remote_inner.h"
 #include "cam_table.h" // cam_crc32
 #include "camturn.h"   // CAMTURN_RECORDING_FRAME_ID
 #include "hal/hal.h"   // hal_can_write

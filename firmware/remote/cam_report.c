@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_report.h"
+#include "cam_remote_inner.h"
 #include "cam_fix.h"     // cam_sat_i32, cam_clamp_i32
 #include "cam_machine.h" // cam_machine_rights
 #include "camturn.h"     // camturn_state_pack

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_table_store.h"
+#include "cam_remote_inner.h"
 #include <stddef.h> // NULL
 #include <string.h> // memcmp
 

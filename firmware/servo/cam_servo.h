@@ -26,7 +26,7 @@
 /// 100 Hz at 20 kHz. Error: 1/32 nm, and 3 nm of 0.5 mm at 100 Hz that are led by 150 us. Any
 /// inputs are allowed: sums saturate, and jerks beyond 2^27 wrap.
 /// A loop at two or three times the rate of the tick takes a set-point of its own in each step.
-/// Coefficients: cam_servo_design.h. Source: MATHS.md (233) .. (237).
+/// Coefficients: cam_servo_design(). Source: MATHS.md (233) .. (237).
 /// Context: ISR, constant time, cannot fail; no division, no floating point, no state of its own.
 #ifndef CAM_SERVO_H
 #define CAM_SERVO_H

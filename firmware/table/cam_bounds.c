@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_bounds.h"
+#include "cam_table_inner.h"
 #include "cam_fix.h" // cam_abs_i64, cam_is_between
 
 /// Raise a bound to the magnitude of a value.

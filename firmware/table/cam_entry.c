@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_entry.h"
+#include "cam_table_inner.h"
 #include "cam_fix.h" // cam_is_between
 
 /// Limits that the arithmetic of the evaluation relies on.

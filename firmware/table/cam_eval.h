@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_eval: a channel's value and two derivatives, inline, in constant time, cannot fail.
+/// cam_eval: looks up a checked table, inline, in constant time, cannot fail.
 ///
-/// Three steps: find the slices below and above the height (cam_eval_height), blend their knots
-/// before and after the angle by the height (cam_eval_segment), and evaluate the quintic through
-/// the two blended knots (cam_eval_quintic). All in the channel's LSB with four guard bits. The
-/// quintic is expanded about the middle of its interval, so that its variable is a signed fraction
-/// that a rounded multiplication takes directly. The bounds of cam_table_check()
-/// (CAM_TABLE_SUM_MAX) keep every intermediate result below 2^31.
+/// Read the evaluation of a channel first; the parts after it, the feed, the lobes and the speed of
+/// the spindle, give the values of a channel their meaning.
+///
+/// A channel's value and two derivatives take three steps: find the slices below and above the
+/// height (cam_eval_height), blend their knots before and after the angle by the height
+/// (cam_eval_segment), and evaluate the quintic through the two blended knots (cam_eval_quintic).
+/// All in the channel's LSB with four guard bits. The quintic is expanded about the middle of its
+/// interval, so that its variable is a signed fraction that a rounded multiplication takes
+/// directly. The bounds of cam_table_check() (CAM_TABLE_SUM_MAX) keep every intermediate result
+/// below 2^31.
 ///
 /// If memory changes a knot after the check, sums wrap, but no access leaves the table: indices
 /// follow from angle, height and the checked sizes. The guard checks the result in the tick that
@@ -20,10 +24,11 @@
 #ifndef CAM_EVAL_H
 #define CAM_EVAL_H
 
-#include "cam_fix.h"     // cam_mulhi_add
-#include "cam_channel.h" // cam_channel_t
-#include <stdbool.h>     // bool
-#include <stddef.h>      // size_t
+#include "cam_fix.h"   // cam_mulhi_add, cam_wrap_add, cam_clamp_i64
+#include "cam_table.h" // cam_channel_t, cam_table_t
+#include <stdbool.h>   // bool
+#include <stddef.h>    // size_t
+#include <stdint.h>    // int32_t, int64_t, uint32_t
 
 /// Inlines a function, so that structures it returns stay in registers.
 #define CAM_EVAL_INLINE static inline __attribute__((always_inline))
@@ -202,6 +207,174 @@ static inline cam_value_t cam_eval_profile(const cam_channel_t *ch, int32_t z_nm
         .s_q32 = (int32_t)(((uint32_t)z.w_q31 << 1) ^ 0x80000000u),
     };
     return cam_eval_rounded(cam_eval_quintic(segment));
+}
+
+/// The feed as a function of height: the lead of Z over a plain helix.
+///
+///     Z = z + way(z),  z the height of the plain helix after the same number of turns
+///
+/// way is 0 at both ends of the table, and 1 + dway/dz, the feed over its mean, is positive, so
+/// that Z never reverses. With stations z counts the turns, Z stands at each lobe while X feeds in,
+/// and Z ends at the last lobe. Source: TABLE_FORMAT.md, "Way" and "Stations"; MATHS.md (103),
+/// (104).
+
+/// Position and feed on the profile.
+typedef struct {
+    int32_t z_nm;      ///< [nm] height of Z
+    int32_t slope_q16; ///< [1 / 2^16] feed over its mean
+} cam_feed_profile_t;
+
+/// @param table  with a way
+/// @param z_nm   [nm] height of the plain helix
+/// @return       Z with an error below 1 nm; its feed is below 2^14 times the mean
+static inline cam_feed_profile_t cam_feed_profile_at(const cam_table_t *table, int32_t z_nm)
+{
+    const cam_channel_t *way = &table->way;
+    const cam_value_t ahead = cam_eval_profile(way, z_nm);
+    const int32_t half = (int32_t)((UINT32_C(1) << way->frac_bits) >> 1);
+    const int64_t slope_q16 =
+        ((int64_t)ahead.d1 * way->slices_per_nm_q48) >> (32u + way->frac_bits);
+    return (cam_feed_profile_t){
+        .z_nm = cam_wrap_add(z_nm, ((ahead.y + half) >> way->frac_bits) + way->value_offset),
+        .slope_q16 = cam_sat_i32(slope_q16 + 65536),
+    };
+}
+
+/// @return [nm] Z at the end of the table
+static inline int32_t cam_feed_profile_z_last_nm(const cam_table_t *t)
+{
+    return t->has_stations ? cam_feed_profile_at(t, t->z_last_nm).z_nm : t->z_last_nm;
+}
+
+/// The lobes of a shaft, each of which plays a pattern that several may share. In such a table a
+/// slice is the pattern of a profile, not a height. At any height the nearest lobe is played: its
+/// pattern, turned by its phase. From 20 um beyond a lobe's edge its lift falls by a smooth step;
+/// it is 0 in the middle of the gap, where the next lobe takes over. Source: TABLE_FORMAT.md,
+/// "Lobes".
+
+enum { cam_lobes_kept_off_nm = 20000 }; ///< [nm] the full lift extends this far beyond a lobe
+
+/// @param t     with lobes
+/// @param z_nm  [nm] any value
+/// @return      index of the lobe that is played there
+uint32_t cam_lobes_find(const cam_table_t *t, int32_t z_nm);
+
+/// @param i     a lobe
+/// @param z_nm  [nm] any value
+/// @return      [1 / 2^31] progress of the change to the neighbouring lobe: 0 on lobe i,
+///              2^31 - 1 in the middle of the gap and beyond
+int32_t cam_lobes_change_q31(const cam_table_t *t, uint32_t i, int32_t z_nm);
+
+/// @param n_slices  of a channel over angle, at least 2
+/// @param pattern   0 .. n_slices - 1
+/// @return          the slice of that pattern, not blended with another
+/*@ requires slices: 2 <= n_slices <= 4096;
+    assigns \result \from indirect: n_slices, indirect: pattern;
+    ensures slice: \result.i <= n_slices - 2;
+    ensures most: \result.i <= 4094;
+    ensures weight: 0 <= \result.w_q31;
+*/
+static inline cam_height_t cam_lobes_slice(uint32_t n_slices, uint32_t pattern)
+{
+    const uint32_t last = n_slices - 1u;
+    return (cam_height_t){.i = pattern < last ? pattern : last - 1u,
+                          .w_q31 = pattern < last ? 0 : INT32_MAX};
+}
+
+/// The spindle's speed as a function of its angle (equal-volume cutting). A table may hold the
+/// ratio of the spindle's speed to its mean speed, so that the removal rate is the same all around
+/// an oval. The envelope rises from 0 to 1 while the tool engages:
+///
+///     speed = mean * r,   r = 1 + envelope * (ratio(angle, Z) - 1)
+///
+/// Between two plans (cam_plan.h), a period T apart, r rises linearly from r0 to r1, so the speed
+/// is right at every plan. The set-point inverts a first-order speed loop with the time constant
+/// lag, so that the spindle itself follows r, MATHS.md (57):
+///
+///     acceleration = mean * (r1 - r0) / T
+///     set-point = mean * ((r0 + r1) / 2 + (r1 - r0) * lag / T)
+
+/// Configuration, built from the parameters.
+typedef struct {
+    int32_t mean_mrpm;  ///< [r/min / 1000] > 0
+    int32_t limit_mrpm; ///< [r/min / 1000] highest set-point
+    int32_t sense;      ///< +1 or -1: sign of the set-point while cutting
+    int32_t lag_q16;    ///< [plans / 2^16] time constant of the speed loop
+    int32_t mean_q32;   ///< [turn / 2^32 per tick] mean speed, at most 2^26
+} cam_speed_config_t;
+
+/// @param rate_q30  [1] override of the spindle, 1/2 .. 5/4
+/// @return          the configuration with another mean speed
+static inline cam_speed_config_t cam_speed_overridden(const cam_speed_config_t *cfg,
+                                                      int32_t rate_q30)
+{
+    cam_speed_config_t c = *cfg;
+    c.mean_mrpm = cam_mul_shift(cfg->mean_mrpm, rate_q30, 30);
+    c.mean_q32 = cam_mul_shift(cfg->mean_q32, rate_q30, 30);
+    return c;
+}
+
+/// Speed ratio at an angle.
+typedef struct {
+    int32_t ratio_q28; ///< [2^-28] speed over mean speed, 1/16 .. 4
+    int32_t slope_q20; ///< [1 / turn / 2^20] its derivative over the angle
+} cam_ratio_t;
+
+/// The ratio 1 in q28.
+#define CAM_RATIO_ONE_Q28 (INT32_C(1) << 28)
+
+/// Convert a value of a speed channel to the formats of cam_ratio_t.
+/// @param ch     passed cam_table_check(), kind speed: a ratio of 1/16 .. 4
+/// @param value  of that channel, as cam_eval_surface_at() returns it
+static inline cam_ratio_t cam_speed_scaled(const cam_channel_t *ch, cam_value_t value)
+{
+    const uint32_t shift = ch->log2_knots + ch->log2_repeat;
+    const int32_t above_q28 = (int32_t)((uint32_t)value.y << (8u - ch->frac_bits));
+    return (cam_ratio_t){
+        .ratio_q28 = cam_wrap_add(ch->value_offset * 256, above_q28),
+        .slope_q20 = cam_sat_i32(((int64_t)value.d1 * (INT64_C(1) << shift)) >> ch->frac_bits),
+    };
+}
+
+/// Evaluate a speed channel.
+/// @param ch          passed cam_table_check(), kind speed
+/// @param theta_q32   [turn / 2^32] any value, 0 = long axis
+/// @param z           of the same channel: cam_eval_height() or cam_lobes_slice()
+/// @return            ratio within 2 LSB of the channel, slope within 2 LSB per knot interval
+static inline cam_ratio_t cam_speed_ratio_at(const cam_channel_t *ch, uint32_t theta_q32,
+                                             cam_height_t z)
+{
+    return cam_speed_scaled(ch, cam_eval_surface_at(ch, theta_q32, z));
+}
+
+/// Blend from uniform speed to the ratio of the table.
+/// @param ratio_q28     [2^-28] ratio of the table
+/// @param envelope_q30  [2^-30] 0: uniform (tool out of the work), 2^30: ratio of the table
+/// @return              [2^-28] ratio in force, 1/16 .. 4
+static inline int32_t cam_speed_eased_q28(int32_t ratio_q28, int32_t envelope_q30)
+{
+    const int32_t above_q28 = ratio_q28 - CAM_RATIO_ONE_Q28;
+    return CAM_RATIO_ONE_Q28 + (int32_t)(((int64_t)above_q28 * envelope_q30) >> 30);
+}
+
+/// Set-point from one plan to the next.
+/// @param from_q28,to_q28  [2^-28] r0 and r1, 1/16 .. 4
+/// @return                 [r/min / 1000] set-point, signed, limited to limit_mrpm
+static inline int32_t cam_speed_mrpm(const cam_speed_config_t *cfg, int32_t from_q28,
+                                     int32_t to_q28)
+{
+    const int64_t middle_q28 = ((int64_t)from_q28 + to_q28) >> 1;
+    const int64_t set_q28 = middle_q28 + (((int64_t)(to_q28 - from_q28) * cfg->lag_q16) >> 16);
+    const int64_t limited_q28 = cam_clamp_i64(set_q28, 0, INT64_C(8) * CAM_RATIO_ONE_Q28 - 1);
+    const int64_t mrpm = (limited_q28 * cfg->mean_mrpm) >> 28;
+    return (int32_t)cam_clamp_i64(mrpm, 0, cfg->limit_mrpm) * cfg->sense;
+}
+
+/// @param step_q28  [1 per tick] of the ratio
+/// @return          [turn / 2^40 per tick^2] acceleration in the sense of cutting, saturated
+static inline int32_t cam_speed_alpha_q40(const cam_speed_config_t *cfg, int32_t step_q28)
+{
+    return cam_sat_i32(((int64_t)cfg->mean_q32 * step_q28) >> 20);
 }
 
 #endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_feed_profile.h"
-#include "cam_peaks.h" // cam_x_slope_of
-#include <stdbool.h>   // bool
+#include "cam_table_inner.h"
+#include <stdbool.h> // bool
 
 enum {
     least_feed_ppm = 20000, // [1e-6] smallest feed over its mean

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_lobes.h"
-#include <stdbool.h> // bool
+#include "cam_table_inner.h"
+#include "cam_eval.h" // cam_lobes_change_q31, cam_lobes_find
+#include <stdbool.h>  // bool
 
 _Static_assert(sizeof(cam_lobe_t) == 20, "five words of the image");
 _Static_assert(cam_table_max_lobes == 1 << 6, "the search halves it down to one lobe");
+
+enum { least_gap_nm = 200000 }; ///< [nm] between two lobes
 
 /// @return [nm] height over which the lift falls above a lobe, and rises below the next one
 static int64_t change_nm(const cam_lobe_t *lobe)
@@ -15,7 +18,7 @@ static int64_t change_nm(const cam_lobe_t *lobe)
 static bool is_gap_good(const cam_lobe_t *lobe)
 {
     const int64_t nm = change_nm(lobe);
-    return nm >= cam_lobes_least_gap_nm / 2 - cam_lobes_kept_off_nm &&
+    return nm >= least_gap_nm / 2 - cam_lobes_kept_off_nm &&
            lobe->changes_per_nm_q48 == ((INT64_C(1) << 48) + nm / 2) / nm;
 }
 

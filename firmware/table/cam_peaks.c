@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_peaks.h"
-#include "cam_bounds.h" // cam_bounds_add
-#include "cam_fix.h"    // cam_abs_i64, cam_root_u64
-#include "cam_lobes.h"  // cam_lobes_slice
-#include "cam_speed.h"  // cam_speed_scaled, cam_speed_ratio_at
+#include "cam_table_inner.h"
+#include "cam_fix.h"  // cam_abs_i64, cam_root_u64
+#include "cam_eval.h" // cam_lobes_slice, cam_speed_scaled, cam_speed_ratio_at
 
 enum {
     // [degrees / 1000] a turn, over 2 pi and over (2 pi)^2, rounded up: they convert an angle in

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_table.h"
-#include "cam_entry.h"        // cam_entry_check
-#include "cam_bounds.h"       // cam_extent_widened
-#include "cam_fix.h"          // cam_is_between
-#include "cam_lobes.h"        // cam_lobes_check
-#include "cam_peaks.h"        // cam_peaks_of_swing
-#include "cam_feed_profile.h" // cam_feed_profile_check
-#include <string.h>           // memcpy, memcmp
+#include "cam_table_inner.h"
+#include "cam_fix.h" // cam_is_between
+#include <string.h>  // memcpy, memcmp
 
 _Static_assert(sizeof(cam_knot_t) == 12, "a knot is three words of the image");
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_axis_command.h"
+#include "cam_tick_inner.h"
 #include "cam_fix.h" // cam_clamp_i32, cam_is_within
 #include <stdbool.h> // bool
 

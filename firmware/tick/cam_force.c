@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_force.h"
+#include "cam_tick_inner.h"
 #include "cam_fix.h" // cam_clamp_i32, cam_is_within, cam_sat_i32, cam_wrap_add_i64, ..
 
 /// @return [nm / 64] within the range of a word

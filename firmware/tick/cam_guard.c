@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_guard.h"
+#include "cam_tick_inner.h"
 #include "cam_fix.h" // cam_abs_i64, cam_clamp_i32, cam_is_within, ..
 
 /// After these the drives are disabled at once: one of them, or the position loop, does not work.

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_play.h"
-#include "cam_angle.h" // cam_angle_of_pos
-#include "cam_eval.h"  // cam_eval_segment
-#include "cam_fix.h"   // cam_mulhi
-#include <stddef.h>    // NULL
+#include "cam_tick_inner.h"
+#include "cam_fix.h"  // cam_angle_of_pos, cam_mulhi
+#include "cam_eval.h" // cam_eval_segment
+#include <stddef.h>   // NULL
 
 /// Evaluate U with its velocity and acceleration: derivatives per knot times knots per tick. The
 /// slow change of envelope, amplitude and height is neglected (a skirt: 1e-6 of the speed). A value

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_spindle.h"
-#include "cam_angle.h" // cam_angle_of_pos
-#include "cam_fix.h"   // cam_clamp_i32
+#include "cam_tick_inner.h"
+#include "cam_fix.h" // cam_angle_of_pos, cam_clamp_i32
 
 /// Counts in the direction of cutting: ~c = -c - 1 mirrors the half-open interval of a count, so
 /// adding half a count centres it in both directions.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_status.h"
+#include "cam_tick_inner.h"
 
 #define COPY(to, from)                                                                             \
     do {                                                                                           \

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_tick.h"
-#include "cam_axis_command.h" // cam_axis_command_isr
-#include "cam_fence.h"        // cam_fence_release_isr
-#include "cam_fix.h"          // cam_wrap_add
-#include "hal/hal.h"          // all reads and writes
+#include "cam_tick_inner.h"
+#include "cam_fix.h" // cam_fence_release_isr, cam_wrap_add
+#include "hal/hal.h" // all reads and writes
 
 cam_t g_cam;
 

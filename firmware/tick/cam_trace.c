@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_trace.h"
-#include "cam_fence.h" // cam_fence_release_isr
+#include "cam_tick_inner.h"
+#include "cam_fix.h" // cam_fence_release_isr
 
 cam_tick_record_t *cam_trace_begin_isr(cam_trace_t *trace)
 {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lcn_record.h"
-#include "cam_blackbox.h"      // CAM_BLACKBOX_SIGNALS
-#include "cam_machine_scope.h" // cam_machine_scope_start
-#include "lcn_port.h"          // lcn_port_print
-#include <errno.h>             // errno
-#include <stdatomic.h>         // atomic_int
-#include <stdio.h>             // fopen, snprintf
-#include <string.h>            // memcpy, strerror
+#include "cam_recorder.h" // CAM_BLACKBOX_SIGNALS
+#include "cam_machine.h"  // cam_machine_scope_start
+#include "lcn_port.h"     // lcn_port_print
+#include <errno.h>        // errno
+#include <stdatomic.h>    // atomic_int
+#include <stdio.h>        // fopen, snprintf
+#include <string.h>       // memcpy, strerror
 
 enum { n_words = 1 << 20, most_files = 999, name_bytes = 256, line_bytes = 384 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lcn_record: the recorder (cam_machine_scope.h) with files in place of a bus. The black box of
+/// lcn_record: the recorder (cam_machine.h) with files in place of a bus. The black box of
 /// every fault, and every recording by command, is written to the next free NAME-1.csv, NAME-2.csv,
 /// .. : tick, seconds from the trigger on, signals in the controller's numbers.
 #ifndef LCN_RECORD_H

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lcn_slow.h"
-#include "cam_derived_limits.h" // cam_derived_limits_most
-#include "cam_fix.h"            // cam_clamp_i32
-#include "cam_machine.h"        // cam_machine_t
-#include "cam_machine_jog.h"    // cam_machine_home_axis
-#include "cam_state.h"          // cam_state_name
-#include "lcn_port.h"           // lcn_port_print
-#include "lcn_record.h"         // lcn_record_poll
-#include "lcn_reload.h"         // lcn_reload_ask, lcn_table_read
-#include <stddef.h>             // NULL
-#include <stdio.h>              // snprintf
+#include "cam_feasible.h" // cam_derived_limits_most
+#include "cam_fix.h"      // cam_clamp_i32
+#include "cam_machine.h"  // cam_machine_t, cam_machine_home_axis
+#include "cam_state.h"    // cam_state_name
+#include "lcn_port.h"     // lcn_port_print
+#include "lcn_record.h"   // lcn_record_poll
+#include "lcn_reload.h"   // lcn_reload_ask, lcn_table_read
+#include <stddef.h>       // NULL
+#include <stdio.h>        // snprintf
 
 enum { line_bytes = 256, updates_per_turn = 100 };
 

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): getline
 #include "camsim.h"
-#include "cam_eval.h"      // cam_eval_surface_at
-#include "cam_lobes.h"     // cam_lobes_find
-#include "cam_shaft.h"     // cam_shaft_share
-#include "cam_speed.h"     // cam_speed_ratio_at
+#include "cam_eval.h"      // cam_eval_surface_at, cam_lobes_find, cam_speed_ratio_at
+#include "cam_plan.h"      // cam_shaft_share
 #include "common_number.h" // common_number_parse
 #include "sim_units.h"     // sim_clamp
 #include <errno.h>         // errno

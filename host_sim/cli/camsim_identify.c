@@ -33,7 +33,7 @@ static const camsim_option_t own[] = {
     CAMSIM_WHOLE("place-nm", "N", AT(place_nm), -15e6, 15e6,
                  "position of U about which it plays (default: 0)"),
     CAMSIM_TEXT("signals", "A,B,..", AT(signals),
-                "of cam_scope.h (default: u_set_q6,u_command_nm,u_actual_nm)"),
+                "of cam_recorder.h (default: u_set_q6,u_command_nm,u_actual_nm)"),
     CAMSIM_NUMBER("alive-s", "S", AT(identify.alive_s), 1e-6, 1e9, "seconds",
                   "stop keep-alive messages after S, so that the controller aborts"),
 };
@@ -57,7 +57,7 @@ static uint32_t signals_of(const char *names, common_error_t *e)
             i++;
         }
         if (i == cam_scope_n_signals) {
-            (void)common_error(e, "--signals %.*s: no such signal; see cam_scope.h",
+            (void)common_error(e, "--signals %.*s: no such signal; see cam_recorder.h",
                                (int)(length < 60u ? length : 60u), at);
             return 0;
         }

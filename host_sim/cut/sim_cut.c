@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut.h"
-#include "cam_derived_limits.h" // cam_derived_limits_averaging_mrpm
-#include "sim_cut_pass.h"       // sim_cut_next_pass
-#include "sim_units.h"          // sim_abs, sim_clamp
-#include <math.h>               // lround
+#include "cam_feasible.h" // cam_derived_limits_averaging_mrpm
+#include "sim_cut_pass.h" // sim_cut_next_pass
+#include "sim_units.h"    // sim_abs, sim_clamp
+#include <math.h>         // lround
 
 /// A real main loop does its background work whenever the interrupt leaves time. Here it is rare,
 /// since a kilobyte of CRC costs as much as 10 ticks: a damaged table of 16 KB is found within 0.8

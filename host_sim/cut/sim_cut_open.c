@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut.h"
 #include "sim_cut_pass.h" // sim_cut_plan_pass
-#include "cam_feed.h"     // cam_feed_least_nm
+#include "cam_motion.h"   // cam_feed_least_nm
 #include "sim_lobe_cut.h" // sim_lobe_cut_begin
 #include "sim_config.h"   // sim_params_apply, sim_slow_check
 #include "sim_units.h"    // SIM_NM_PER_MM

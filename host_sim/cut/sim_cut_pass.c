@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut_pass.h"
-#include "cam_build.h" // cam_build_settle_turns
-#include "cam_pass.h"  // cam_pass_params
-#include "sim_units.h" // SIM_NM_PER_MM, SIM_TWO_PI
-#include <math.h>      // ceil, floor
+#include "cam_build.h"   // cam_build_settle_turns
+#include "cam_machine.h" // cam_pass_params
+#include "sim_units.h"   // SIM_NM_PER_MM, SIM_TWO_PI
+#include <math.h>        // ceil, floor
 
 /// The papers measure 30 slices in a quarter turn.
 enum { slices_per_turn = 120 };

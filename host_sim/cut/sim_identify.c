@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_identify.h"
-#include "cam_machine_identify.h" // cam_machine_excite
-#include "cam_machine_scope.h"    // cam_machine_scope_set
-#include <string.h>               // memcpy
+#include "cam_machine.h" // cam_machine_excite, cam_machine_scope_set
+#include <string.h>      // memcpy
 
 enum { poll_ticks = 16 };
 

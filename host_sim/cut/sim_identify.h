@@ -3,7 +3,7 @@
 ///
 /// It uses the firmware's own commands, as a tool does over CAN: enable, wait for ready, download
 /// the wave, excite with keep-alive messages, until the state is ready again. The recording is in
-/// the port's memory (cam_scope.h).
+/// the port's memory (cam_recorder.h).
 #ifndef SIM_IDENTIFY_H
 #define SIM_IDENTIFY_H
 

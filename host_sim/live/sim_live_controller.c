@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): poll
-#include "cam_can.h"            // cam_can_init
-#include "cam_machine.h"        // cam_machine_init
-#include "cam_machine_scope.h"  // cam_machine_blackbox
+#include "cam_remote.h"         // cam_can_init
+#include "cam_machine.h"        // cam_machine_init, cam_machine_blackbox
 #include "sim_live.h"
 #include "sim_config.h" // sim_params_apply
 #include <errno.h>      // errno

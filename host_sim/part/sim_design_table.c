@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_design.h"
-#include "cam_lobes.h" // cam_lobes_find
+#include "cam_eval.h"  // cam_lobes_find
 #include "sim_units.h" // SIM_NM_PER_MM, sim_clamp, sim_floor, sim_fraction
 #include <math.h>      // ldexp
 #include <stdbool.h>   // bool

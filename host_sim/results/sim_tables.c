@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_tables.h"
-#include "cam_trace.h" // cam_trace_pop
+#include "cam_tick.h"  // cam_trace_pop
 #include "sim_units.h" // SIM_NM_PER_MM
 #include <math.h>      // isnan
 

@@ -6,7 +6,7 @@
 /// the firmware's whole record, so that a tick can be replayed. `turn` is the master position as
 /// the drawing's angle (whole turns since the index was found; falls with M4), `faults` the latched
 /// faults as a mask in the order of CAM_FAULTS in cam_state.h; true_turn .. error_nm are the
-/// lathe's truth at the instant of sensing; the rest is named as in cam_trace.h, with in_ and out_
+/// lathe's truth at the instant of sensing; the rest is named as in cam_tick.h, with in_ and out_
 /// for inputs and outputs of the tick. A table that swings the tool adds two columns: the present
 /// set-point of the swing and the true swing.
 ///

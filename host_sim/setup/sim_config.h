@@ -18,8 +18,7 @@
 #define SIM_CONFIG_H
 
 #include "cam_machine.h"  // cam_machine_t
-#include "cam_param.h"    // cam_n_params, cam_params_t
-#include "cam_refusal.h"  // cam_refusal_t
+#include "cam_param.h"    // cam_n_params, cam_params_t, cam_refusal_t
 #include "cam_table.h"    // cam_table_t
 #include "common_error.h" // common_error_t
 #include "sim_lathe.h"    // sim_lathe_config_t
@@ -42,7 +41,7 @@
 // a mode on the scale; the pole of its lead is ten times that, at most a fifth of the tick rate.
 //
 // The limits are those of the lathe. The firmware derives the limit of the following error and the
-// window for jumps from machine and part (cam_derived_limits.h). Jitter widens the index window by
+// window for jumps from machine and part (cam_feasible.h). Jitter widens the index window by
 // seven times its rms. The observer bandwidth is 200 Hz, or a twentieth of the tick rate if that
 // is less.
 //

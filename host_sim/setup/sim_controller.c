@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_config.h"
-#include "cam_derived_limits.h" // cam_derived_limits_usual_mHz
-#include "sim_units.h"          // SIM_TWO_PI, sim_floor
-#include <math.h>               // ceil, floor, fmax, fmin, pow
+#include "cam_feasible.h" // cam_derived_limits_usual_mHz
+#include "sim_units.h"    // SIM_TWO_PI, sim_floor
+#include <math.h>         // ceil, floor, fmax, fmin, pow
 
 bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char *origin,
                     common_error_t *e)
@@ -124,7 +124,7 @@ static void derive_limits(derive_t *d, const sim_lathe_config_t *m)
     put(d, cam_param_z_acceleration_mm_per_s2, axis[hal_axis_z].acceleration_units_per_s2);
     put(d, cam_param_spindle_limit_mrpm, m->spindle_limit_rpm * 1e3);
     put(d, cam_param_following_limit_nm,
-        0.0); // the simulated drive measures: derived (cam_derived_limits.h)
+        0.0); // the simulated drive measures: derived (cam_feasible.h)
     // The speed loop is first-order. Values beyond a parameter's range have no use, so they are
     // clamped.
     const sim_spindle_config_t *s = &m->spindle;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_config.h"
-#include "cam_gains.h" // cam_gains_check
-#include <stdio.h>     // snprintf
+#include "cam_feasible.h" // cam_gains_check
+#include <stdio.h>        // snprintf
 
 /// The largest acceleration of U up to the present one with which these gains are taken.
 /// @return [mm/s^2], 0 where none is

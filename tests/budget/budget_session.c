@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "budget_session.h"
-#include "cam_machine_jog.h"      // cam_machine_jog
-#include "cam_machine_identify.h" // cam_machine_excite
-#include "cam_machine.h"          // cam_machine_hold
-#include "cam_table.h"            // cam_crc32
-#include "fixture_newer.h"        // fixture_newer_way
-#include "fixture_shaft.h"        // fixture_shaft_make
-#include "hal_host.h"             // hal_host
-#include <math.h>                 // cos, sin
-#include <stdio.h>                // printf
+#include "cam_machine_inner.h" // cam_machine_jog, cam_machine_excite, cam_machine_hold
+#include "cam_table.h"         // cam_crc32
+#include "fixture_newer.h"     // fixture_newer_way
+#include "fixture_shaft.h"     // fixture_shaft_make
+#include "hal_host.h"          // hal_host
+#include <math.h>              // cos, sin
+#include <stdio.h>             // printf
 
 enum { tick_hz = 20000, patience = 60000 };
 

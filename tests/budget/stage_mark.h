@@ -8,8 +8,8 @@
 #ifndef STAGE_MARK_H
 #define STAGE_MARK_H
 
-#include "cam_tick.h" // the stages, declared before they are wrapped
-#include "hal/hal.h"  // hal_outputs_write_isr, hal_spindle_write_isr
+#include "cam_tick_inner.h" // the stages, declared before they are wrapped
+#include "hal/hal.h"        // hal_outputs_write_isr, hal_spindle_write_isr
 
 /// A stage is what lies between its mark and the one before.
 typedef enum {

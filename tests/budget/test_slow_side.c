@@ -3,7 +3,7 @@
 #include "budget.h"
 #include "budget_count.h"
 #include "cam_feasible.h"
-#include "cam_ilc.h"
+#include "cam_learning_inner.h" // cam_cos_q24
 #include "fixture_image.h"
 #include "unity.h"
 #include <stdio.h>

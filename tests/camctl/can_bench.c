@@ -8,7 +8,7 @@
 // controller demands the button, and the secret unlocks it. On a busy
 // computer virtual time falls behind the clock; it never runs faster to catch up, since no tool
 // could follow it then. Ends with its input.
-#include "cam_machine_scope.h" // cam_machine_blackbox
+#include "cam_machine.h" // cam_machine_blackbox
 #include "fixture_can.h"
 #include "hal_host.h"
 #include "sim_inject.h" // sim_operator_key

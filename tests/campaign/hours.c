@@ -5,10 +5,9 @@
 //     hours TICK_HZ HOURS SEED [FIRST]   prints one JSON object; ends by abort() with what was
 //     broken.
 // Sessions are numbered; with FIRST they begin there, so that one that broke is played again alone.
-#include "cam_machine_jog.h" // cam_machine_manual
-#include "cam_machine.h"     // cam_machine_hold
-#include "fuzz_expect.h"     // FUZZ_EXPECT
-#include "fuzz_orders.h"     // fuzz_disturb
+#include "cam_machine.h" // cam_machine_manual, cam_machine_hold
+#include "fuzz_expect.h" // FUZZ_EXPECT
+#include "fuzz_orders.h" // fuzz_disturb
 #include "fuzz_rig.h"
 #include "hal_host.h"
 #include "sim_random.h"

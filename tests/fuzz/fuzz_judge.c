@@ -70,7 +70,7 @@ static bool is_geared(cam_state_t state)
            state == cam_state_rehearsing;
 }
 
-/// A cut is judged by its set-points before it begins (cam_demand.h). Two additions are not known
+/// A cut is judged by its set-points before it begins (cam_feasible.h). Two additions are not known
 /// then: that of the feed-forward, and how far U continues when a fault or a stop takes it out of
 /// its motion. Where they exceed the limits, U is commanded the nearest position within them, and
 /// the fault `command` is latched.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fuzz_orders.h"
-#include "cam_machine_jog.h" // cam_machine_jog
-#include "cam_machine.h"     // cam_machine_hold
+#include "cam_machine.h" // cam_machine_jog, cam_machine_hold
 #include "fuzz_rig.h"
 #include "hal_host.h"
 #include <string.h> // memset

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fuzz_rig.h"
-#include "cam_config.h"      // cam_config_t
-#include "cam_machine_jog.h" // cam_machine_manual
-#include "fixture_image.h"   // fixture_image_make
-#include "fixture_part.h"    // fixture_part_short
-#include "fuzz_expect.h"     // FUZZ_EXPECT
-#include "hal_host.h"        // hal_host
-#include <stdio.h>           // stderr
-#include <stdlib.h>          // getenv
-#include <string.h>          // memcpy, memset
+#include "cam_config.h"        // cam_config_t
+#include "cam_machine_inner.h" // cam_machine_manual, cam_offsets_shift_nm
+#include "fixture_image.h"     // fixture_image_make
+#include "fixture_part.h"      // fixture_part_short
+#include "fuzz_expect.h"       // FUZZ_EXPECT
+#include "hal_host.h"          // hal_host
+#include <stdio.h>             // stderr
+#include <stdlib.h>            // getenv
+#include <string.h>            // memcpy, memset
 
 enum { skirt, modulated, camshaft };
 enum { n_rates = fuzz_rig_n_rates, n_states = 4, mm = 1000000 };

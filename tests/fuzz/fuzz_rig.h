@@ -4,7 +4,7 @@
 #ifndef FUZZ_RIG_H
 #define FUZZ_RIG_H
 
-#include "cam_can.h"       // cam_can_t
+#include "cam_remote.h"    // cam_can_t
 #include "cam_machine.h"   // cam_machine_t
 #include "fuzz_judge.h"    // fuzz_judge_t
 #include "ideal_machine.h" // ideal_machine_t

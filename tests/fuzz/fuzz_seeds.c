@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes the inputs that a campaign begins with: real tables, sessions and messages, made by code
 // so that they follow the formats.
-#include "cam_blackbox.h"
-#include "cam_param_store.h"
+#include "cam_recorder.h"
+#include "cam_param.h"
 #include "fixture_image.h"
 #include "fixture_newer.h"
 #include "fixture_part.h"

@@ -3,7 +3,7 @@
 // Exit status 0: done as it should be; 1: not, with the reason. With IMAGE_U_STUCK the machine
 // blocks U in the cut, so that the image must fail.
 #include "cam_machine.h"
-#include "cam_trace.h"
+#include "cam_tick.h"
 #include "fixture_image.h"
 #include "hal/hal.h"
 #include "image_machine.h"

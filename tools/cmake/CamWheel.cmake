@@ -2,7 +2,7 @@
 # the project that commands read, at the same places as in a clone (tools/camtools/base/project_paths.py).
 set(wheel COMPONENT wheel EXCLUDE_FROM_ALL)
 foreach(file IN ITEMS firmware/FAULTS.md firmware/base/cam_err.h firmware/param/cam_param.h firmware/remote/can/camturn.dbc
-        firmware/feasible/cam_servo_design.h LICENSE hal/include/hal/version.h tools/docs/CAMS.md tools/docs/PARTFILE.md tools/docs/POLYGONS.md)
+        LICENSE hal/include/hal/version.h tools/docs/CAMS.md tools/docs/PARTFILE.md tools/docs/POLYGONS.md)
     cmake_path(GET file PARENT_PATH folder)
     install(FILES ${file} DESTINATION ./${folder} ${wheel})
 endforeach()

@@ -34,9 +34,9 @@ enum {
     hal_in_index_x = 1u << 7, ///< 0.4 ms, or since the previous reading if that is longer ago. A
     hal_in_index_z = 0x100u,  ///< port may pass on a longer pulse unchanged
     hal_in_acknowledge = 0x200u, ///< 1: the acknowledge button at the machine is pressed; motion
-                                 ///< needs it (cam_acknowledge.h)
+                                 ///< needs it (cam_plan.h)
     hal_in_key = 0x400u, ///< 1: the key switch allows changes of limits, constants and tables
-                         ///< (cam_rights.h)
+                         ///< (cam_param.h)
     hal_in_limit_u_low = 0x800u,   ///< 1: U stands at the limit switch of its lower end; only
     hal_in_limit_u_high = 0x1000u, ///< 1: .. upper end; where U takes forces
 };
@@ -198,7 +198,7 @@ bool hal_measures_u(void);
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis);
 
 /// @return the output of U's force, constant after hal_init(). If it has one, the firmware closes
-/// U's position loop (cam_force.h); its scale must be measured. Default: 0, U takes positions.
+/// U's position loop (cam_tick_inner.h); its scale must be measured. Default: 0, U takes positions.
 /// Simulator: set by the test or machine file.
 hal_force_t hal_force(void);
 

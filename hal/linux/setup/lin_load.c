@@ -3,7 +3,7 @@
 #include <string.h> // strcmp
 
 enum { pdo_bytes = 6, offset_bytes = 4, encoder_bytes = 4, fd_bytes = 12, status_bytes = 8 };
-enum { status_frames = 5, status_hz = 100 }; // State, Spindle, AxisU, Detail twice: cam_report.h
+enum { status_frames = 5, status_hz = 100 }; // State, Spindle, AxisU, Detail twice: cam_report.c
 #define SECOND_NS INT64_C(1000000000)
 
 /// @return greatest number of stuff bits for n bits

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Frames arrive, in any order and of any content, while the tick runs: commands, parameters, blocks
 // of a download. Every frame of the controller's own is a message of the DBC; every tick is judged.
-#include "cam_can.h"
-#include "cam_rights.h"
+#include "cam_remote.h"
+#include "cam_param.h"
 #include "fuzz_bytes.h"
 #include "fuzz_expect.h"
 #include "fuzz_mutate.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Messages of more than one frame, beside a second reader of ISO 15765-2 that was written from the
 // standard's tables: both complete the same messages.
-#include "cam_isotp.h"
+#include "cam_remote_inner.h" // cam_isotp_t, cam_isotp_broken, cam_isotp_event_t
 #include "fuzz_bytes.h"
 #include "fuzz_expect.h"
 #include "fuzz_mutate.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a port keeps over a restart is untrusted bytes: parameters as text, the head of a black box,
 // values that were learned.
-#include "cam_blackbox.h"
-#include "cam_param_store.h"
+#include "cam_recorder.h"
+#include "cam_param.h"
 #include "cam_table.h" // cam_crc32
 #include "fuzz_bytes.h"
 #include "fuzz_expect.h"

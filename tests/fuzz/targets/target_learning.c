@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Iterative learning of whatever the interrupt may measure: what is learned stays within its
-// limits, and no step of what is blended in is larger than cam_ilc.h allows.
-#include "cam_ilc.h"
+// limits, and no step of what is blended in is larger than cam_learning.h allows.
+#include "cam_learning.h"
 #include "fixture_random.h"
 #include "fuzz_bytes.h"
 #include "fuzz_expect.h"

@@ -3,17 +3,17 @@
 // that is refused stays at its default. Its drives are those that it is configured for, and nothing
 // fails but stops and drives without power. So it may have no fault of its own, whatever the
 // operator does.
-#include "cam_machine_jog.h" // cam_machine_jog
+#include "cam_machine.h" // cam_machine_jog
 #include "fuzz_bytes.h"
 #include "fuzz_draw.h"
 #include "fuzz_expect.h"
 #include "fuzz_mutate.h"
 #include "fuzz_orders.h"
 #include "fuzz_rig.h"
-#include "cam_gains.h" // cam_gains_log2_window
-#include "hal_host.h"  // hal_host
-#include <math.h>      // fmax, ldexp
-#include <stdlib.h>    // abs
+#include "cam_feasible.h" // cam_gains_log2_window
+#include "hal_host.h"     // hal_host
+#include <math.h>         // fmax, ldexp
+#include <stdlib.h>       // abs
 
 enum { head_bytes = 4 + fuzz_draw_bytes, most_ticks = 8000 };
 

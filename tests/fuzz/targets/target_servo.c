@@ -2,7 +2,7 @@
 // The position loop of any force drive: the design refuses its parameters, or its coefficients are
 // within the ranges of cam_servo.h, and then no input drives the force out of its limits.
 #include "cam_param.h"
-#include "cam_servo_design.h"
+#include "cam_feasible_inner.h"
 #include "fuzz_bytes.h"
 #include "fuzz_expect.h"
 

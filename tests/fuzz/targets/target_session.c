@@ -2,8 +2,7 @@
 // A session: commands, parameters, senses and faults in any order, as the operator, the machine and
 // bad luck would give them. The input is a start and orders of four bytes each, so that what the
 // mutator adds or takes away leaves the others what they were.
-#include "cam_machine_identify.h"
-#include "cam_machine_scope.h"
+#include "cam_machine.h"
 #include "fuzz_bytes.h"
 #include "fuzz_expect.h"
 #include "fuzz_mutate.h"

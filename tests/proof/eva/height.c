@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A height or a pattern lies between two slices that the channel has, with any height, pattern,
 // span and reciprocal: the 64 least and the 64 largest numbers of slices, each by itself.
-#include "cam_lobes.h"
+#include "cam_eval.h"
 #include "world.h"
 
 void main(void)

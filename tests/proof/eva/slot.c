@@ -2,6 +2,7 @@
 // The place of a tick's record, whatever the trace holds; the whole tick is analysed with the first
 // place alone.
 #include "world.h"
+#include "cam_tick_inner.h" // cam_trace_begin_isr
 
 static cam_tick_record_t record;
 

@@ -45,8 +45,8 @@ def test_every_fault_is_explained() -> None:
 
 
 def test_kept_values_are_those_of_learning() -> None:
-    """The file of learned values has the groups of cam_ilc.h, each as long as there."""
-    header = FIRMWARE / "learning" / "cam_ilc.h"
+    """The file of learned values has the groups of cam_learning.h, each as long as there."""
+    header = FIRMWARE / "learning" / "cam_learning.h"
     body = header.read_text("utf-8").split("    cam_ilc_value_speed,")[1].split("};")[0]
     numbers = {"cam_ilc_value_speed": 0, "cam_ilc_terms": 17, "cam_ilc_harmonics": 16}
     last = 0

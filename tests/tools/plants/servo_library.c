@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One position loop for Python: drive_plant.py.
-#include "cam_servo_design.h"
+#include "cam_feasible_inner.h"
 #include <string.h> // memcpy
 
 #define EXPORTED __attribute__((visibility("default")))

@@ -28,7 +28,7 @@ SOFT = replace(SLOW, mode_share=1.0)
 
 
 def params(loop: Loop, plant: Plant, **others: int) -> dict[str, int]:
-    """Return the integers of cam_servo_design.h for a proposal."""
+    """Return the integers of cam_servo_params_t for a proposal."""
     hold_s, amplifier_s = 0.5 / plant.step_hz, 0.5 / math.pi / plant.amplifier_hz
     return {
         "step_hz": int(plant.step_hz),

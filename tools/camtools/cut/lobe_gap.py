@@ -1,6 +1,6 @@
 """What an axis needs between two lobes, where its lift falls to 0 and rises again: MATHS.md (88).
 
-The firmware judges by the same sums at the same places (firmware/feasible/cam_z_coupling.h).
+The firmware judges by the same sums at the same places (firmware/feasible/cam_feasible_inner.h).
 
 >>> still = in_gap(Motion(8.0, 12.0, 40.0), GapChange(turns=100.0))
 >>> f"{still.first:.3f} {still.second:.3f}"

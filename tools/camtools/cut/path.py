@@ -128,7 +128,7 @@ class ToolPath:
 def ramp_of(feed_mm: float, spindle_rpm: float, limits: MachineLimits) -> float:
     """Return the shortest ramp of a ring-helix that Z's acceleration allows, as the firmware's.
 
-    At least LEAST_RAMP (firmware/motion/cam_feed.h).
+    At least LEAST_RAMP (firmware/motion/cam_motion.h).
     Z's speed is feed n / (1 - r), its acceleration feed n^2 / (r (1 - r)), n in turns per second.
 
     Raises

@@ -98,7 +98,7 @@ class ConnectedU:
         ----------
         play : Play
         signals : sequence of str
-            of the recorder, in the order of firmware/recorder/cam_scope.h
+            of the recorder, in the order of firmware/recorder/cam_recorder.h
 
         Raises
         ------

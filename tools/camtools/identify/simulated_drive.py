@@ -99,7 +99,7 @@ class SimulatedU:
         ----------
         play : Play
         signals : sequence of str
-            of the recorder, in the order of firmware/recorder/cam_scope.h
+            of the recorder, in the order of firmware/recorder/cam_recorder.h
 
         Raises
         ------

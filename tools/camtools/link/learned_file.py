@@ -16,7 +16,7 @@ from camtools.link.controller import Link, Status
 from camtools.link.messages import NAMES, Answer, Refused
 from camtools.link.refusal_text import REMEDIES
 
-# Values of firmware/learning/cam_ilc.h, in their order. The last word of a name is the unit:
+# Values of firmware/learning/cam_learning.h, in their order. The last word of a name is the unit:
 # turn / 2^32 per tick, ticks / 2^16, ticks^2 / 2^16, turn / 2^32, nm / 64, 1 / 4096,
 # turn / 2^23, 2^-32.
 LAYOUT = {

@@ -91,7 +91,7 @@ def group_of(name: str) -> str:
 
 
 def checksum(values: Mapping[str, int]) -> int:
-    """Return the checksum of all parameters, as the status reports it (cam_param_store.h)."""
+    """Return the checksum of all parameters, as cam_param_store_checksum() has it."""
     return zlib.crc32("".join(f"{name} = {values[name]}\n" for name in INFOS).encode())
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 r"""Command over a controller: one sender has it, his heartbeat keeps it, the others read.
 
-What the controller demands stands in firmware/param/cam_rights.h. A link reads without command.
+What the controller demands stands in firmware/param/cam_param.h. A link reads without command.
 Before its first order that needs command it takes it, if it may. Where an order is refused because
 the controller is locked, it unlocks the controller, if it has a secret, and gives the order again.
 

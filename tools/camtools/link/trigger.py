@@ -28,7 +28,7 @@ GRAMMAR = (
 
 @dataclass(frozen=True)
 class Trigger:
-    """When a recording begins; see cam_scope.h."""
+    """When a recording begins; see cam_recorder.h."""
 
     kind: str  # one of scope.TRIGGERS
     watched: str = "tick"  # signal of kind level

@@ -32,7 +32,7 @@ _FEED_MM = 9.9
 _LEAST_TURNS, _MOST_TURNS = 4, 400
 _KNOTS = 8  # at most, of a turn
 _BEND = 5.774  # largest second derivative of a quintic step of 1 over 1
-_MOST_BEND_PER_MM, _MOST_CHANGE = 3.8, 1.9  # of what the controller measures: cam_peaks.h
+_MOST_BEND_PER_MM, _MOST_CHANGE = 3.8, 1.9  # of what the controller measures: cam_peaks.c
 
 
 class Plan(NamedTuple):

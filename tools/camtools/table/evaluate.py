@@ -160,7 +160,7 @@ def _outwards(channel: Channel, low: int, high: int) -> Extent:
 def extent(channel: Channel) -> Extent:
     """Return what a channel takes, between its knots and the firmware's rounding included.
 
-    Exact, and therefore the numbers that the controller finds: cam_bounds.h.
+    Exact, and therefore the numbers that the controller finds: cam_bounds.c.
     """
     rows = np.rint(_bernstein_rows(5) * _WHOLE).astype(np.int64)
     points = channel_coefficients(channel).astype(np.int64) @ rows

@@ -49,7 +49,7 @@ class Needed(NamedTuple):
 class Drive(TomlTable):
     """A force drive; what is not known is left out.
 
-    The ranges are those of CAM_SERVO_PARAMS in firmware/feasible/cam_servo_design.h.
+    The ranges are those of CAM_SERVO_PARAMS in firmware/feasible/cam_feasible_inner.h.
     """
 
     mass_kg: Annotated[float, _between(0.01, 100.0)]

@@ -48,7 +48,7 @@ class Plant:
 
 @dataclass(frozen=True)
 class Loop:
-    """The parameters of cam_servo_design.h that make the loop."""
+    """The parameters of cam_servo_design() that make the loop."""
 
     crossover_hz: float
     lead_ratio: float  # pole over zero

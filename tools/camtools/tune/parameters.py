@@ -173,7 +173,7 @@ def plant_of(values: Mapping[str, int], drive: Drive) -> tuple[Plant, float]:
 def settings_of(values: Mapping[str, int], drive: Drive) -> dict[str, int]:
     """Return all that is to be set for parameters of the loop: themselves, no lag, the lead.
 
-    U is looked up ahead by a tick and the delay of the force (cam_force.h), which is that of the
+    U is looked up ahead by a tick and the delay of the force (cam_force.c), which is that of the
     drive where they have none.
     """
     settings, own_ns = dict(values), round(_drive_values(drive)["force_delay_ns"])

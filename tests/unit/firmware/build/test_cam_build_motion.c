@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Limits of motions by time and of the commands of the axes, against their formulas in double.
 #include "cam_build.h"
-#include "cam_gains.h"
+#include "cam_feasible.h"
 #include "hal_host.h"
 #include "unity.h"
 #include <math.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Angles and parameters in the units of the interrupt: rounded to nearest, saturated, wrapped.
-#include "cam_units.h"
-#include "cam_angle.h"
+#include "cam_build_inner.h" // cam_units_scale, cam_units_ticks2_of_us2, cam_units_ticks_of_ns
+#include "cam_fix.h"
 #include "unity.h"
 
 static void test_share_is_rounded_to_nearest_half_up(void)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Changes by the operator in the cut: their numbers per plan, and in play.
-#include "cam_changes.h"
+#include "cam_feasible.h"
 #include "fixture_play.h"
 #include "unity.h"
 #include <math.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far U is commanded with its feed-forward, against the surface that the table was made of.
-#include "cam_command.h"
-#include "cam_feasible.h"
+#include "cam_feasible_inner.h"
 #include "image_bench.h"
 #include <math.h>
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Demands of the change from slice to slice on U and on the swing, and of a speed channel on the
 // spindle, compared with doubles and with the set-points of a simulated cut.
-#include "cam_demand.h"
-#include "cam_feasible.h"
+#include "cam_feasible_inner.h" // cam_cut_up
 #include "fixture_play.h"
 #include "fixture_shaft.h"
 #include "unity.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Windows and limits that follow from encoder, spindle, drive and part.
-#include "cam_derived_limits.h"
+#include "cam_feasible.h"
 #include "cam_build.h"
-#include "cam_guard.h"
+#include "cam_tick.h"
 #include "hal_host.h"
 #include "unity.h"
 #include <math.h>   // floor
@@ -125,7 +125,7 @@ static void test_most_is_the_largest_value_that_is_built(void)
         const int32_t most = cam_derived_limits_most(ids[i % 4], hz);
         cam_params_t p = cam_param_defaults();
         p.observer_bandwidth_mHz = 1000;
-        p.u_speed_um_per_s = 10000000; // no gain is too large for such limits (cam_gains.h)
+        p.u_speed_um_per_s = 10000000; // no gain is too large for such limits (cam_feasible.h)
         p.u_acceleration_mm_per_s2 = 100;
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&p, ids[i % 4], most));
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_derived_limits_check(&p, hz).err);

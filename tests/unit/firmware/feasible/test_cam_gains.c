@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Windows that follow from jerks, and gains that are refused, against MATHS.md (212), (213) in
 // double.
-#include "cam_gains.h"
+#include "cam_feasible.h"
 #include "hal_host.h"
 #include "rig_bench.h"
 #include <math.h>

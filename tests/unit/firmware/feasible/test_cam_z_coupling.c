@@ -2,8 +2,8 @@
 // Motion of Z in a cut and its demands on other axes, in numbers that come out even, and in those
 // that are just above: there a demand is rounded up. Between two lobes they are compared with the
 // largest sum on a grid of a thousandth.
-#include "cam_z_coupling.h"
-#include "cam_feed.h"
+#include "cam_feasible_inner.h"
+#include "cam_motion.h"
 #include "fixture_random.h"
 #include "unity.h"
 #include <math.h> // fabs, fmax, ldexp

@@ -12,7 +12,7 @@
 #ifndef LEARN_PLANT_H
 #define LEARN_PLANT_H
 
-#include "cam_ilc.h"
+#include "cam_learning.h"
 #include <stdint.h>
 
 enum { learn_ring = 256 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Numbers of two parts, against doubles; what their words cannot hold is limited.
-#include "cam_complex.h"
+#include "cam_learning_inner.h" // cam_complex_t, cam_gain_t, cam_complex_add, cam_complex_size
 #include "fixture_random.h"
 #include "unity.h"
 #include <math.h>

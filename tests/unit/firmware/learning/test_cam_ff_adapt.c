@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Layer 1 finds constants that are wrong: against the equations in floating point.
-#include "cam_ff_adapt.h"
+#include "cam_learning_inner.h" // cam_drive_sums_t, cam_drive_add, cam_drive_change_t
 #include "unity.h"
 #include <complex.h>
 #include <math.h>

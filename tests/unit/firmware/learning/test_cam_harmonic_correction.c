@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The correction of a harmonic: its probe, its guard and what it forgets, against MATHS.md
 // (142) .. (144) in double.
-#include "cam_harmonic_correction.h"
+#include "cam_learning_inner.h"
 #include "unity.h"
 #include <complex.h>
 #include <math.h>
@@ -34,7 +34,7 @@ static void test_probe_is_a_chirp_up_to_n_and_nothing_above(void)
         const uint32_t n = 1u << i / 2u, which = of_which[i % 2u];
         setUp();
         cam_harmonic_correction_set_probe(&s, 64000, n, which);
-        for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
+        for (uint32_t k = 0; k < cam_ilc_terms; k++) {
             const double size = k <= n && (which >> k & 1u) != 0u ? 64000.0 : 0.0;
             const double angle = 3.14159265358979323846 * k * k / n;
             TEST_ASSERT_INT32_WITHIN(1, lround(size * cos(angle)), s.c_q6[k].re);
@@ -256,7 +256,7 @@ static void test_restore_goes_back_where_something_is_known(void)
 
 static void test_turn_takes_what_is_kept_along_and_leaves_the_mean(void)
 {
-    for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
+    for (uint32_t k = 0; k < cam_ilc_terms; k++) {
         s.c_q6[k] = of(6400, 0);
         s.kept[k].re_nm = 100;
         s.best_q6[k] = 1;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // From bins to harmonics and from harmonics to points, against sums in floating point.
-#include "cam_harmonics.h"
+#include "cam_learning_inner.h" // cam_harmonics_rotated, cam_harmonics_of, cam_harmonics_slew
 #include "fixture_random.h"
 #include "unity.h"
 #include <math.h>

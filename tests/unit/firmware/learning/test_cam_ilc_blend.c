@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // From what is in force to what was learned: how large a step may be, when there is one, and when
 // the drive has settled behind it.
-#include "cam_ilc.h"
+#include "cam_learning.h"
 #include "unity.h"
 
 enum { usual_q8 = 1000 * 256 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The force of the chip: learned per feed, played with the present feed, in steps.
-#include "cam_ilc_chip.h"
+#include "cam_learning_inner.h"
 #include "unity.h"
 #include <math.h> // lround
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Learning turn by turn, of turns that the test makes: which count, what the guard does, how the
 // phases follow each other.
+#include "cam_learning_inner.h" // cam_harmonic_correction_sum_q6
 #include "ilc_bench.h"
 
 /// The first turn shows the speed only, the second settles, the third is the first step.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a turn shows: whether it counts, its harmonics by its ticks, its gaps, its feed, its phase.
 // What a step compares with, and how much of an error it removes.
-#include "cam_ilc_update.h"
+#include "cam_learning_inner.h"
 #include "ilc_bench.h"
 
 /// Begin anew with two turns, of which the first shows the speed only.

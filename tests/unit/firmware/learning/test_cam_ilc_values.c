@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What was learned, as others see and set it: numbers of the values, their ranges, their units.
-#include "cam_ilc.h"
+#include "cam_learning_inner.h" // cam_ripple_most
 #include "unity.h"
 #include <string.h> // memcmp
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The ripple of a spindle from the bins of its turns: orders, drift of the speed, counts.
-#include "cam_ripple.h"
+#include "cam_learning_inner.h" // cam_ripple_t, cam_ripple_add, cam_ripple_close
 #include "unity.h"
 #include <math.h>
 

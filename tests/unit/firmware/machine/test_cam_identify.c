@@ -2,9 +2,7 @@
 // Excitation of U by the commands of the slow side, and every end of it; the download of its wave
 // into the memory of the recorder. A wave of force, of a machine that follows its set-points,
 // whatever the force: what reaches the output, how it ends, and what is refused.
-#include "cam_machine_identify.h"
-#include "cam_machine_inner.h" // cam_machine_offer_copy
-#include "cam_machine_scope.h"
+#include "cam_machine_inner.h"
 #include "cam_table.h"
 #include "fixture_rig.h"
 #include "hal_host.h"

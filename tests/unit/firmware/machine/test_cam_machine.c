@@ -2,7 +2,6 @@
 // The slow side: what it refuses in which state or because the machine cannot do it, that a refusal
 // changes nothing, and a start with a spindle that does not turn steadily.
 #include "cam_machine.h"
-#include "cam_machine_jog.h"
 #include "rig_bench.h"
 
 static cam_machine_t *const m = &rig.machine;

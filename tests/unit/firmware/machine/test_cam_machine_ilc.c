@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Learning as the slow side of the machine sees it: which values it takes back, when it works, what
 // is handed over, and the parameters shown by turns that the test makes: gains, probe, ripple.
-#include "cam_machine.h"
-#include "cam_machine_inner.h" // cam_machine_offer_copy
+#include "cam_learning_inner.h" // cam_harmonic_correction_sum_q6
+#include "cam_machine_inner.h"  // cam_machine_get_learned, cam_machine_ilc_poll
 #include "rig_bench.h"
 #include <math.h> // cos, lround, sin
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Commands of the state manual: their order, limits and refusals; limits that change while axes
 // move or stand beyond them: no axis leaps, none moves on for ever.
-#include "cam_demand.h"        // cam_demand_clearance_nm
+#include "cam_feasible.h"      // cam_demand_clearance_nm
 #include "cam_machine_inner.h" // cam_machine_request
 #include "jog_bench.h"
 

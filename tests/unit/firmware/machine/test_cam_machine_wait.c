@@ -2,9 +2,7 @@
 // What waits for the interrupt, and each reason for it by itself: for every condition of these
 // decisions two cases that differ in it alone. Hold, overrides and trim: states, refusals, what is
 // kept and what is forgotten. What is demanded of the button.
-#include "cam_machine.h"
 #include "cam_machine_inner.h" // cam_machine_acknowledge_config
-#include "cam_machine_jog.h"
 #include "fixture_newer.h"
 #include "rig_bench.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where the part lies: datum, tools, and what homing is demanded for.
-#include "cam_demand.h" // cam_demand_clearance_nm
+#include "cam_feasible.h" // cam_demand_clearance_nm
 #include "fixture_newer.h"
 #include "jog_bench.h"
 #include <string.h>

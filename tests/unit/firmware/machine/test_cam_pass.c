@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Several passes of one table: their records, their order, their numbers, what refuses them.
-#include "cam_pass.h"
+#include "cam_machine_inner.h" // cam_pass_count, cam_pass_params, cam_pass_highest_mrpm
 #include "fixture_newer.h"
 #include "rig_bench.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a wave demands of U: its samples, its steps and bends across the wrap, and the limits.
-#include "cam_wave.h"
+#include "cam_machine_inner.h"
 #include "unity.h"
 
 enum { tick_hz = 20000 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The step by which a cut rises: the polynomial itself, and what a drive with a lag makes of it.
-#include "cam_envelope.h"
+#include "cam_motion.h"
 #include "fixture_play.h" // fixture_play_smooth
 #include "unity.h"
 #include <math.h> // fabs, ldexp

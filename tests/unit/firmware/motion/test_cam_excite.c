@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The wave as it is played: its gain, its end, and its bounds, those that it was judged by.
-#include "cam_excite.h"
-#include "cam_wave.h"
+#include "cam_motion.h"
+#include "cam_machine_inner.h"
 #include "fixture_random.h"
 #include "unity.h"
 #include <stdlib.h> // abs

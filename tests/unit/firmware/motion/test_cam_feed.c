@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The ring-helix as numbers: ramps, speeds, heights against exact arithmetic in double.
-#include "cam_feed.h"
+#include "cam_motion.h"
 #include "fixture_random.h"
 #include "unity.h"
 #include <math.h>

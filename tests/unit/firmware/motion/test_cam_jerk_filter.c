@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // To a place within speed, acceleration and jerk, from rest and from any motion, for many limits.
-#include "cam_jerk_filter.h"
+#include "cam_motion.h"
 #include "fixture_random.h"
 #include "unity.h"
 #include <stdlib.h>
@@ -117,7 +117,7 @@ static void test_glide_that_begins_at_rest_is_still(void)
     }
 }
 
-/// A second method: the mean over places of cam_move_profile.h, the line of the past included.
+/// A second method: the mean over places of cam_motion.h, the line of the past included.
 static void test_glide_is_the_mean_of_the_last_places(void)
 {
     enum { n = 16, steps = 400 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // To a place within speed and acceleration, from any start.
-#include "cam_move_profile.h"
+#include "cam_motion.h"
 #include "fixture_random.h"
 #include "unity.h"
 #include <stdlib.h>

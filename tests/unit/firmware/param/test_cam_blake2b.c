@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hashes as Python's hashlib.blake2b(message, key=key) gives them; bytes count from 0.
-#include "cam_blake2b.h"
+#include "cam_param_inner.h"
 #include "unity.h"
 
 static void test_hashes_of_another_implementation(void)

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parameters as kept text: what an older, a newer and a damaged text says to this image.
-#include "cam_param_store.h"
+#include "cam_param.h"
 #include "cam_table.h" // cam_crc32
-#include "cam_text.h"
 #include "unity.h"
 #include <stdio.h>  // snprintf
 #include <string.h> // strlen

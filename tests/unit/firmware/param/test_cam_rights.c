@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who commands, and the level: pure, in ticks of 1 kHz.
-#include "cam_blake2b.h" // cam_blake2b_keyed
-#include "cam_rights.h"
+#include "cam_param.h"
+#include "cam_param_inner.h" // cam_blake2b_keyed
 #include "unity.h"
 
 enum { hz = 1000 };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A press of the button at the machine: which presses count, plan by plan, and what they permit on
 // a whole controller, judged by the requests of the slow side and by whether the drives come on.
-#include "cam_acknowledge.h"
-#include "cam_machine_jog.h" // cam_machine_manual
+#include "cam_plan.h"
+#include "cam_machine.h" // cam_machine_manual
 #include "fixture_rig.h"
 #include "hal_host.h"
 #include "unity.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Override, hold and stop of the feed: accelerations, rates, rests on whole turns, the end of the
 // part, and U at the height that Z has.
-#include "cam_angle.h"
-#include "cam_feed_motion.h"
+#include "cam_fix.h"
+#include "cam_plan_inner.h" // cam_feed_motion_t, cam_feed_motion_begin_isr
 #include "fixture_play.h"
 #include "fixture_random.h"
 #include "unity.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Single orders by hand, plan by plan: their target, the origin of U, which only homing of U
 // shifts, and homing of a U that takes forces by its stop.
-#include "cam_jog.h"
+#include "cam_plan.h"
 #include "unity.h"
 
 enum { end_nm = 500000, mm = 1000000 };

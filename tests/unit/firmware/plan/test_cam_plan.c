@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The plan: its period, its increments, which arrive exactly, the speed of the spindle, ports with
 // slow ticks.
-#include "cam_angle.h"
+#include "cam_fix.h"
 #include "play_bench.h"
 #include <math.h>
 

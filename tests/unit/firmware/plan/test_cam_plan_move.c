@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // X and Z from plan to plan: equal increments that arrive exactly, targets beyond the word of a
 // position, and the speed and acceleration that a motion continues from.
-#include "cam_plan_move.h"
+#include "cam_plan_inner.h"
 #include "unity.h"
 #include <string.h> // memset
 

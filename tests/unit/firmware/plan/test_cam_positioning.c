@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Homing, approach and retract, plan by plan: when the axes are out of the work, and which of them
 // moves.
-#include "cam_positioning.h"
+#include "cam_plan_inner.h"
 #include "unity.h"
 
 enum {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A rehearsal plays the first height with X clear of the work, and ends in the cut or, stopped or
 // with a fault, out of the work. The correction that was learned is in the command alone.
-#include "cam_demand.h"
+#include "cam_feasible.h"
 #include "cam_machine_inner.h" // cam_machine_offer_copy
+#include "cam_tick_inner.h"    // cam_guard_armed
 #include "rig_bench.h"
 #include <math.h> // ldexp
 

@@ -2,8 +2,8 @@
 // Which lobe is played: it changes only while U rests on the base circle, with its phase. A
 // measured Z finds it too, and stations let Z stand at the lobes.
 #include "cam_build.h"
-#include "cam_feed_profile.h"
-#include "cam_shaft.h"
+#include "cam_eval.h"
+#include "cam_plan_inner.h" // cam_shaft_share, cam_shaft_t, cam_shaft_begin_isr
 #include "fixture_newer.h"
 #include "fixture_play.h"
 #include "fixture_shaft.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Waiting for a steady spindle: a spindle of known speed, timed with floating point.
-#include "cam_steady.h"
+#include "cam_plan_inner.h" // cam_steady_t, cam_steady_isr
 #include "unity.h"
 #include <math.h> // sin
 

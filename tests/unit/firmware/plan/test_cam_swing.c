@@ -2,7 +2,7 @@
 // The swing of the tool: its lines against the table, its return to 0, its drive, the demands of a
 // table.
 #include "cam_feasible.h"
-#include "cam_swing.h"
+#include "cam_plan_inner.h"
 #include "fixture_play.h"
 #include "fixture_random.h"
 #include "unity.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the interrupt gathers of a turn, who may touch its bins when, and tables between knots.
-#include "cam_turn_bins.h"
+#include "cam_record.h"
 #include "cam_config.h"
 #include "fixture_random.h"
 #include "unity.h"

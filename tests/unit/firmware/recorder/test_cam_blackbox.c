@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The black box around faults of a machine, and who has the memory of the recorder.
-#include "cam_blackbox.h"
-#include "cam_machine_identify.h"
-#include "cam_machine_scope.h"
+#include "cam_recorder.h"
+#include "cam_machine_inner.h" // cam_machine_blackbox, cam_machine_release
 #include "fixture_rig.h"
 #include "hal_host.h"
 #include "unity.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The black box after a restart: the contents of the head before its rows, word by word.
-#include "cam_blackbox.h"
+#include "cam_recorder.h"
 #include "hal_host.h"
 #include "unity.h"
 #include <string.h> // memcpy

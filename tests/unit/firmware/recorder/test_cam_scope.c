@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The recorder: its rows in the memory, its fields, rows before and after a trigger wherever it
 // falls in the ring, every reading of them, and what fires a trigger.
-#include "cam_scope.h"
+#include "cam_recorder.h"
 #include "unity.h"
 #include <string.h> // memcpy, memset
 

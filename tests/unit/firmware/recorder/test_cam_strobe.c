@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Samples of single ticks: their raster, their queue, and who reads the trace ring for them.
-#include "cam_strobe.h"
-#include "cam_machine_scope.h"
+#include "cam_recorder.h"
+#include "cam_machine_inner.h" // cam_machine_scope_set, cam_machine_scope_start
+#include "cam_tick_inner.h"    // cam_trace_begin_isr, cam_trace_commit_isr
 #include "fixture_rig.h"
 #include "unity.h"
 #include <string.h> // memset

@@ -2,8 +2,8 @@
 // Who commands over the bus, what needs the unlocked level, and what nobody can do over it: other
 // senders, forged and old sessions, lost heartbeats, a restart after the emergency stop.
 // test_cam_rights.c has the rules themselves.
-#include "cam_blake2b.h"     // cam_blake2b_keyed
-#include "cam_machine_jog.h" // cam_machine_step
+#include "cam_param_inner.h" // cam_blake2b_keyed
+#include "cam_machine.h"     // cam_machine_step
 #include "can_bench.h"
 #include <string.h> // memchr
 

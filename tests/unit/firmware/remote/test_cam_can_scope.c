@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Recorder, excitation, learned values and samples of single ticks over CAN; pieces of a recording
 // on a bus that is full, the pace of samples, and what goes first.
-#include "cam_machine_scope.h" // cam_reading_hz
+#include "cam_remote_inner.h" // cam_reading_hz
 #include "can_bench.h"
 #include <string.h> // memcpy
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The receiver of ISO 15765-2: lengths in both forms, sequence, flow control, time-out, and every
 // frame that must be ignored.
-#include "cam_isotp.h"
+#include "cam_remote_inner.h" // cam_isotp_t, cam_isotp_block_size, cam_isotp_broken
 #include "unity.h"
 #include <string.h> // memset
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The lines of text for people, word for word, and when each of them is written.
-#include "cam_log_text.h"
+#include "cam_remote_inner.h" // cam_log_text_t, cam_log_text_change, cam_log_text_params
 #include "hal_host.h"
 #include "unity.h"
 #include <string.h> // memcpy

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the controller sends unasked: the frames of the status, their period, and every signal of
 // Detail, which is that of its page, of the value it is named for, and bounded as in camturn.dbc.
-#include "cam_report.h"
+#include "cam_remote_inner.h" // cam_report_t, cam_report_send
 #include "cam_machine.h"
-#include "cam_offsets.h"
 #include "fixture_can.h"
 #include "hal_host.h"
 #include "unity.h"

@@ -2,13 +2,12 @@
 // Names and texts of states, faults, errors and parameters; parameters and their ranges; the trace
 // ring.
 #include "cam_err.h"
-#include "cam_guard.h"
+#include "cam_tick_inner.h" // cam_trace_capacity, cam_trace_newest, cam_trace_begin_isr
 #include "cam_param.h"
-#include "cam_scope.h"
+#include "cam_recorder.h"
 #include "cam_state.h"
-#include "cam_table.h"       // cam_crc32
-#include "cam_table_store.h" // cam_table_store_word
-#include "cam_trace.h"
+#include "cam_table.h"        // cam_crc32
+#include "cam_remote_inner.h" // cam_table_store_word
 #include "unity.h"
 #include <stdio.h> // snprintf
 #include <string.h>

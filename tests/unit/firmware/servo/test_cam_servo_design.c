@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the design refuses, and how near its coefficients are; the response is in test_cam_servo.c.
-#include "cam_servo_design.h"
+#include "cam_feasible_inner.h"
 #include "fixture_servo.h"
 #include <math.h> // fabs, tan
 #include <stddef.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bounds of a quintic between two knots, against its Bernstein coefficients and a fine grid.
-#include "cam_bounds.h"
+#include "cam_table_inner.h" // cam_bounds_next, cam_bounds_add, cam_bounds_add_second
 #include "fixture_random.h"
 #include "unity.h"
 #include <math.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One channel of an image: every limit of its entry at its last good value and at the one beyond.
-#include "cam_entry.h"
+#include "cam_table_inner.h"
 #include "fixture_random.h"
 #include "unity.h"
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 // The range of values of a channel, against a dense evaluation in long double, and what the check
 // of a table makes of it. The evaluation of the firmware is within an LSB of that
 // (test_cam_eval.c).
-#include "cam_bounds.h"
+#include "cam_table_inner.h"
 #include "fixture_random.h"
 #include "fixture_shaft.h"
 #include "image_bench.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The feed against height: Z over the turns, its limits, and ways that are refused.
 #include "cam_feasible.h"
-#include "cam_feed_profile.h"
+#include "cam_table_inner.h"
 #include "fixture_newer.h"
 #include "fixture_play.h"
 #include "fixture_shaft.h"

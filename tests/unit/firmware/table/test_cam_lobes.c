@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The lobes of a shaft: their check, the lobe at a height, and its change.
-#include "cam_lobes.h"
+#include "cam_eval.h"        // cam_lobes_change_q31, cam_lobes_find
+#include "cam_table_inner.h" // cam_lobes_check_patterns
 #include "fixture_random.h"
 #include "fixture_shaft.h"
 #include "unity.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The demands of a table, against the functions that it was made of: how much a channel changes
 // from slice to slice, the swing, the speed channel and its promises, slope and bend of X.
-#include "cam_peaks.h"
+#include "cam_table_inner.h" // cam_peaks_set_point_q20, cam_peaks_check, cam_peaks_of_change
 #include "image_bench.h"
 #include <math.h>
 #include <string.h>

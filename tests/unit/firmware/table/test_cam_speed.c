@@ -2,7 +2,7 @@
 // Ratio, set-point and acceleration of the modulated spindle against doubles.
 #include "cam_build.h"
 #include "cam_config.h"
-#include "cam_speed.h"
+#include "cam_eval.h"
 #include "fixture_image.h"
 #include "fixture_random.h"
 #include "unity.h"

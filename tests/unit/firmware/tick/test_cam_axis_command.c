@@ -2,7 +2,7 @@
 // What the axes are to be commanded: feed-forward and correction of U in the cut, the set-point
 // itself outside of it, and what a plan may command X and Z. The guard's part of it is in
 // test_cam_guard.c; test_cam_u_command.c judges both on a whole controller.
-#include "cam_axis_command.h"
+#include "cam_tick_inner.h"
 #include "unity.h"
 #include <string.h> // memset
 

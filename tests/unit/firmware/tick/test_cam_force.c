@@ -2,8 +2,8 @@
 // The force of U on a mass of this test: 1.5 kg at 20 kHz, the force of a tick acts for the tick
 // after the next one.
 #include "cam_build.h"
-#include "cam_force.h"
-#include "cam_servo_setup.h"
+#include "cam_tick_inner.h"     // cam_force_t, cam_force_step_isr, cam_force_watch_isr
+#include "cam_feasible_inner.h" // cam_servo_setup, cam_servo_needed_mn
 #include "hal_host.h"
 #include "unity.h"
 #include <math.h>   // sin, fabs, sqrt

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Values of the set-points against doubles, with an exact spindle.
-#include "cam_angle.h"
+#include "cam_fix.h"
 #include "cam_plan.h"
 #include "play_bench.h"
 #include <math.h>

@@ -4,9 +4,8 @@
 // looks at the configurations and states of sessions.
 #include "cam_build.h"
 #include "cam_config.h"
-#include "cam_entry.h"
+#include "cam_table_inner.h"
 #include "cam_param.h"
-#include "cam_table.h"
 #include "fixture_random.h"
 #include "hal_host.h"
 #include "unity.h"

@@ -2,7 +2,7 @@
 // From counts to angle and speed: any encoder, both senses, every kind of loss.
 #include "cam_build.h"
 #include "cam_config.h"
-#include "cam_spindle.h"
+#include "cam_tick_inner.h" // cam_spindle_t, cam_spindle_check_index_isr
 #include "fixture_encoder.h"
 #include "unity.h"
 #include <math.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Edges with time stamps take the quantisation out of the measured angle, and a ripple that was
 // learned is taken off before the observer. The true angle is that of the test's own spindle.
-#include "cam_angle.h"
+#include "cam_fix.h"
 #include "cam_build.h"
-#include "cam_spindle.h"
+#include "cam_tick_inner.h" // cam_spindle_t, cam_spindle_step_isr
 #include "hal_host.h"
 #include "unity.h"
 #include <math.h>

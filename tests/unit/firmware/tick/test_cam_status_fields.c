@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The status of the newest tick for the slow side: each field comes from its own source.
-#include "cam_status.h"
+#include "cam_tick.h"
 #include "unity.h"
 #include <string.h>
 

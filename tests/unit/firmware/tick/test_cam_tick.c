@@ -2,7 +2,7 @@
 // The tick of a whole controller: from power-on every record of a session replays to the bit, the
 // command of U in the cut is the control law in doubles, and a position beyond +-2^30 nm is limited
 // and its drive counts as not ready.
-#include "cam_machine_jog.h"
+#include "cam_machine_inner.h" // cam_machine_home_axis, cam_machine_jog, cam_machine_jog_poll
 #include "fixture_reference.h"
 #include "fixture_rig.h"
 #include "hal_host.h"

@@ -4,10 +4,7 @@
 // commanded nothing beyond its stroke, and without enable every axis is commanded its measured
 // position.
 #include "cam_fix.h"
-#include "cam_machine_jog.h"
-#include "cam_machine_identify.h"
 #include "cam_machine.h"
-#include "cam_machine_scope.h"
 #include "cam_table.h"
 #include "fixture_can.h"
 #include "fixture_newer.h"

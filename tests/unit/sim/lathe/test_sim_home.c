@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Home switches, indices, zeros and stops of the simulated lathe, and the firmware that homes by
 // them.
-#include "cam_machine_jog.h"
+#include "cam_machine_inner.h"
 #include "hal_host.h"
 #include "sim_config.h"
 #include "sim_port.h"

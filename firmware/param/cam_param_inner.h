@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_blake2b: keyed hash of a short message, for the challenge of cam_rights.h.
+/// cam_param_inner: keyed hash of a short message, for the challenge of cam_rights.c, private to
+/// this room.
 ///
 /// BLAKE2b-512 (RFC 7693) of a message of one block. Context: slow side.
-#ifndef CAM_BLAKE2B_H
-#define CAM_BLAKE2B_H
+#ifndef CAM_PARAM_INNER_H
+#define CAM_PARAM_INNER_H
 
 #include <stdint.h> // uint8_t, uint32_t
 

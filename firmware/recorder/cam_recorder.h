@@ -1,28 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_scope: recorder of selected signals at tick rate, in the memory that the port provides.
+/// cam_recorder: records signals of the ticks: scope, black box and strobe.
+///
+/// The slow side reads the records of the trace ring (cam_tick.h), so the interrupt does nothing
+/// for any of them; cam_machine.h is the only reader. The scope records by command, the black box
+/// is a recording of the scope that a fault triggers, and the strobe samples single ticks for a
+/// live view. Read them in this order. Context of all functions: slow side.
+#ifndef CAM_RECORDER_H
+#define CAM_RECORDER_H
+
+#include "cam_err.h"    // CAM_MUST_USE
+#include "cam_record.h" // cam_tick_record_t
+#include "cam_state.h"  // cam_state_t
+#include "hal/hal.h"    // hal_memory_t
+#include <stdbool.h>    // bool
+#include <stdint.h>     // int32_t, uint8_t, uint32_t
+
+/// Scope: selected signals at tick rate, in the memory that the port provides.
 ///
 ///     set signals, every, rows, trigger -> start -> armed -> recording -> done -> read the rows
 ///
-/// The slow side reads the records of the trace ring (cam_trace.h), so the interrupt does nothing
-/// for it; cam_machine_scope.h is the only reader. A row holds the selected signals of one tick as
-/// int32, in the order of the list; rows are `every` ticks apart.
+/// A row holds the selected signals of one tick as int32, in the order of the list; rows are
+/// `every` ticks apart.
 ///
 /// Armed, the recorder evaluates the trigger in every tick and keeps the last `before` rows in a
 /// ring; after an early trigger there are fewer (`n_before`). From the tick of the trigger it
 /// records the other `rows` less `before` rows. It ends when they are complete, when the selected
 /// state is left, by a stop, or at a gap: the main loop was more than cam_trace_capacity ticks late
 /// and a record is lost. The rows before the gap are continuous. A gap before the trigger empties
-/// the ring.
-///
-/// The black box (cam_blackbox.h) uses the same memory. Works in all states. Context: slow side.
-#ifndef CAM_SCOPE_H
-#define CAM_SCOPE_H
-
-#include "cam_err.h"    // CAM_MUST_USE
-#include "cam_record.h" // cam_tick_record_t
-#include "hal/hal.h"    // hal_memory_t
-#include <stdbool.h>    // bool
-#include <stdint.h>     // int32_t, uint8_t, uint32_t
+/// the ring. Works in all states.
 
 // clang-format off
 /// Signals: X(name, value of the record r, what). The name ends in the unit; the value is an int32
@@ -215,8 +220,7 @@ void cam_scope_init(cam_scope_t *s, hal_memory_t memory, uint32_t tick_hz);
 CAM_MUST_USE cam_err_t cam_scope_set(cam_scope_t *s, uint32_t field, int32_t value);
 
 /// Read a field; `signals` and `every` are those of the present recording, if there is one.
-/// `excited`, `place_nm`, `wave_unit` and `n_fall` belong to cam_machine_identify.h and read as 0
-/// here.
+/// `excited`, `place_nm`, `wave_unit` and `n_fall` belong to cam_machine.h and read as 0 here.
 /// @return cam_ok, cam_err_scope_field
 CAM_MUST_USE cam_err_t cam_scope_get(const cam_scope_t *s, uint32_t field, int32_t *value);
 
@@ -265,5 +269,101 @@ cam_scope_span_t cam_scope_span(const cam_scope_t *s, uint32_t offset, uint32_t 
 
 /// @return name of a signal with its unit as the last word, static; "?" if unknown
 const char *cam_scope_signal_name(uint32_t signal);
+
+/// Black box: a recording that the controller always runs and that a fault triggers.
+///
+/// While the recorder is free, its ring holds the signals CAM_BLACKBOX_SIGNALS of the last
+/// cam_blackbox_before_ms. A fault triggers it; the recording ends cam_blackbox_after_ms later and
+/// stays, with a head before its rows so that the port can keep it over a restart
+/// (hal_scope_keep()). Rows are as many ticks apart as the memory requires.
+
+/// [ms] recorded before and after the fault.
+enum { cam_blackbox_before_ms = 500, cam_blackbox_after_ms = 20 };
+
+/// Recorded signals; 375 kB at 20 kHz.
+#define CAM_BLACKBOX_SIGNALS                                                                       \
+    (UINT32_C(1) << cam_scope_state | UINT32_C(1) << cam_scope_u_due_q6 |                          \
+     UINT32_C(1) << cam_scope_u_command_nm | UINT32_C(1) << cam_scope_u_actual_nm |                \
+     UINT32_C(1) << cam_scope_angle_q32 | UINT32_C(1) << cam_scope_speed_q32 |                     \
+     UINT32_C(1) << cam_scope_z_nm | UINT32_C(1) << cam_scope_faults |                             \
+     UINT32_C(1) << cam_scope_inputs)
+
+/// Start the black box. @return cam_ok, cam_err_scope_memory
+CAM_MUST_USE cam_err_t cam_blackbox_begin(cam_scope_t *s, uint32_t tick);
+
+/// @return whether it holds the recording of a fault that nobody has released
+static inline bool cam_blackbox_is_unread(const cam_scope_t *s)
+{
+    return s->use == cam_scope_box && s->phase == cam_scope_done;
+}
+
+/// Write the head of a finished recording and have the port keep it.
+void cam_blackbox_keep(const cam_scope_t *s);
+
+/// Restore a recording that the port has kept over a restart; one whose head does not match the
+/// memory or the tick rate is ignored.
+/// @param n_kept  [words] at the start of the memory
+/// @return        whether a recording was restored
+bool cam_blackbox_restore(cam_scope_t *s, uint32_t n_kept);
+
+/// Strobe: samples for a live view of the following error over the angle.
+///
+///     subscription: every n-th tick -> sample -> queue -> message Strobe (cam_can.c)
+///
+/// Independent of recorder and black box. A subscription ends cam_strobe_hold_s after it was last
+/// renewed. A lost record or a full queue leaves a gap in the sample numbers.
+
+enum {
+    cam_strobe_hz = 500,      ///< [Hz] samples at most: an eighth of a bus of 500 kbit/s
+    cam_strobe_hold_s = 2,    ///< [s] for which a subscription is valid
+    cam_strobe_capacity = 16, ///< [samples] of the queue, a power of two
+};
+
+/// Sample of one tick.
+typedef struct {
+    uint32_t number;      ///< since the subscription began, including lost samples
+    uint32_t pos_q16;     ///< [turn / 2^16] master position in the sense of cutting, rounded down
+    int32_t following_nm; ///< [nm] U measured less U due
+    cam_state_t state;
+    bool is_synced; ///< the angle is known
+} cam_strobe_sample_t;
+
+/// State; zero-initialised is without a subscription.
+typedef struct {
+    uint32_t every;        ///< [ticks] between samples; 0: no subscription
+    uint32_t renewed_tick; ///< last renewal
+    uint32_t next_tick;    ///< of the next sample
+    uint32_t number;       ///< of the next sample
+    uint32_t n_lost;       ///< samples lost since the start
+    uint32_t n_in, n_out;  ///< samples queued and taken
+    cam_strobe_sample_t queue[cam_strobe_capacity];
+} cam_strobe_t;
+
+/// @param tick_hz  [Hz]
+/// @return         [ticks] shortest interval between samples
+uint32_t cam_strobe_least(uint32_t tick_hz);
+
+/// Start a subscription, or renew it with the same interval.
+/// @param every  [ticks] cam_strobe_least() .. tick rate; 0 ends it
+/// @param tick   newest tick; samples are later
+void cam_strobe_subscribe(cam_strobe_t *s, uint32_t every, uint32_t tick);
+
+/// @return whether there is a subscription
+static inline bool cam_strobe_is_on(const cam_strobe_t *s)
+{
+    return s->every != 0u;
+}
+
+/// Process a record, in the order of the ticks.
+void cam_strobe_take(cam_strobe_t *s, const cam_tick_record_t *r);
+
+/// End a subscription that was not renewed. @param tick  newest tick
+void cam_strobe_expire(cam_strobe_t *s, uint32_t tick, uint32_t tick_hz);
+
+/// @return oldest sample in the queue, NULL: none
+const cam_strobe_sample_t *cam_strobe_oldest(const cam_strobe_t *s);
+
+/// Remove the oldest sample.
+void cam_strobe_drop(cam_strobe_t *s);
 
 #endif

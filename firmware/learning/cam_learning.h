@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_ilc: iterative learning control of U, and learning of the spindle's ripple.
+/// cam_learning: iterative learning control of U, and learning of the spindle's ripple.
 ///
 ///     revolution closed by the interrupt -> harmonics -> probing, layers 1 and 2, ripple -> target
 ///     -> blending in
@@ -7,30 +7,26 @@
 /// A rehearsal settles, learns the drive's constants (layer 1), probes U's response at every
 /// harmonic, then removes the remaining error (layer 2). The cut continues both with a small
 /// learning gain. Learned values are kept between parts and can be read and set by index.
+///
+/// Read phases and reasons first, then status, values and settings, and the functions from
+/// cam_ilc_poll() on; cam_ilc_t with its parts is the state. cam_learning_inner.h has the steps.
 /// Equations and stability: MATHS.md (140) .. (146). Context of all functions: slow side, one
 /// caller.
-#ifndef CAM_ILC_H
-#define CAM_ILC_H
+#ifndef CAM_LEARNING_H
+#define CAM_LEARNING_H
 
-#include "cam_complex.h"             // cam_complex_t, cam_gain_t
-#include "cam_ff_adapt.h"            // cam_drive_sums_t
-#include "cam_turn_bins.h"           // cam_turn_bins_t, cam_learned_t
-#include "cam_ripple.h"              // cam_ripple_t
-#include "cam_harmonic_correction.h" // cam_harmonic_correction_t
-#include "cam_state.h"               // cam_state_t
-#include <stdbool.h>                 // bool
-#include <stddef.h>                  // NULL
-#include <stdint.h>                  // int32_t, uint32_t
+#include "cam_record.h" // cam_turn_bins_t, cam_learned_t
+#include "cam_state.h"  // cam_state_t
+#include <stdbool.h>    // bool
+#include <stddef.h>     // NULL
+#include <stdint.h>     // int16_t, int32_t, uint32_t
 
 /// Largest number of harmonics that are learned; the mean is one more.
-enum { cam_ilc_harmonics = cam_harmonics_most, cam_ilc_terms = cam_harmonic_terms };
+enum { cam_ilc_harmonics = 16, cam_ilc_terms = cam_ilc_harmonics + 1 };
 
 /// [nm] Limit of the sum of all corrections, within the range of a table's point; and of the
 /// friction.
 enum { cam_ilc_most_nm = 30000 };
-
-/// [nm] Feed to which the learned deflection by the chip refers.
-enum { cam_ilc_chip_feed_nm = 250000 };
 
 /// Phase of learning.
 typedef enum {
@@ -81,6 +77,17 @@ typedef struct {
     uint32_t ripple_turns;   ///< turns in the mean of the ripple in force
     uint32_t ripple_nturn;   ///< [turn / 10^9] sum of its amplitudes
 } cam_ilc_status_t;
+
+/// A complex number in fixed point.
+typedef struct {
+    int32_t re, im;
+} cam_complex_t;
+
+/// A transfer function of U; 2^12 is 1, so up to 8.
+typedef struct {
+    int16_t re_q12;
+    int16_t im_q12;
+} cam_gain_t;
 
 /// State of a harmonic.
 typedef struct {
@@ -136,11 +143,41 @@ typedef struct {
     cam_complex_t eccentricity; ///< [turn / 2^32] order 1 of the encoder's own error
 } cam_ilc_setup_t;
 
-/// @return whether U is learned: completely, or with lobes the drive's constants
-static inline bool cam_ilc_is_asked(const cam_ilc_setup_t *setup)
-{
-    return setup->reason == cam_ilc_all || setup->reason == cam_ilc_lobes;
-}
+/// Sums of layer 1 over the harmonics of a revolution.
+typedef struct {
+    double error1, weight1, error2, weight2;
+    double error0, weight0;   ///< of the chip's force
+    double error_f, weight_f; ///< of the friction
+} cam_drive_sums_t;
+
+/// Correction of U's command, made by cam_harmonic_correction_forget().
+typedef struct {
+    cam_complex_t c_q6[cam_ilc_terms]; ///< [nm / 64] the correction
+    struct {
+        int16_t re_nm;
+        int16_t im_nm;
+    } kept[cam_ilc_terms];           ///< correction of the smallest error; while probing: the
+                                     ///< error without a probe
+    uint32_t best_q6[cam_ilc_terms]; ///< [nm / 64] the smallest error, UINT32_MAX: none
+    uint32_t last_q6[cam_ilc_terms]; ///< [nm / 64] last error, UINT32_MAX: of a new cause
+    cam_gain_t gain[cam_ilc_terms];  ///< response G of U
+    uint8_t n_halved[cam_ilc_terms]; ///< times that mu was halved
+    uint32_t masked;                 ///< bit k
+    bool is_probed;
+} cam_harmonic_correction_t;
+
+/// Ripple of the spindle; zero-initialised has learned nothing.
+typedef struct {
+    cam_complex_t sum[cam_ilc_harmonics]; ///< [turn / 2^32] of orders 1 .. 16, over n turns
+    struct {
+        int16_t re;
+        int16_t im;
+    } mean[cam_ilc_harmonics]; ///< [turn / 2^23] ripple in force, as the encoder shows it
+    int32_t first_q36;         ///< [turn / 2^36 per tick] speed of the first turn of the sum
+    int32_t last_q36;          ///< ... and of the last one
+    uint32_t n;                ///< turns in the sum
+    uint32_t n_mean;           ///< turns in the mean, 0: none
+} cam_ripple_t;
 
 /// Learned values that are blended in.
 enum {
@@ -253,9 +290,6 @@ int64_t cam_ilc_wanted_nm(const cam_ilc_t *t, int64_t deep_nm);
 /// @param deep_nm   [nm] largest depth of cut
 void cam_ilc_fit(cam_ilc_t *t, int64_t spare_nm, int64_t deep_nm);
 
-/// Move a value towards its target by at most `most`. @return whether it has reached it
-bool cam_ilc_slew(int32_t *value, int64_t target, int64_t most);
-
 /// Discard what was learned of U, because its configuration has changed; the ripple stays.
 void cam_ilc_forget(cam_ilc_t *t);
 
@@ -270,5 +304,8 @@ int32_t cam_ilc_get(const cam_ilc_t *t, uint32_t index);
 
 /// Set a learned value. @return whether index and value are in range
 bool cam_ilc_set(cam_ilc_t *t, uint32_t index, int32_t value);
+
+/// @return c e^(jk angle), relative error up to 8e-5
+cam_complex_t cam_harmonics_rotated(cam_complex_t c, uint32_t k, uint32_t angle_q32);
 
 #endif
