@@ -15,7 +15,6 @@ WITHOUT = {
     "camtools.cli.camctl",
     "camtools.link.download",
     "camtools.ngc.full_program",
-    "camtools.skirt.report.text",
     "checks.elf_isr",
 }
 # They draw in a page of a browser: tests/browser shows what they do. Their examples are true, too.

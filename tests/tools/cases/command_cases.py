@@ -19,8 +19,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from camtools.report import common_pictures
-from camtools.report.page import Picture
+from camtools.report import kind_report, sheet_page
 from tests.tools.cases.camsim_cases import BUILD
 from tests.tools.cases.part_cases import environment
 
@@ -93,14 +92,10 @@ def undraw(patch: pytest.MonkeyPatch) -> None:
     def leave_empty(canvas: FigureCanvasAgg) -> None:
         canvas.get_renderer()  # type: ignore[no-untyped-call]
 
-    def undrawn(key: str, title: str, text: str, _draw: object) -> Picture:
-        return Picture(key, title, text, Figure)
-
     patch.setattr(FigureCanvasAgg, "draw", leave_empty)
-    patch.setattr(common_pictures, "Picture", undrawn)
-    for one in ("report.sheet_page.draw_section", "report.sheet_page.draw_lines"):
-        patch.setattr(f"camtools.{one}", lambda *_: Figure())
-    patch.setattr("camtools.skirt.report.surface_plots.draw_overview", lambda *_: Figure())
+    patch.setattr(kind_report, "picture_of", lambda view, cut: Figure())
+    for name in ("draw_section", "draw_lines"):
+        patch.setattr(sheet_page, name, lambda *_: Figure())
 
 
 @contextmanager

@@ -16,8 +16,7 @@ from camtools.cut.feasibility import highest_speed, needed_of
 from camtools.cut.verdict import RefusedError, check_table, judge_of, parameters_of
 from camtools.judge.binding import PROTOTYPES, Judge, library_path
 from camtools.lobe.generate import GeneratedLobes, generate_lobes
-from camtools.lobe.kind import KIND
-from camtools.lobe.lobe_machine import lobe_machine_text
+from camtools.lobe.kind import KIND, lobe_machine_text
 from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
 from camtools.part.common import MachineLimits, SwingLimits
 from camtools.pipeline.load import parse

@@ -12,11 +12,10 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
-from camtools.lobe.design import design_of_lobes
 from camtools.lobe.generate import GeneratedLobes, generate_lobes
 from camtools.lobe.kind import KIND
 from camtools.lobe.plunge import left_by_wear_um
-from camtools.lobe.summary import make_lobe_summary
+from camtools.lobe.summary import design_of_lobes, make_lobe_summary
 from camtools.ngc.lobe_program import LobeJob, lobe_program
 from camtools.pipeline.make_table import Made
 from camtools.table.channel import ImageError

@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 
 from camtools.cli.run import main as run
+from camtools.lobe.cut_plots import band, draw_rake, speed_of_contact
 from camtools.lobe.generate import GeneratedLobes, generate_lobes
 from camtools.lobe.motion import example_lobe
-from camtools.lobe.report import band, draw_rake, make_lobe_report, speed_of_contact
-from camtools.lobe.report_text import LobeOutcome, lobe_rows
+from camtools.lobe.report import REPORT
+from camtools.lobe.report_text import LobeOutcome
+from camtools.report.kind_report import make_report, rows_of
 from camtools.report.text import page_text
 from camtools.sim.results import STATES, CutTrace, GaugedSurface
 from tests.tools.cases.part_cases import ROOT
@@ -134,15 +136,15 @@ TURNED = {
 
 def test_rake_and_lobes_have_their_rows(turned: GeneratedLobes) -> None:
     """The larger of both sides is the bound; a lobe that was not reached is called so."""
-    rows = dict(lobe_rows(made_up(turned, TURNED)))
+    rows = dict(rows_of(REPORT, made_up(turned, TURNED)))
     assert rows["effective rake"] == "constant within 0.002°; without the swing -19.97 .. 19.96°"
     assert rows["cut"].startswith("cam turned, tip of radius 0.4 mm, at 60 r/min, feed 0.1 mm")
     assert "surface speed" not in rows
     outcome = made_up(turned, TURNED)
-    text = page_text(outcome, lobe_rows(outcome), "out", 2.0)
+    text = page_text(outcome, rows_of(REPORT, outcome), "out", 2.0)
     assert "required U stroke" in text and "constant within 0.002 deg" in text
     missing = {"z_first_mm": 14, "z_last_mm": 20, "samples": 0}
-    rows = dict(lobe_rows(made_up(turned, TURNED | {"lobes": [LOBE, missing]})))
+    rows = dict(rows_of(REPORT, made_up(turned, TURNED | {"lobes": [LOBE, missing]})))
     assert rows["lobe 0"] == "0 .. 12 mm: max 500 nm, rms 100 nm"
     assert rows["lobe 1"] == "14 .. 20 mm: not cut"
 
@@ -153,13 +155,13 @@ def test_rake_is_drawn_of_a_tool_that_swings(turned: GeneratedLobes) -> None:
     """With the trace's swing the picture is there, and its numbers are those of the exact angle."""
     outcome = made_up(turned, TURNED)
     exact_deg = np.degrees(turned.lobes[0].at(2 * np.pi * outcome.trace.turn).angle)
-    figure = draw_rake(outcome, exact_deg - 0.25)
+    figure = draw_rake(replace(outcome, swing_deg=exact_deg - 0.25))
     above, below = figure.axes
     without, with_swing = (np.asarray(line.get_ydata()) for line in above.lines[:2])
     assert np.abs(without).max() == pytest.approx(19.967, abs=0.01)
     assert with_swing == pytest.approx(0.25)
     assert below.get_ylim()[0] < 0.25 < below.get_ylim()[1]
-    files = make_lobe_report(replace(outcome, swing_deg=exact_deg))
+    files = make_report(REPORT, replace(outcome, swing_deg=exact_deg))
     names = {"cut_profile.png", "cut_speed.png", "cut_cam.png", "cut_rake.png", "report.html"}
     assert names <= set(files)
     page = files["report.html"].decode()

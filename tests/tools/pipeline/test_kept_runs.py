@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from camtools.pipeline.kept_runs import drop_all_but, kept_text, runs
+from camtools.pipeline.run import drop_all_but, kept_text, runs
 
 
 @pytest.fixture

@@ -7,7 +7,8 @@ from dataclasses import replace
 from hashlib import sha256
 from itertools import combinations, pairwise
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -21,12 +22,13 @@ from camtools.base.quantities import Floats
 from camtools.plots.style import drawing, png_of
 from camtools.report import motion
 from camtools.report.board import board_data, board_of
-from camtools.report.learning import convergence, draw_convergence
+from camtools.report.kind_report import page_of as page_of_kind
 from camtools.report.learning_text import learning_rows, numbers_text
-from camtools.report.page_scripts import css_text, json_script, script_texts
-from camtools.sim.results import STATES, CutTrace, GaugedSurface
+from camtools.report.page import css_text, json_script, script_texts
+from camtools.report.views import LEARNING, draw_convergence
+from camtools.sim.results import STATES, AnyCut, CutTrace, GaugedSurface
 from camtools.skirt.report.outcome import SkirtOutcome
-from camtools.skirt.report.page import render
+from camtools.skirt.report.report import REPORT
 from camtools.skirt.table.generate import GeneratedSkirt
 from tests.tools.cases.page_cases import PageReader, map_of
 from tests.tools.cases.report_cases import made_up_summary, made_up_surface, made_up_trace
@@ -104,9 +106,9 @@ def test_why_nothing_was_learned_is_told(reason: str, named: str) -> None:
 def test_no_learning_has_no_row_and_no_picture() -> None:
     """A controller on a bus does not say."""
     assert learning_rows(made_up_summary()) == []
-    assert convergence(made_up_summary()) == {}
-    assert convergence(turns([], [1.0])) == {}
-    assert list(convergence(turns([], [1.0, 2.0]))) == ["learning"]
+    found = [made_up_summary(), turns([], [1.0]), turns([], [1.0, 2.0])]
+    cuts = [cast(AnyCut, SimpleNamespace(summary=one)) for one in found]
+    assert [LEARNING.when(cut) for cut in cuts] == [False, False, True]
 
 
 STEADY = [1.0] * 100
@@ -224,7 +226,7 @@ def outcome(generated: GeneratedSkirt) -> SkirtOutcome:
 
 def page_of(outcome: SkirtOutcome) -> str:
     """Return the page with pictures of nothing."""
-    return render(outcome, dict.fromkeys(PICTURES, PIXEL))
+    return page_of_kind(REPORT, outcome, dict.fromkeys(PICTURES, PIXEL))
 
 
 @pytest.fixture(scope="module")

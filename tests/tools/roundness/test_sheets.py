@@ -15,8 +15,7 @@ from camtools.base.quantities import Floats
 from camtools.part.tolerances import FormTolerances, Tolerances
 from camtools.plots.style import drawing
 from camtools.report.sheet import NO_TOLERANCE, Feature, Sheets, Subject, make_sheets
-from camtools.report.sheet_json import out_of_tolerance, sheets_json
-from camtools.report.sheet_page import sheet_pages
+from camtools.report.sheet_page import out_of_tolerance, sheet_pages, sheets_json
 from camtools.report.sheet_plots import draw_lines, draw_section
 from camtools.report.text import verdict_of
 from camtools.roundness.waves import transmission

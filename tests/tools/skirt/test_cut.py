@@ -23,7 +23,7 @@ from camtools.skirt.geometry.scan_text import read_scan_text
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.kind import KIND
 from camtools.skirt.part.part_file import SkirtPart
-from camtools.skirt.report.equal_volume_plots import ripple_by_turn
+from camtools.skirt.report.cut_plots import ripple_by_turn
 from camtools.skirt.table.gauge_design import target_of
 from camtools.skirt.table.generate import GeneratedSkirt, generate
 from camtools.skirt.table.speed import motion_played

@@ -13,9 +13,9 @@ import pytest
 from camtools.base.errors import InputError
 from camtools.plots.style import drawing, nice_floor, nice_limit, png_of
 from camtools.report import motion as report_motion
-from camtools.report.compare import draw_variants
-from camtools.report.map_cells import map_rows
+from camtools.report.kind_report import make_report, rows_of
 from camtools.report.page import trace_text
+from camtools.report.surface import N_BINS, bands_by_height, cells_of, closed, map_rows, section_at
 from camtools.report.text import (
     clear_after_s,
     fault_facts,
@@ -25,6 +25,7 @@ from camtools.report.text import (
     plain,
     verdict_of,
 )
+from camtools.report.views import draw_variants
 from camtools.sim.binding import Column
 from camtools.sim.results import (
     CUTTING,
@@ -40,20 +41,19 @@ from camtools.sim.results import (
 )
 from camtools.sim.trace_file import ParquetFile
 from camtools.skirt.geometry.composite import fold
-from camtools.skirt.report import surface_plots
-from camtools.skirt.report.corner_plot import around_joint, draw_corner, lines_at
-from camtools.skirt.report.equal_volume import limited_turns, uniform_twin
-from camtools.skirt.report.equal_volume_plots import (
+from camtools.skirt.report.cut_plots import (
+    around_joint,
+    draw_corner,
     draw_even,
     draw_ripple,
+    hardest_turn,
+    lines_at,
     ripple_by_turn,
     turn_near,
 )
-from camtools.skirt.report.motion_plot import hardest_turn
-from camtools.skirt.report.outcome import Even, SkirtOutcome
-from camtools.skirt.report.page import make_report
-from camtools.skirt.report.shape_plot import draw_skirt, enlargement_of, radius_grid
-from camtools.skirt.report.text import rows_of
+from camtools.skirt.report.outcome import Even, SkirtOutcome, limited_turns, uniform_twin
+from camtools.skirt.report.report import REPORT
+from camtools.skirt.report.surface_plots import draw_skirt, enlargement_of, radius_grid
 from camtools.skirt.table.generate import GeneratedSkirt
 from tests.tools.cases.cut_cases import skirt_of
 from tests.tools.cases.part_cases import ROOT
@@ -148,21 +148,21 @@ def test_round_limits_enclose(value: float) -> None:
 def test_map_shows_the_worst_point_of_each_cell(good: SkirtOutcome) -> None:
     """Of several points in a cell the largest magnitude wins, whatever the order."""
     surface = GaugedSurface(*np.array([[0.5, 0.5, 0.5], [1, 1, 1], [46, 46, 46], [0.1, -0.3, 0.2]]))
-    grid = surface_plots.error_grid(surface, (0.0, 62.0), 64)
+    grid = cells_of(surface, (0.0, 62.0), 64).error_um
     assert grid[1, 180] == -0.3
     assert np.isnan(grid).sum() == grid.size - 1
-    grid = surface_plots.error_grid(good.surface, (0.0, 62.0), map_rows(62, 0.1))
+    grid = cells_of(good.surface, (0.0, 62.0), map_rows(62, 0.1)).error_um
     assert not np.isnan(grid).any()  # the simulator's cells and those of the map fit together
 
 
 def test_data_of_pictures_are_those_of_the_cut(good: SkirtOutcome) -> None:
     """Sections by angle, bands by height, following error, the hardest turn, states over time."""
-    near = surface_plots.section_at(good.surface, 31.0, 0.4)
-    assert near.turn.size == surface_plots.N_BINS
+    near = section_at(good.surface, 31.0, 0.4)
+    assert near.turn.size == N_BINS
     assert (np.diff(near.turn) > 0).all()
     assert np.abs(near.z_mm - 31).max() <= 0.4
-    assert surface_plots.closed(near).turn[-1] == near.turn[0] + 1
-    z_mm, least, most, rms = surface_plots.bands_by_height(good.surface, (0.0, 62.0))
+    assert closed(near).turn[-1] == near.turn[0] + 1
+    z_mm, least, most, rms = bands_by_height(good.surface, (0.0, 62.0))
     assert z_mm[0] == pytest.approx(0.25)
     assert most == pytest.approx(0.04, rel=1e-3)
     assert least == pytest.approx(-0.04, rel=1e-3)
@@ -188,7 +188,7 @@ def test_data_of_pictures_are_those_of_the_cut(good: SkirtOutcome) -> None:
 @pytest.mark.usefixtures("undrawn")
 def test_good_report_has_every_picture(good: SkirtOutcome) -> None:
     """A whole cut gives all pictures, embedded, and a page that needs nothing from outside."""
-    files = make_report(good)
+    files = make_report(REPORT, good)
     assert sorted(files) == [
         *(f"cut_{key}.png" for key in ("compare", "following", "height", "map", "motion")),
         *("cut_overview.png", "cut_sections.png", "cut_sequence.png", "cut_skirt.png"),
@@ -204,7 +204,7 @@ def test_good_report_has_every_picture(good: SkirtOutcome) -> None:
 @pytest.mark.usefixtures("undrawn")
 def test_faulty_report_tells_what_happened(faulty: SkirtOutcome) -> None:
     """A fault gets its picture and its story: what, when, reaction, remedy."""
-    files = make_report(faulty)
+    files = make_report(REPORT, faulty)
     assert "cut_fault.png" in files
     page = files["report.html"].decode()
     for words in (
@@ -231,7 +231,7 @@ def test_cut_without_surface_and_trace_still_reports(faulty: SkirtOutcome) -> No
     summary = faulty.summary | {"form_error_um": nothing, "following_error_um": nothing}
     surface = GaugedSurface(*np.empty((4, 0)))
     files = make_report(
-        SkirtOutcome(faulty.generated, summary, surface, CutTrace(*np.empty((10, 0))))
+        REPORT, SkirtOutcome(faulty.generated, summary, surface, CutTrace(*np.empty((10, 0))))
     )
     assert sorted(files) == ["cut_motion.png", "report.html"]
     assert b"nothing was cut to full depth" in files["report.html"]
@@ -260,12 +260,12 @@ def test_text_of_a_good_cut(good: SkirtOutcome) -> None:
     margins = margins_of(good)
     assert [one.percent for one in margins] == [pytest.approx(9.825)] * 4
     assert margins[2].needed == "0.0393 m/s²"
-    lines = page_text(good, rows_of(good), "out", 4.0).splitlines()
+    lines = page_text(good, rows_of(REPORT, good), "out", 4.0).splitlines()
     assert lines[0] == "perkins240: within tolerance"
     starts = {re.match(r"  \S.*?  +", line).end() for line in lines[1:]}  # type: ignore[union-attr]
     assert len(starts) == 1
     assert all(line.isascii() for line in lines)
-    assert len(lines) == len(rows_of(good)) + 6
+    assert len(lines) == len(rows_of(REPORT, good)) + 6
     assert plain("µ²°±").isascii()
     whole = trace_text(good)
     part = trace_text(SkirtOutcome(good.generated, good.summary, good.surface, good.trace, False))
@@ -364,9 +364,9 @@ def test_part_with_a_corner_gets_its_picture(weichai: GeneratedSkirt) -> None:
     """The report of such a part shows the corner."""
     surface, trace = on_the_refit(weichai)
     outcome = SkirtOutcome(weichai, made_up_summary(), surface, trace)
-    files = make_report(outcome)
+    files = make_report(REPORT, outcome)
     assert "cut_corner.png" in files
-    rows = {row.name: row.value for row in rows_of(outcome)}
+    rows = {row.name: row.value for row in rows_of(REPORT, outcome)}
     assert (
         "(3, 3) points left out: deviates from the drawing by at most 16.3 µm"
         in rows["refit of the corner"]
@@ -413,9 +413,9 @@ def made_up_outcome(modulated: GeneratedSkirt, even: Even) -> SkirtOutcome:
 def test_equal_volume_part_shows_both_ways_of_turning(modulated: GeneratedSkirt) -> None:
     """Two pictures, the rows of ripple and force, the spindle's margin."""
     outcome = made_up_outcome(modulated, made_up_even(0.04, 0.66))
-    files = make_report(outcome)
+    files = make_report(REPORT, outcome)
     assert {"cut_even.png", "cut_ripple.png"} <= files.keys()
-    rows = {row.name: row.value for row in rows_of(outcome)}
+    rows = {row.name: row.value for row in rows_of(REPORT, outcome)}
     assert "at mean 2500 r/min" in rows["cut"]
     assert "mean 4.0 %, max 4.0 %" in rows["ripple of the removal rate"]
     assert "no speed law changes it" in rows["ripple of the chip force"]
@@ -432,7 +432,7 @@ def test_ripple_that_is_unknown_or_does_not_apply(
     """What was not measured has a row that says so; uniform parts have no rows of it, no margin."""
     even = made_up_even(0.04, 0.66)
     even.summary["removal"] = {"turns": 0.0}
-    rows = {row.name: row.value for row in rows_of(made_up_outcome(modulated, even))}
+    rows = {row.name: row.value for row in rows_of(REPORT, made_up_outcome(modulated, even))}
     told = "unknown: no whole turn at full feed was cut"
     assert rows["ripple of the removal rate"] == told
     assert "ripple of the chip force" not in rows
@@ -440,7 +440,7 @@ def test_ripple_that_is_unknown_or_does_not_apply(
     outcome = SkirtOutcome(
         generated, made_up_summary(), made_up_surface(geometry), made_up_trace(geometry)
     )
-    assert not [row for row in rows_of(outcome) if "ripple" in row.name]
+    assert not [row for row in rows_of(REPORT, outcome) if "ripple" in row.name]
     assert "spindle acceleration" not in {margin.name for margin in margins_of(outcome)}
 
 

@@ -17,7 +17,7 @@ from camtools.polygon.generate import generate_polygon
 from camtools.polygon.part import example_polygon
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from camtools.skirt.part.part_file import SkirtPart, example_part
-from camtools.skirt.report.tool_text import track_row
+from camtools.skirt.report.text import track_row
 from camtools.skirt.table.generate import generate
 from camtools.skirt.tool.heel import check_heel, steepest_heel
 from camtools.skirt.tool.nose import NoseGeometry, tip_geometry

@@ -16,24 +16,27 @@ from typing import NamedTuple
 
 import numpy as np
 
+from camtools.base.controller_limits import LIMITS
 from camtools.base.errors import CamtoolsError
+from camtools.base.json_text import Json
 from camtools.base.quantities import NM_PER_MM, omega_rad_s
 from camtools.cut.lobe_gap import GapChange, Motion, in_gap
 from camtools.part.common import MachineLimits, SwingLimits
 from camtools.table.channel import Bounds, Channel
 from camtools.table.evaluate import PLACES, evaluate_grid
 
-UNITS = {
-    "u_stroke_mm": "mm",
-    "spindle_rpm": "r/min",
-    "spindle_acceleration_rad_s2": "rad/s2",
-    "u_speed_mm_s": "mm/s",
-    "u_acceleration_mm_s2": "mm/s2",
-    "z_speed_mm_s": "mm/s",
-    "swing_deg": "degrees",
-    "swing_speed_deg_s": "degrees/s",
-    "swing_acceleration_deg_s2": "degrees/s2",
+FIELDS = {  # of machine.limits in a part file, by the controller's name of the limit
+    "u_stroke": "u_stroke_mm",
+    "spindle_speed": "spindle_rpm",
+    "spindle_acceleration": "spindle_acceleration_rad_s2",
+    "u_speed": "u_speed_mm_s",
+    "u_acceleration": "u_acceleration_mm_s2",
+    "z_speed": "z_speed_mm_s",
+    "swing_range": "swing_deg",
+    "swing_speed": "swing_speed_deg_s",
+    "swing_acceleration": "swing_acceleration_deg_s2",
 }
+UNITS = {field: LIMITS[name].unit for name, field in FIELDS.items()}
 _DRIFT_MARGIN = 1.015  # the firmware's bounds of it are larger by up to that
 PLAN_PERIOD_S = 400e-6  # from set-point to set-point of the swing: cam_plan_period_us
 
@@ -202,6 +205,17 @@ def given_of(limits: MachineLimits) -> dict[str, float]:
     """Return the limits by their names; of a lathe without a swing none for it."""
     given = limits.model_dump() | {"spindle_acceleration_rad_s2": limits.alpha_rad_s2}
     return {name: float(given[name]) for name in UNITS if name in given}
+
+
+def feasibility_of(peaks: Peaks, limits: MachineLimits, rpm: float, best: HighestSpeed) -> Json:
+    """Return limits, what a table needs of them at a mean speed, and its highest speed."""
+    given, needed = given_of(limits), needed_of(peaks, limits, omega_rad_s(rpm))
+    return {
+        "limits": given,
+        "needed": {name: needed[name] for name in given},
+        "highest_spindle_rpm": best.rpm,
+        "decided_by": best.decides,
+    }
 
 
 def tenth_below(rpm: float) -> str:

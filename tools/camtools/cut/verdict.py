@@ -11,24 +11,15 @@ from typing import NamedTuple
 from camtools.base.controller_limits import LIMITS
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
-from camtools.cut.feasibility import HighestSpeed, remedy_text
+from camtools.cut.feasibility import FIELDS, HighestSpeed, remedy_text
 from camtools.judge.binding import Demand, Judge, TablePeaks
 from camtools.part.common import MachineLimits, SwingLimits
 from camtools.table.channel import KIND_SWING
 from camtools.table.image import Table, pack
 
-_FIELDS = {  # of machine.limits in a part file, or of the controller where that has none
+_FIELDS = FIELDS | {  # with limits that no part file has, or that decide by another error
     "swing_axis": "swing_speed_deg_s",
-    "swing_range": "swing_deg",
-    "swing_speed": "swing_speed_deg_s",
-    "swing_acceleration": "swing_acceleration_deg_s2",
-    "spindle_speed": "spindle_rpm",
-    "u_stroke": "u_stroke_mm",
-    "u_speed": "u_speed_mm_s",
-    "u_acceleration": "u_acceleration_mm_s2",
-    "z_speed": "z_speed_mm_s",
     "z_acceleration": "z_acceleration_mm_s2",
-    "spindle_acceleration": "spindle_acceleration_rad_s2",
     "spindle_loop": "spindle_bandwidth_rad_s",
     "spindle_set_point": "spindle_rpm",
     "tick_rate": "tick_hz",

@@ -12,9 +12,8 @@ from __future__ import annotations
 import numpy as np
 
 from camtools.base.quantities import Floats
-from camtools.lobe.cache_keys import lobes_of
 from camtools.lobe.channels import has_patterns, range_of
-from camtools.lobe.motion import ShaftLobe
+from camtools.lobe.motion import ShaftLobe, lobes_of
 from camtools.lobe.part import LobePart
 from camtools.pipeline.exact import (
     Exact,

@@ -20,7 +20,6 @@ from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
 from camtools.cut.feasibility import HighestSpeed, Peaks, given_of, needed_of, peaks_of
 from camtools.cut.verdict import check_table, needs_of_peaks
 from camtools.judge.binding import TablePeaks
-from camtools.lobe.cache_keys import channels_key, lobes_of
 from camtools.lobe.channels import (
     MadeChannel,
     centre_channel,
@@ -34,7 +33,7 @@ from camtools.lobe.contact import Follower
 from camtools.lobe.heel import LobeHeel, check_lobe_heel
 from camtools.lobe.lift import LiftLaw
 from camtools.lobe.list_report import noise_hint
-from camtools.lobe.motion import ShaftLobe
+from camtools.lobe.motion import ShaftLobe, channels_key, lobes_of
 from camtools.lobe.part import LobePart
 from camtools.lobe.plunge import Plan, plan_of, stations_of, way_channel, x_channel
 from camtools.lobe.speed import N_GRID, SpindleLimits, acceleration_of, mean_of, surface_speed

@@ -7,21 +7,44 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
 from camtools.base.quantities import NM_PER_MM
 from camtools.lobe.exact import exact_lobes
 from camtools.lobe.generate import GeneratedLobes, generate_lobes
 from camtools.lobe.list_report import smoothing_takes_um
-from camtools.lobe.lobe_machine import lobe_machine_text
 from camtools.lobe.part import MAX_RPM, MIN_RPM, LobePart
-from camtools.lobe.report_text import LobeOutcome, lobe_rows
+from camtools.lobe.report_text import LobeOutcome
 from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
+from camtools.part.common import SwingLimits
 from camtools.pipeline.exact import Exact
 from camtools.pipeline.kind import Kind, Rig
-from camtools.report.text import ReportRow
-from camtools.sim.camsim import TRACE
+from camtools.sim.camsim import TRACE, machine_text
 from camtools.sim.results import Measured, read_swing
+
+if TYPE_CHECKING:
+    from camtools.report.kind_report import KindReport
+
+
+_CAM_MACHINE = """\
+[encoder]
+counts_per_turn = 1000000
+[swing]
+speed_deg_per_s = {speed!r}
+acceleration_deg_per_s2 = {acceleration!r}
+range_deg = {range!r}
+"""
+
+
+def lobe_machine_text(limits: SwingLimits) -> str:
+    """Return a machine file for lobes: their lift over the angle needs the encoder of a C axis."""
+    return machine_text(limits) + _CAM_MACHINE.format(
+        speed=min(limits.swing_speed_deg_s, 1e5),
+        acceleration=min(max(limits.swing_acceleration_deg_s2, 10.0), 1e8),
+        range=limits.swing_deg,
+    )
 
 
 class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
@@ -108,15 +131,11 @@ class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
         error = {"u_nm": made.lift.error, "angle_deg": made.angle.error}
         return {"table_error": error | {"tolerance_nm": made.tolerance_nm}}
 
-    def rows(self, outcome: LobeOutcome) -> list[ReportRow]:
-        """See `Kind.rows`."""
-        return lobe_rows(outcome)
-
-    def report(self, outcome: LobeOutcome) -> dict[str, bytes]:
+    def report(self) -> KindReport[LobeOutcome]:
         """See `Kind.report`."""
-        from camtools.lobe.report import make_lobe_report  # matplotlib, see above
+        from camtools.lobe.report import REPORT  # matplotlib, see above
 
-        return make_lobe_report(outcome)
+        return REPORT
 
 
 KIND = LobeKind()

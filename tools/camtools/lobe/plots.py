@@ -8,8 +8,11 @@ b'PNG'
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from camtools.base.quantities import Floats
 from camtools.lobe.channels import patterns_of
@@ -18,8 +21,8 @@ from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.lift import Listed
 from camtools.lobe.motion import ShaftLobe, profiles_of
 from camtools.lobe.smooth_list import Smoothing
-from camtools.plots.panels import stacked
-from camtools.plots.style import log_axis, nice_floor, nice_limit, png_of, stroke_of, titled_figure
+from camtools.plots.panels import pictures, stacked
+from camtools.plots.style import log_axis, nice_floor, nice_limit, stroke_of, titled_figure
 from camtools.table.channel import RATIO_ONE
 from camtools.table.evaluate import evaluate_at
 
@@ -121,7 +124,7 @@ def _shaft(axes: Axes, result: GeneratedLobes) -> None:
     _square(axes, reach, "all lobes, seen from the headstock, 0° upwards")
 
 
-def draw_positions(result: GeneratedLobes) -> bytes:
+def draw_positions(result: GeneratedLobes) -> Figure:
     """Return every profile with tool or wheel around it, and all lobes at their angles."""
     profiles, is_turned = profiles_of(result.lobes), result.part.process.operation == "turning"
     what = "tool (red) about the roller's centre, with its swing"
@@ -142,7 +145,7 @@ def draw_positions(result: GeneratedLobes) -> bytes:
         _shaft(panels[len(profiles)], result)
     for axes in panels[n:]:
         axes.set_axis_off()
-    return png_of(figure)
+    return figure
 
 
 def _omega(result: GeneratedLobes, phi: Floats, pattern: int) -> Floats:
@@ -161,7 +164,7 @@ def _ends(axes: Axes) -> tuple[float, float]:
     return nice_floor(float(np.nanmin(values))), nice_limit(float(np.nanmax(values)))
 
 
-def draw_motion(result: GeneratedLobes) -> bytes:
+def draw_motion(result: GeneratedLobes) -> Figure:
     """Return lift, pressure angle, radius of curvature, spindle and surface speed over a turn."""
     what = "turned" if result.part.process.operation == "turning" else "ground"
     figure = titled_figure(
@@ -189,15 +192,15 @@ def draw_motion(result: GeneratedLobes) -> bytes:
         panels[-1].set_xlabel("angle from the zero of the law, degrees")
     log_axis(panels[2], "y", *_ends(panels[2]))
     panels[3].set_ylim(bottom=0)
-    return png_of(figure)
+    return figure
 
 
-def draw_smoothing(title: str, smoothed: list[tuple[str, Smoothing]]) -> bytes:
-    """Return the residuals of named lists, and acceleration and jerk before and after."""
-    figure = titled_figure(8.5, 8, title)
+def draw_smoothing(result: GeneratedLobes) -> Figure:
+    """Return the residuals of smoothed lists, and acceleration and jerk before and after."""
+    figure = titled_figure(8.5, 8, f"{result.table.part_name}: smoothed lists of lift")
     names = ["residual, µm", "acceleration,\nmm/rad²", "jerk, mm/rad³"]
     panels = stacked(figure, names)
-    for i, (name, one) in enumerate(smoothed):
+    for i, (name, one) in enumerate(smoothed_lists(result)):
         panels[0].plot(one.angle_deg, one.off_um, ".", ms=3, color=stroke_of(i)["color"])
         for edge_um in (-one.band_um, one.band_um):
             panels[0].axhline(edge_um, lw=0.8, ls="--", color=_PATH)
@@ -208,18 +211,20 @@ def draw_smoothing(title: str, smoothed: list[tuple[str, Smoothing]]) -> bytes:
             axes.plot(degrees, after, **stroke_of(i), lw=1.4, label=name)
     panels[1].legend(frameon=False)
     panels[-1].set_xlabel("angle of the list in degrees of the cam")
-    return png_of(figure)
+    return figure
 
 
-def draw_lobes(result: GeneratedLobes) -> dict[str, bytes]:
-    """Return all pictures of a camshaft as PNG, by topic."""
-    pictures = {"cam": draw_positions(result), "motion": draw_motion(result)}
-    smoothed = [
+def smoothed_lists(result: GeneratedLobes) -> list[tuple[str, Smoothing]]:
+    """Return the smoothing of each profile that has it, by the name of the profile."""
+    return [
         (name_of(result, lobe.profile), lobe.law.smoothing)
         for lobe in profiles_of(result.lobes)
         if isinstance(lobe.law, Listed) and lobe.law.smoothing is not None
     ]
-    if smoothed:
-        title = f"{result.table.part_name}: smoothed lists of lift"
-        pictures["smoothing"] = draw_smoothing(title, smoothed)
-    return pictures
+
+
+def draw_lobes(result: GeneratedLobes) -> dict[str, bytes]:
+    """Return all pictures of a camshaft as PNG, by topic."""
+    drawers = {"cam": draw_positions, "motion": draw_motion}
+    drawers |= {"smoothing": draw_smoothing} if smoothed_lists(result) else {}
+    return pictures({topic: partial(draw, result) for topic, draw in drawers.items()})

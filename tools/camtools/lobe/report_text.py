@@ -8,13 +8,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from camtools.base.json_text import Json
 from camtools.base.quantities import Floats, length_text
 from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.list_report import smoothing_of, smoothing_takes_um, smoothing_texts
 from camtools.lobe.plunge import left_by_wear_um
-from camtools.report.learning_text import learning_rows
-from camtools.report.text import ReportRow, error_pair, form_text
+from camtools.report.learning_text import learned
+from camtools.report.text import (
+    COMPUTING_TIME,
+    FOLLOWING_ERROR,
+    MACHINE_TIME,
+    ReportRow,
+    form_text,
+    quantity,
+    table_quantity,
+    turns_text,
+)
 from camtools.sim.results import Cut
 
 
@@ -40,8 +48,9 @@ def _degrees(value: float) -> str:
     return f"{value:.1g}°" if abs(value) < 1 else f"{value:.2f}°"
 
 
-def _lobe_rows(found: Json) -> list[ReportRow]:
+def _lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
     """Return the error of each lobe, where there are several."""
+    found = outcome.summary["cam"]
     if len(found["lobes"]) < 2:
         return []
     return [
@@ -55,7 +64,8 @@ def _lobe_rows(found: Json) -> list[ReportRow]:
     ]
 
 
-def _speed_rows(found: Json) -> list[ReportRow]:
+def _speed_rows(outcome: LobeOutcome) -> list[ReportRow]:
+    found = outcome.summary["cam"]
     if "surface_speed_mm_s" not in found:
         return []
     speed = found["surface_speed_mm_s"]
@@ -69,7 +79,8 @@ def _speed_rows(found: Json) -> list[ReportRow]:
     return [ReportRow("surface speed", text), ReportRow("deviation from the table", plan)]
 
 
-def _rake_rows(found: Json) -> list[ReportRow]:
+def _rake_rows(outcome: LobeOutcome) -> list[ReportRow]:
+    found = outcome.summary["cam"]
     if "rake_deg" not in found:
         return []
     rake = found["rake_deg"]
@@ -100,8 +111,9 @@ def _plunge_rows(outcome: LobeOutcome) -> list[ReportRow]:
     ]
 
 
-def _list_rows(made: GeneratedLobes) -> list[ReportRow]:
+def _list_rows(outcome: LobeOutcome) -> list[ReportRow]:
     """Return what smoothing did to lists, or would do."""
+    made = outcome.generated
     allowed_um = made.part.process.form_error_um
     return [
         ReportRow(f"lift of lobe {i}", text)
@@ -110,32 +122,30 @@ def _list_rows(made: GeneratedLobes) -> list[ReportRow]:
     ]
 
 
-def lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
-    """Return the summary of a camshaft, machine limits apart."""
-    summary, made, found = outcome.summary, outcome.generated, outcome.summary["cam"]
-    cut = summary["cut"]
+def _what_was_cut(outcome: LobeOutcome) -> str:
+    found = outcome.summary["cam"]
     how = (
-        f"tip of radius {found['tip_mm']:g} mm"
+        f"turned, tip of radius {found['tip_mm']:g} mm"
         if outcome.is_turned
-        else f"wheel of radius {found['wheel_mm']:g} mm"
+        else f"ground, wheel of radius {found['wheel_mm']:g} mm"
     )
-    mean = "mean " if outcome.is_modulated else ""
-    what = (
-        f"cam {'turned' if outcome.is_turned else 'ground'}, {how}, at {mean}"
-        f"{cut['spindle_rpm']:g} r/min, feed {cut['feed_mm']:g} mm, "
-        f"{cut['turns']:.0f} of {cut['planned_turns']:.0f} turns"
-    )
-    return [
-        ReportRow("cut", what),
-        *_list_rows(made),
-        *_plunge_rows(outcome),
-        ReportRow("form error", form_text(summary["form_error_um"], smoothing_takes_um(made.laws))),
-        *_lobe_rows(found),
-        *_speed_rows(found),
-        *_rake_rows(found),
-        ReportRow("following error of U", error_pair(summary["following_error_um"])),
-        *learning_rows(summary),
-        ReportRow("table", f"{summary['table_bytes']} bytes, accurate to {made.lift.error:.2g} nm"),
-        ReportRow("machine time", f"{summary['machine_time_s']:.1f} s"),
-        ReportRow("computing time", f"{summary['wall_time_s']:.2f} s for the cut with its trace"),
-    ]
+    return f"cam {how}, {turns_text(outcome)}"
+
+
+ROWS = (
+    quantity("cut", _what_was_cut),
+    _list_rows,
+    _plunge_rows,
+    quantity(
+        "form error",
+        lambda cut: form_text(cut.summary["form_error_um"], smoothing_takes_um(cut.generated.laws)),
+    ),
+    _lobe_rows,
+    _speed_rows,
+    _rake_rows,
+    FOLLOWING_ERROR,
+    learned,
+    table_quantity(lambda cut: cut.generated.lift.error),
+    MACHINE_TIME,
+    COMPUTING_TIME,
+)

@@ -9,13 +9,21 @@
 from __future__ import annotations
 
 from camtools.base.json_text import Json
-from camtools.base.quantities import NM_PER_MM, omega_rad_s
-from camtools.cut.feasibility import given_of, needed_of, tenth_below
-from camtools.lobe.design import design_of_lobes
+from camtools.base.quantities import NM_PER_MM
+from camtools.cut.feasibility import feasibility_of, tenth_below
 from camtools.lobe.generate import GeneratedLobes
+from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345, Risen, curve_of
 from camtools.lobe.list_report import smoothing_of, smoothing_takes_um, smoothing_texts
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.plunge import left_by_wear_um
+from camtools.lobe.rise_laws import (
+    Cycloidal,
+    Harmonic,
+    ModifiedSine,
+    ModifiedTrapezoid,
+    Polydyne,
+    Quintic,
+)
 from camtools.part.smoothing_text import share_text
 from camtools.table.summary import about_image, describe_channel
 
@@ -31,16 +39,6 @@ def _lobe(lobe: ShaftLobe) -> Json:
         "hollow_radius_mm": shape.hollow_radius_mm if is_hollow else None,
         "largest_pressure_angle_deg": shape.largest_swing_deg,
         **smoothing_of(lobe.law),
-    }
-
-
-def _feasibility(result: GeneratedLobes) -> Json:
-    limits = result.part.machine.limits
-    return {
-        "limits": given_of(limits),
-        "needed": needed_of(result.peaks, limits, omega_rad_s(result.mean_rpm)),
-        "highest_spindle_rpm": result.highest_speed.rpm,
-        "decided_by": result.highest_speed.decides,
     }
 
 
@@ -68,7 +66,9 @@ def make_lobe_summary(result: GeneratedLobes) -> Json:
             "angle_deg": result.angle.error,
             "speed_ratio": result.speed.error if result.speed else 0.0,
         },
-        "feasibility": _feasibility(result),
+        "feasibility": feasibility_of(
+            result.peaks, result.part.machine.limits, result.mean_rpm, result.highest_speed
+        ),
         "lobes": [_lobe(lobe) for lobe in result.lobes],
         "design": design_of_lobes(result),
     }
@@ -104,6 +104,69 @@ def _plunge(result: GeneratedLobes) -> Json:
         "grinding_s": turns * 60 / result.mean_rpm,
     }
     return {"plunge": found}
+
+
+def _law(law: LiftLaw) -> Json:
+    """Return a law of lift as numbers; a list as the pieces of its spline."""
+    if isinstance(law, Poly345):
+        return {"law": "poly345", "lift_mm": law.lift_mm, "half_angle_rad": law.half_angle_rad}
+    if isinstance(law, Risen):
+        return _flanks(law)
+    if isinstance(law, Disc):
+        return {"law": "disc", "reach_mm": law.reach_mm, "offset_mm": law.offset_mm}
+    assert isinstance(law, Listed)
+    curve = curve_of(law)
+    return {
+        "law": "pieces",
+        "breaks_rad": curve.x.tolist(),
+        "coefficients": curve.c.T.ravel().tolist(),
+    }
+
+
+def _flanks(law: Risen) -> Json:
+    names = {
+        Quintic: "poly345",
+        Cycloidal: "cycloidal",
+        ModifiedSine: "modified-sine",
+        ModifiedTrapezoid: "modified-trapezoid",
+        Harmonic: "harmonic",
+        Polydyne: "polydyne",
+    }
+    numbers = {
+        "lift_mm": law.lift_mm,
+        "rise_rad": law.rise_rad,
+        "dwell_rad": law.dwell_rad,
+        "fall_rad": law.fall_rad,
+    }
+    soft = {
+        f"{name}_deflection": one.deflection
+        for name, one in (("rise", law.rise), ("fall", law.fall))
+        if isinstance(one, Polydyne)
+    }
+    return {"law": "flanks", "shape": names[type(law.rise)]} | numbers | soft
+
+
+def design_of_lobes(result: GeneratedLobes) -> Json:
+    """Return the shape for programs that measure: laws in radians and millimetres, no table.
+
+    Pieces of a list are quintics, highest power first, of the angle above each break.
+    """
+    process, cam = result.part.process, result.part.cam
+    return {
+        "shape": "cam",
+        "follower": cam.follower,
+        "operation": "turning" if process.operation == "turning" else "grinding",
+        **({"path": "plunge"} if process.is_plunge else {}),
+        "speed": process.speed,
+        "base_mm": float(cam.base_radius_mm),
+        "roller_mm": float(cam.roller_radius_mm),
+        "follower_mm": float(result.part.follower_radius_mm),
+        "base_speed": float(process.spindle_rpm) / result.mean_rpm,
+        "lobes": [
+            {"z_mm": list(lobe.z_mm), "phase_rad": lobe.phase_rad} | _law(lobe.law)
+            for lobe in result.lobes
+        ],
+    }
 
 
 def emit_lobe_text(summary: Json) -> str:

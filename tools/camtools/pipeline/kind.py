@@ -10,7 +10,7 @@ derived from `Kind`. The registry finds it; nothing else names it.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
@@ -18,10 +18,12 @@ from camtools.cut.correction import Correction, Drawing
 from camtools.part.common import PartFile
 from camtools.part.model import TomlTable
 from camtools.pipeline.exact import Exact
-from camtools.report.text import ReportRow
 from camtools.sim.camsim import Simulator
 from camtools.sim.results import AnyCut, Measured
 from camtools.table.header import MadeTable
+
+if TYPE_CHECKING:  # it loads matplotlib, which takes longer than a table
+    from camtools.report.kind_report import KindReport
 
 PartT = TypeVar("PartT", bound=PartFile)
 MadeT = TypeVar("MadeT", bound=MadeTable)
@@ -137,12 +139,8 @@ class Kind(ABC, Generic[PartT, MadeT, CutT]):
         """Return what the summary of a cut says of the table's errors."""
 
     @abstractmethod
-    def rows(self, outcome: CutT) -> list[ReportRow]:
-        """Return what the cut came to, in words and numbers."""
-
-    @abstractmethod
-    def report(self, outcome: CutT) -> dict[str, bytes]:
-        """Return the page of the cut and its pictures, by file name."""
+    def report(self) -> KindReport[CutT]:
+        """Return what reports of cuts show."""
 
 
 AnyKind = Kind[Any, Any, Any]

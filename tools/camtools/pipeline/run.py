@@ -10,10 +10,12 @@
 from __future__ import annotations
 
 import json
+import shutil
 import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
@@ -22,12 +24,11 @@ from camtools.base.quantities import length_text
 from camtools.base.readable import size_text
 from camtools.pipeline.correct_options import correction_for
 from camtools.pipeline.job import RUNS, RunJob, say, shown, without_faults, write_files
-from camtools.pipeline.kept_runs import drop_all_but, kept_text
 from camtools.pipeline.kind import Rig
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import Made, make
-from camtools.report.sheet_json import out_of_tolerance
-from camtools.report.sheet_page import SHEETS
+from camtools.report.kind_report import make_report, rows_of
+from camtools.report.sheet_page import SHEETS, out_of_tolerance
 from camtools.report.text import ReportRow, page_text, remedies
 from camtools.sim.camsim import (
     OVERVIEW,
@@ -44,6 +45,54 @@ from camtools.sim.camsim import (
 )
 from camtools.sim.drive_mismatch import SHARE, Mismatch, mismatch
 from camtools.sim.results import AnyCut, Measured, read_sections, read_surface, read_trace
+
+_MARK = "run_wall_time_s"  # only the summary of a run of the whole pipeline has it
+_MOST_NAMED = 6
+
+
+class Kept(NamedTuple):
+    """The results of a run."""
+
+    name: str
+    made_s: float
+    n_bytes: int
+
+
+def _is_run(folder: Path) -> bool:
+    try:
+        return _MARK in json.loads((folder / SUMMARY).read_bytes())
+    except (OSError, ValueError, TypeError):
+        return False
+
+
+def runs(place: Path) -> list[Kept]:
+    """Return the runs in a folder, the newest first."""
+    found = []
+    for folder in place.iterdir() if place.is_dir() else ():
+        if folder.is_dir() and not folder.is_symlink() and _is_run(folder):
+            n_bytes = sum(f.lstat().st_size for f in folder.rglob("*") if f.is_file())
+            found.append(Kept(folder.name, (folder / SUMMARY).stat().st_mtime, n_bytes))
+    return sorted(found, key=lambda run: (-run.made_s, run.name))
+
+
+def drop_all_but(place: Path, n: int) -> list[Kept]:
+    """Remove the oldest runs until so many are left; return those that were removed."""
+    dropped = runs(place)[n:]
+    for run in dropped:
+        shutil.rmtree(place / run.name, ignore_errors=True)
+    return dropped
+
+
+def kept_text(place: Path) -> str:
+    """Return what lies there in one line."""
+    found = runs(place)
+    if not found:
+        return "no runs"
+    names = [run.name for run in found]
+    more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
+    total = size_text(sum(run.n_bytes for run in found))
+    count = f"{len(found)} run" + ("s" if len(found) != 1 else "")
+    return f"{count}, {total}: {', '.join(names[:_MOST_NAMED])}{more}"
 
 
 def turns_of(job: RunJob, made: Made) -> float:
@@ -146,7 +195,8 @@ def run(argv: Sequence[str]) -> int:
         outcome = _simulate(job, made, stage.folder)
         off = _mismatch(job, made, stage.folder)
         say("drawing the report")
-        files = made.kind.report(outcome)
+        report = made.kind.report()
+        files = make_report(report, outcome)
         out = out_of_tolerance(files.get(SHEETS))
         write_files(stage.folder, files)
         summary = complete_summary(made, outcome, off, time.monotonic() - begin_s)
@@ -154,7 +204,7 @@ def run(argv: Sequence[str]) -> int:
         text = json.dumps(summary, indent=1, allow_nan=False) + "\n"
         write_files(stage.folder, {SUMMARY: text.encode("ascii")})
         stage.publish()
-    rows, total_s = made.kind.rows(outcome), time.monotonic() - begin_s
+    rows, total_s = rows_of(report, outcome), time.monotonic() - begin_s
     if "better_rpm" in outcome.summary:
         text = "encoder counts do not average at this speed (whole ones per tick)"
         rows.append(ReportRow("better speed", f"{outcome.summary['better_rpm']:g} r/min: {text}"))

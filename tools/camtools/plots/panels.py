@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.axes3d import Axes3D  # type: ignore[import-untyped]
 
 from camtools.base.quantities import Floats
-from camtools.plots.style import BLUE, drawing, new_figure, png_of
+from camtools.plots.style import BLUE, GREY, ORANGE, drawing, new_figure, png_of
 
 Drawers = Mapping[str, Callable[[], Figure]]
 """What draws each picture, by its name."""
@@ -79,3 +79,24 @@ def space(figure: Figure, place: int, aspect: float) -> Axes3D:
 def around(radius: Floats, phi_rad: Floats) -> tuple[Floats, Floats]:
     """Return the plane coordinates of polar ones."""
     return radius * np.cos(phi_rad), radius * np.sin(phi_rad)
+
+
+def paint_band(
+    axes: Axes, x: Floats, curves: tuple[Floats, Floats, Floats], names: tuple[str, str]
+) -> None:
+    """Draw the range of a curve around its dashed middle, both named above the panel.
+
+    Parameters
+    ----------
+    curves : tuple of ndarray
+        Smallest and largest value, and the middle.
+    names : tuple of str
+        Of the range and of the middle.
+    """
+    least, most, middle = curves
+    axes.fill_between(x, least, most, color=ORANGE, alpha=0.35, lw=0)
+    axes.plot(x, most, color=ORANGE, lw=1, label=names[0])
+    axes.plot(x, least, color=ORANGE, lw=1)
+    axes.plot(x, middle, color=BLUE, lw=1.6, ls="--", label=names[1])
+    axes.axhline(0, color=GREY, lw=0.8)
+    axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(0, 1.16), ncols=2)

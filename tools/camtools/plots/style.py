@@ -131,8 +131,8 @@ def log_axis(axes: Axes, name: str, low: float, high: float) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def angle_axis(axes: Axes) -> None:
-    """Make x the spindle angle of one turn, in degrees."""
+def angle_axis(axes: Axes, angle: str = "spindle angle from the long axis") -> None:
+    """Make x an angle over one turn, in degrees."""
     axes.set_xlim(0, 360)
     axes.set_xticks(range(0, 361, 45))
-    axes.set_xlabel("spindle angle from the long axis, degrees")
+    axes.set_xlabel(f"{angle}, degrees")

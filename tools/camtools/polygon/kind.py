@@ -1,24 +1,69 @@
 """Polygon shafts as a kind of part.
 
->>> KIND.speed_words(600.0)
-['--rpm', '600.0']
+>>> from camtools.polygon.part import example_polygon
+>>> turn = exact_polygon(example_polygon()).turn_at(10.0, 6)
+>>> f"{turn.nominal_mm:.3f} {turn.radius_mm.min():.3f}"
+'13.300 11.700'
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
 from camtools.base.json_text import Json
-from camtools.pipeline.exact import Exact
+from camtools.base.quantities import NM_PER_MM
+from camtools.pipeline.exact import Exact, HeightCurve, ProfileOver
 from camtools.pipeline.kind import Kind, Rig
-from camtools.polygon.exact import exact_polygon
-from camtools.polygon.generate import GeneratedPolygon, generate_polygon
+from camtools.polygon.generate import GeneratedPolygon, generate_polygon, shapes_of
 from camtools.polygon.part import PolygonPart
-from camtools.polygon.report_text import PolygonCut, polygon_rows
-from camtools.polygon.summary import emit_polygon_text, make_polygon_summary
-from camtools.report.text import ReportRow
+from camtools.polygon.summary import PolygonCut, emit_polygon_text, make_polygon_summary
 from camtools.sim.camsim import machine_text
 from camtools.sim.results import Measured
+from camtools.skirt.geometry.skirt_geometry import Geometry
+from camtools.skirt.tool.exact_shape import ExactGeometry
+from camtools.skirt.tool.nose import tip_geometry
+from camtools.skirt.tool.u_zero import middle_nm
+
+if TYPE_CHECKING:
+    from camtools.report.kind_report import KindReport
 
 _ENCODER = "[encoder]\ncounts_per_turn = 1000000 # flanks of 10 mm per rad want it, as lobes do\n"
+
+
+class ExactPolygon(ExactGeometry):
+    """A prism, or a cone whose sections are alike."""
+
+    def __init__(self, drawn: Geometry, tip: Geometry, middle_mm: float) -> None:
+        super().__init__(drawn, tip, middle_mm)
+        self._least = 1 - drawn.deepest_mm(drawn.z_first_mm) / float(
+            drawn.radius_mm(drawn.z_first_mm)
+        )
+
+    def profile(self) -> ProfileOver:
+        """See `Exact.profile`: the circles around and inside the sections."""
+        z_mm = np.array(self.heights_mm)
+        outer = self._drawn.radius_mm(z_mm)
+        return ProfileOver(
+            z_mm,
+            (HeightCurve("outer circle", outer), HeightCurve("inner circle", outer * self._least)),
+        )
+
+
+def exact_polygon(part: PolygonPart) -> ExactPolygon:
+    """Return the exact shape of a polygon.
+
+    Raises
+    ------
+    CamtoolsError
+        The numbers make no polygon.
+    """
+    _, _, geometry, design = shapes_of(part)
+    tip = tip_geometry(geometry, part.tool)
+    middle_mm = middle_nm(tip, part.process.u_zero) / NM_PER_MM
+    return ExactPolygon(replace(geometry, drawn=design), tip, middle_mm)
 
 
 class PolygonKind(Kind[PolygonPart, GeneratedPolygon, PolygonCut]):
@@ -85,15 +130,11 @@ class PolygonKind(Kind[PolygonPart, GeneratedPolygon, PolygonCut]):
         error = {"u": made.accuracy_u.value_nm, "x": made.accuracy_x.value_nm}
         return {"table_error_nm": error | {"tolerance": made.tolerance_nm}}
 
-    def rows(self, outcome: PolygonCut) -> list[ReportRow]:
-        """See `Kind.rows`."""
-        return polygon_rows(outcome)
-
-    def report(self, outcome: PolygonCut) -> dict[str, bytes]:
+    def report(self) -> KindReport[PolygonCut]:
         """See `Kind.report`."""
-        from camtools.polygon.report import make_polygon_report  # matplotlib, see above
+        from camtools.polygon.report import REPORT  # matplotlib, see above
 
-        return make_polygon_report(outcome)
+        return REPORT
 
 
 KIND = PolygonKind()

@@ -8,19 +8,20 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from camtools.base.quantities import NM_PER_MM, omega_rad_s
-from camtools.plots.panels import around, stacked
-from camtools.plots.style import BLUE, GREY, ORANGE, PALE, RED, angle_axis, png_of, titled_figure
+from camtools.plots.panels import around, pictures, stacked
+from camtools.plots.style import BLUE, GREY, ORANGE, PALE, RED, angle_axis, titled_figure
 from camtools.polygon.blend import Blend
 from camtools.polygon.generate import GeneratedPolygon
 from camtools.polygon.outline import measures_of
-from camtools.polygon.report_text import name_of
-from camtools.polygon.summary import angles_of
+from camtools.polygon.summary import angles_of, name_of
 
 _UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
 _WINDOW = 2.2  # half width of the picture of a blend over that of the blend
@@ -87,8 +88,7 @@ def draw_motion(made: GeneratedPolygon) -> Figure:
     for sign in (1, -1):
         panels[2].axhline(sign * limit, color=RED, lw=1, ls="--")
     panels[2].set_title("dashed: limit of the machine")
-    angle_axis(panels[-1])
-    panels[-1].set_xlabel("angle of the drawing, degrees")
+    angle_axis(panels[-1], "angle of the drawing")
     return figure
 
 
@@ -129,7 +129,6 @@ def draw_blend(made: GeneratedPolygon) -> Figure:
 
 def draw_polygon(made: GeneratedPolygon) -> dict[str, bytes]:
     """Return all pictures by topic."""
-    figures = {"section": draw_section(made), "motion": draw_motion(made)}
-    if made.blended.blends:
-        figures["blend"] = draw_blend(made)
-    return {topic: png_of(figure) for topic, figure in figures.items()}
+    drawers = {"section": draw_section, "motion": draw_motion}
+    drawers |= {"blend": draw_blend} if made.blended.blends else {}
+    return pictures({topic: partial(draw, made) for topic, draw in drawers.items()})

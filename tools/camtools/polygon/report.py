@@ -1,7 +1,7 @@
-"""The report of a polygon: its pictures, in order, and its page.
+"""The report of a polygon.
 
->>> list(_TEXTS)[:3]
-['fault', 'section', 'blend']
+>>> REPORT.views[0].key, REPORT.views[-1].key
+('fault', 'compare')
 """
 
 from __future__ import annotations
@@ -9,81 +9,55 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from camtools.base.beside import beside
+from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
 from camtools.part.tolerances import Tolerances
 from camtools.plots.panels import stacked
-from camtools.plots.style import RED, drawing, new_figure, nice_limit, png_of
+from camtools.plots.style import RED, new_figure, nice_limit
 from camtools.polygon.plots import BLEND_NAMES, hardest_blend, paint_blend, paint_section
-from camtools.polygon.report_interactive import ANGLE, live_of, motion_of
-from camtools.polygon.report_text import PolygonCut, name_of, polygon_rows
-from camtools.report.common_pictures import COMPARE_TEXT, SEQUENCE_TEXT, common_drawers, in_order
-from camtools.report.learning import CONVERGENCE_TEXT
-from camtools.report.map_cells import map_rows
-from camtools.report.motion import draw_motion
-from camtools.report.page import EDGE_IS_A_POINT, Page, Picture, render_page
+from camtools.polygon.summary import ROWS, PolygonCut, angles_of, name_of
+from camtools.report.charts import ChartPanel, TurnOfU
+from camtools.report.kind_report import KindReport
 from camtools.report.sheet import Subject
-from camtools.report.sheet_page import sheet_pages
-from camtools.sim.results import GaugedSurface
-from camtools.skirt.report import surface_plots
+from camtools.report.surface import section_at
+from camtools.report.surface_plots import Extent, draw_roundness
+from camtools.report.views import (
+    COMPARE,
+    LEARNING,
+    SEQUENCE,
+    View,
+    fault_view,
+    following_view,
+    has_surface,
+    height_view,
+    map_view,
+    motion_view,
+    surface_view,
+)
+from camtools.sim.results import CUTTING, CutTrace
 
+ANGLE = "spindle angle from the corner"
+_MM_PER_M = 1000.0
+_MOST_TICKS = 180  # of the measured motion
 _MARKS = {"color": RED, "ls": "", "marker": "o", "ms": 3.0, "mfc": "none"}
 _MOST_MARKS = 240
-_TEXTS = {
-    "fault": (
-        "The fault",
-        "U must leave the work first, within a few milliseconds, and the tool tip must not move "
-        "towards the axis (below 0) after the dashed line.",
-    ),
-    "section": (
-        "The section",
-        "Left: the drawing to scale between its two circles, with cut points of the middle height. "
-        "Right: their error alone, enlarged as on a roundness instrument. Away from the joints the "
-        "line should stay on the middle circle; at the joints it shows the blends.",
-    ),
-    "blend": (
-        "The hardest joint",
-        "Where two curves of the outline meet, U would need an acceleration that jumps or is "
-        "infinite. The blend keeps it finite at the cost of the deviation at the top; the cut "
-        "points must lie on the blend and within the tolerance.",
-    ),
-    "map": (
-        "Error map",
-        "The shaft unrolled: red is metal left standing, blue is cut too deep. Stripes at the "
-        "joints are the blends, which count as error; anything else comes from the machine.",
-    ),
-    "height": (
-        "Error over height",
-        "The band should be narrow and even from end to end: all sections are alike.",
-    ),
-    "motion": (
-        "Motion of U over one turn",
-        "The measured points must lie on the curve of the table in position and velocity; the "
-        "peaks are the required values in the table of machine limits above.",
-    ),
-    "learning": CONVERGENCE_TEXT,
-    "following": (
-        "Following error of U",
-        "Difference between the actual and the demanded position of U; the band covers every turn "
-        "of the cut.",
-    ),
-    "sequence": SEQUENCE_TEXT,
-    "compare": COMPARE_TEXT,
-}
+_LEFT_OUT = (
+    "long and short axis, ovality, phase and the roundness of the section itself, since a polygon "
+    "is no oval; each section is described by its deviation from the drawing"
+)
 
 
-def _band(outcome: PolygonCut) -> tuple[GaugedSurface, float]:
-    """Return the gauged points near the middle height, and that height."""
-    geometry, feed_mm = outcome.generated.geometry, outcome.summary["cut"]["feed_mm"]
-    low, high = geometry.z_first_mm, geometry.z_last_mm
-    middle = (low + high) / 2
-    rows = map_rows(high - low, feed_mm)
-    return surface_plots.section_at(outcome.surface, middle, 1.5 * (high - low) / rows), middle
+def _extent(cut: PolygonCut) -> Extent:
+    geometry = cut.generated.geometry
+    heights_mm = geometry.z_first_mm, geometry.z_last_mm
+    return Extent(heights_mm, cut.summary["cut"]["feed_mm"], ANGLE, "height")
 
 
 def draw_cut_section(outcome: PolygonCut) -> Figure:
     """Return the section with cut points, and their error enlarged."""
     made = outcome.generated
-    near, z_mm = _band(outcome)
+    extent = _extent(outcome)
+    z_mm = sum(extent.heights_mm) / 2
+    near = section_at(outcome.surface, z_mm, extent.half_band_mm)  # of the middle height
     figure = new_figure(11, 6.2)
     figure.set_layout_engine("constrained", h_pad=0.12)  # between the axis and what is named below
     left, right = figure.subplots(1, 2)
@@ -96,7 +70,7 @@ def draw_cut_section(outcome: PolygonCut) -> Figure:
     r = near.radius_mm / factor
     left.plot((r * np.cos(phi))[::step], (r * np.sin(phi))[::step], label="cut", **_MARKS)
     limit_um = nice_limit(float(np.abs(near.error_um).max(initial=0.0)))
-    surface_plots.draw_roundness(right, near, float(made.geometry.radius_mm(z_mm)), limit_um)
+    draw_roundness(right, near, float(made.geometry.radius_mm(z_mm)), limit_um)
     figure.legend(loc="outside lower center", ncols=3, frameon=False)
     return figure
 
@@ -118,52 +92,97 @@ def draw_cut_blend(outcome: PolygonCut) -> Figure:
     return figure
 
 
-def _named(figure: Figure) -> Figure:
-    """Return a picture of a surface with the words of a shaft."""
-    for axes in figure.axes:
-        axes.set_xlabel(axes.get_xlabel().replace("skirt ", "").replace("long axis", "corner"))
-        axes.set_ylabel(axes.get_ylabel().replace("skirt ", ""))
-    return figure
+def _measured(turn: CutTrace) -> tuple[Floats, Floats, Floats]:
+    """Return angle [degrees], place of U [mm] and its velocity [mm/s] at some ticks of a turn."""
+    u_mm, step = turn.u_act_nm / NM_PER_MM, max(1, turn.t_s.size // _MOST_TICKS)
+    columns = 360 * (turn.turn % 1), u_mm, np.gradient(u_mm, turn.t_s)
+    degrees, moved_mm, slope = (column[::step] for column in columns)
+    return degrees, moved_mm, slope
 
 
-def pictures_of(outcome: PolygonCut) -> list[Picture]:
-    """Return the pictures of a cut, not drawn yet."""
-    geometry, surface = outcome.generated.geometry, outcome.surface
-    feed_mm = outcome.summary["cut"]["feed_mm"]
-    drawers = common_drawers(outcome, ANGLE)
-    drawers["motion"] = lambda: draw_motion(motion_of(outcome))
-    if surface.turn.size:
-        drawers["section"] = lambda: draw_cut_section(outcome)
-        if outcome.generated.blended.blends:
-            drawers["blend"] = lambda: draw_cut_blend(outcome)
-        drawers["map"] = lambda: _named(surface_plots.draw_map(surface, geometry, feed_mm))
-        drawers["height"] = lambda: _named(surface_plots.draw_height(surface, geometry))
-    return in_order(_TEXTS, drawers)
+def motion_of(outcome: PolygonCut) -> TurnOfU:
+    """Return U, its velocity and acceleration over a turn in the middle of the cut."""
+    made, trace = outcome.generated, outcome.trace
+    omega = omega_rad_s(outcome.summary["cut"]["spindle_rpm"])
+    cutting = np.flatnonzero(trace.state == CUTTING)
+    whole = np.floor(trace.turn[cutting])
+    rows = cutting[whole == np.median(whole)] if cutting.size else cutting
+    z_mm = float(trace.z_mm[rows].mean()) if rows.size else made.geometry.z_first_mm
+    phi = angles_of(made)
+    u = made.geometry.delta(phi, z_mm)
+    degrees, moved_mm, slope = _measured(trace.pick(rows)) if rows.size > 2 else (None,) * 3
+    return TurnOfU(
+        f"height {z_mm:.1f} mm",
+        np.degrees(phi),
+        (
+            ChartPanel("U towards the axis, mm", u.delta - made.middle_nm / NM_PER_MM, moved_mm),
+            ChartPanel("velocity, mm/s", trace.sense * u.d1 * omega, slope),
+            ChartPanel("acceleration, m/s²", u.d2 * omega**2 / _MM_PER_M),
+        ),
+        "table",
+        degrees,
+        "angle of the drawing",
+    )
 
 
-_LEFT_OUT = (
-    "long and short axis, ovality, phase and the roundness of the section itself, since a polygon "
-    "is no oval; each section is described by its deviation from the drawing"
+def _subject(cut: PolygonCut) -> Subject:
+    stated = Tolerances(**cut.generated.part.tolerances.model_dump())
+    return Subject(False, True, _LEFT_OUT, tolerances=stated)
+
+
+_VIEWS: tuple[View[PolygonCut], ...] = (
+    fault_view(
+        "U must leave the work first, within a few milliseconds, and the tool tip must not move "
+        "towards the axis (below 0) after the dashed line.",
+    ),
+    surface_view(
+        "section",
+        "The section",
+        "Left: the drawing to scale between its two circles, with cut points of the middle height. "
+        "Right: their error alone, enlarged as on a roundness instrument. Away from the joints the "
+        "line should stay on the middle circle; at the joints it shows the blends.",
+        draw_cut_section,
+        "section",
+    ),
+    View(
+        "blend",
+        "The hardest joint",
+        "Where two curves of the outline meet, U would need an acceleration that jumps or is "
+        "infinite. The blend keeps it finite at the cost of the deviation at the top; the cut "
+        "points must lie on the blend and within the tolerance.",
+        draw_cut_blend,
+        lambda cut: has_surface(cut) and bool(cut.generated.blended.blends),
+    ),
+    map_view(
+        "Error map",
+        "The shaft unrolled: red is metal left standing, blue is cut too deep. Stripes at the "
+        "joints are the blends, which count as error; anything else comes from the machine.",
+        _extent,
+    ),
+    height_view(
+        "The band should be narrow and even from end to end: all sections are alike.",
+        _extent,
+    ),
+    motion_view(
+        "The measured points must lie on the curve of the table in position and velocity; the "
+        "peaks are the required values in the table of machine limits above.",
+        motion_of,
+    ),
+    LEARNING,
+    following_view(
+        "Difference between the actual and the demanded position of U; the band covers every turn "
+        "of the cut.",
+        ANGLE,
+    ),
+    SEQUENCE,
+    COMPARE,
 )
 
-
-def make_polygon_report(outcome: PolygonCut) -> dict[str, bytes]:
-    """Return the page and its pictures by file name."""
-    stated = Tolerances(**outcome.generated.part.tolerances.model_dump())
-    subject = Subject(False, True, _LEFT_OUT, tolerances=stated)
-    with drawing(), beside(lambda: sheet_pages(outcome, subject)) as drawn_sheets:
-        shown = [(picture, png_of(picture.draw())) for picture in pictures_of(outcome)]
-        sheets = drawn_sheets()
-    page = Page(
-        outcome.generated.part.part.source,
-        polygon_rows(outcome),
-        shown,
-        EDGE_IS_A_POINT,
-        "the tool's true path",
-        "shaft",
-        live_of(outcome),
-        sheets,
-    )
-    files = {f"cut_{picture.key}.png": png for picture, png in shown}
-    files |= sheets.files if sheets is not None else {}
-    return files | {"report.html": render_page(outcome, page).encode("utf-8")}
+REPORT = KindReport(
+    what="shaft",
+    angle=ANGLE,
+    heights_mm=lambda cut: _extent(cut).heights_mm,
+    rows=ROWS,
+    views=_VIEWS,
+    subject=_subject,
+)

@@ -1,9 +1,11 @@
-"""What is known about the table of a polygon, as JSON for programs and in lines for people.
+"""What is known about table and cut of a polygon, as JSON for programs and for people.
 
 >>> from camtools.polygon.generate import generate_polygon
 >>> from camtools.polygon.part import example_polygon
 >>> emit_polygon_text(make_polygon_summary(generate_polygon(example_polygon()))).splitlines()[0]
 'p3g-25: table of 4928 bytes'
+>>> name_of(example_polygon().polygon)
+'P3G 25, e 0.8 mm (DIN 32711)'
 """
 
 from __future__ import annotations
@@ -11,14 +13,27 @@ from __future__ import annotations
 import numpy as np
 
 from camtools.base.json_text import Json
-from camtools.base.quantities import NM_PER_MM, omega_rad_s
-from camtools.cut.feasibility import given_of, needed_of
+from camtools.base.quantities import NM_PER_MM, length_text
+from camtools.cut.feasibility import feasibility_of
 from camtools.polygon.blend import widest_rad
 from camtools.polygon.generate import GeneratedPolygon
 from camtools.polygon.outline import Outline, OutlineJoint, all_around, is_smooth, measures_of
+from camtools.polygon.part import PolygonSection
+from camtools.report.learning_text import learned
+from camtools.report.text import (
+    COMPUTING_TIME,
+    FOLLOWING_ERROR,
+    MACHINE_TIME,
+    error_pair,
+    quantity,
+    table_quantity,
+    turns_text,
+)
+from camtools.sim.results import Cut
 from camtools.skirt.geometry.poly_surface import PolySurface
 from camtools.skirt.report.summary import error_of, jumps_of, motion_at, passes_of, tool_of
 from camtools.skirt.report.summary_text import emit_text
+from camtools.skirt.report.text import pass_rows, table_error_nm, tool_rows
 from camtools.table.channel import KIND_U, KIND_X
 from camtools.table.summary import about_image, describe_channel
 
@@ -47,17 +62,6 @@ def _motion(made: GeneratedPolygon) -> Json:
     process, geometry = made.part.process, made.geometry
     phi, ends = angles_of(made), np.array([geometry.z_first_mm, geometry.z_last_mm])
     return motion_at(geometry, (phi, ends), process.spindle_rpm, process.feed_mm)
-
-
-def _feasibility(made: GeneratedPolygon) -> Json:
-    limits, rpm = made.part.machine.limits, made.part.process.spindle_rpm
-    given, needed = given_of(limits), needed_of(made.peaks, limits, omega_rad_s(rpm))
-    return {
-        "limits": given,
-        "needed": {name: needed[name] for name in given},
-        "highest_spindle_rpm": made.highest_speed.rpm,
-        "decided_by": made.highest_speed.decides,
-    }
 
 
 def joints_of(outline: Outline) -> list[OutlineJoint]:
@@ -106,7 +110,9 @@ def make_polygon_summary(made: GeneratedPolygon) -> Json:
         "error": {"u": error_of(made.accuracy_u, "rad"), "x": error_of(made.accuracy_x, "mm")},
         "continuity": {"u": jumps_of(u), "x": jumps_of(x)},
         "motion": _motion(made),
-        "feasibility": _feasibility(made),
+        "feasibility": feasibility_of(
+            made.peaks, made.part.machine.limits, process.spindle_rpm, made.highest_speed
+        ),
         "design": surface_of(made.design, made),
     }
     if made.geometry.surface is not made.design:
@@ -142,3 +148,57 @@ def emit_polygon_text(summary: Json) -> str:
     about = summary["polygon"]
     own = f"  {section_text(about)}\n  blends: {blend_text(about)}\n"
     return emit_text(summary) + own
+
+
+def name_of(section: PolygonSection) -> str:
+    """Return what a section is called on drawings."""
+    if section.form == "p3g":
+        return f"P3G {section.mean_diameter_mm:g}, e {section.eccentricity_mm:g} mm (DIN 32711)"
+    if section.form == "p4c":
+        return (
+            f"P4C {section.outer_diameter_mm:g}/{section.inner_diameter_mm:g}, "
+            f"e {section.eccentricity_mm:g} mm (DIN 32712)"
+        )
+    if section.form == "regular":
+        return f"polygon of {section.sides} sides, {section.across_flats_mm:g} mm across flats"
+    return f"polygon of {len(section.corners_mm or [])} corners"
+
+
+PolygonCut = Cut[GeneratedPolygon]
+
+
+def _section(cut: PolygonCut) -> str:
+    about = _about(cut.generated)
+    return f"{name_of(cut.generated.part.polygon)}: {section_text(about)}"
+
+
+def _what_was_cut(cut: PolygonCut) -> str:
+    section = cut.generated.part.polygon
+    taper = f", taper {section.taper:g}" if section.taper else ""
+    return f"{section.length_mm:g} mm{taper} {turns_text(cut)}"
+
+
+def _form_text(cut: PolygonCut) -> str:
+    form = cut.summary["form_error_um"]
+    return f"{error_pair(form)} (tolerance {length_text(form['tolerance'])})"
+
+
+def _control_text(cut: PolygonCut) -> str:
+    control = cut.summary.get("control_error_um")
+    return "" if control is None else error_pair(control)
+
+
+ROWS = (
+    quantity("section", _section),
+    quantity("cut", _what_was_cut),
+    quantity("form error", _form_text),
+    quantity("controller's own error", _control_text),
+    pass_rows,
+    quantity("blends", lambda cut: blend_text(_about(cut.generated))),
+    FOLLOWING_ERROR,
+    learned,
+    tool_rows,
+    table_quantity(table_error_nm),
+    MACHINE_TIME,
+    COMPUTING_TIME,
+)

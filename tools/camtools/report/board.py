@@ -16,7 +16,7 @@ import numpy as np
 from camtools.base.json_text import Json
 from camtools.base.quantities import Floats, length_text, length_unit
 from camtools.plots.style import GREEN, ORANGE, PURPLE, SKY, nice_floor, nice_limit
-from camtools.report.map_cells import Cells, cells_of, map_rows
+from camtools.report.surface import Cells, cells_of, map_rows
 from camtools.sim.results import GaugedSurface
 
 _NOT_CUT, _FULL = -32768, 32767  # of the quantised error

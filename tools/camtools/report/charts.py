@@ -40,6 +40,19 @@ class TurnOfU(NamedTuple):
     angle: str = "spindle angle from the long axis"
 
 
+def slope_of(values: Floats, t_s: Floats, n_ticks: int) -> Floats:
+    """Return the slope of values over so many ticks to both sides; NaN at the ends.
+
+    >>> slope_of(2 * np.arange(5.0), np.arange(5.0), 1).tolist()
+    [nan, 2.0, 2.0, 2.0, nan]
+    """
+    slope = np.full(values.size, np.nan)
+    if values.size > 2 * n_ticks:
+        rise, run = (one[2 * n_ticks :] - one[: -2 * n_ticks] for one in (values, t_s))
+        slope[n_ticks:-n_ticks] = rise / run
+    return slope
+
+
 def _angle_axis(text: str, **more: Any) -> Json:  # noqa: ANN401
     axis = {"range": [0, 360], "dtick": 45, "gridcolor": GRID, "zeroline": False}
     return axis | {"title": {"text": f"{text}, degrees"}} | more

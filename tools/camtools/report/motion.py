@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from camtools.base.quantities import Floats, length_unit
-from camtools.plots.panels import stacked
+from camtools.plots.panels import paint_band, stacked
 from camtools.plots.style import (
     BLUE,
     GREEN,
@@ -35,7 +35,6 @@ STATE_COLOURS = (
 )
 _MARKS: dict[str, Any] = {"color": RED, "ls": "", "marker": "o", "ms": 3.2, "mfc": "none"}
 _N_BINS = 360
-FROM_LONG_AXIS = "spindle angle from the long axis"
 _AXES = ("Z, mm", "X (radius),\nmm", "U towards\nthe axis, µm")
 _N_POINTS = 600  # across a picture: more cannot be seen
 _UM_PER_MM, _MM_PER_M, _NM_PER_MM = 1000.0, 1000.0, 1e6
@@ -70,21 +69,16 @@ def following_by_angle(trace: CutTrace) -> Floats:
     return np.stack([degrees[some], least[some], most[some], mean[some]])
 
 
-def draw_following(trace: CutTrace, angle: str = FROM_LONG_AXIS) -> Figure:
+def draw_following(trace: CutTrace, angle: str) -> Figure:
     """Return the following error of U against the spindle angle, over all turns of cutting."""
     figure = new_figure(10, 3.6)
     axes = figure.add_subplot()
     degrees, least, most, mean = following_by_angle(trace)
     factor, unit = length_unit(float(np.abs([least, most]).max(initial=0.0)))
-    axes.fill_between(degrees, least * factor, most * factor, color=ORANGE, alpha=0.35, lw=0)
-    axes.plot(degrees, most * factor, color=ORANGE, lw=1, label="largest and smallest of all turns")
-    axes.plot(degrees, least * factor, color=ORANGE, lw=1)
-    axes.plot(degrees, mean * factor, color=BLUE, lw=1.6, ls="--", label="mean of all turns")
-    axes.axhline(0, color=GREY, lw=0.8)
+    curves = least * factor, most * factor, mean * factor
+    paint_band(axes, degrees, curves, ("largest and smallest of all turns", "mean of all turns"))
     axes.set_ylabel(f"following error of U, {unit}")
-    axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(0, 1.16), ncols=2)
-    angle_axis(axes)
-    axes.set_xlabel(f"{angle}, degrees")
+    angle_axis(axes, angle)
     return figure
 
 
@@ -98,8 +92,7 @@ def draw_motion(motion: TurnOfU) -> Figure:
             axes.plot(motion.measured_degrees, curve.measured, label="measured on U", **_MARKS)
     panels[0].set_title(motion.title)
     panels[0].legend(frameon=False, loc="upper right", bbox_to_anchor=(1, 1.25), ncols=2)
-    angle_axis(panels[-1])
-    panels[-1].set_xlabel(f"{motion.angle}, degrees")
+    angle_axis(panels[-1], motion.angle)
     return figure
 
 

@@ -1,37 +1,72 @@
-"""The page of a report: one self-contained HTML file.
+r"""The page of a report: one self-contained HTML file with its pictures, numbers and scripts.
 
->>> data_uri(b"abc")
-'data:image/png;base64,YWJj'
+The page's policy names each script by its hash, so that nothing else is ever executed.
+
+>>> json_script({"name": "</script>"})
+Markup('{"name":"\\u003c/script\\u003e"}')
 """
 
 from __future__ import annotations
 
+import json
 from base64 import b64encode
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import cache
+from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
-from matplotlib.figure import Figure
 
-from camtools.report.board import Board
-from camtools.report.page_scripts import Live, css_text, scripts_of, twin_of
-from camtools.report.picture_text import sentences_of
+from camtools.base.json_text import Json
+from camtools.report.board import Board, board_data
+from camtools.report.charts import board_charts
 from camtools.report.sheet_page import SheetPages
 from camtools.report.text import ReportRow, fault_story, margins_of, origin_rows, verdict_of
 from camtools.sim.results import AnyCut
 
-_TEMPLATE = "page.html.j2"
+_HERE = Path(__file__).resolve().parent
+_MAP_TEXT = (
+    "The surface unrolled: red is metal left standing, blue is cut too deep, each cell shows its "
+    "worst point, grey areas were not cut."
+)
 
 
-class Picture(NamedTuple):
-    """A picture with its title and what to look for."""
+class Shown(NamedTuple):
+    """A picture of a page."""
 
-    key: str  # names the file: cut_KEY.png
+    key: str
+    title: str
+    text: str  # what to look for
+    png: bytes
+    sentence: str  # what it shows
+    twin: str = ""  # chart of the board that shows the same
+    chart: Json | None = None  # of plotly.js, which replaces it on a screen
+
+
+class Page(NamedTuple):
+    """What a page has that depends on the kind of the part."""
+
+    source: str
+    rows: Sequence[ReportRow]
+    shown: Sequence[Shown]  # in order
+    modelled: str  # what the simulator leaves out of the tool, a sentence
+    compared: str  # what the gauge compares
+    what: str  # what was cut
+    angle: str  # from where the angle of the surface counts
+    board: Board | None = None  # linked charts of the surface
+    sheets: SheetPages | None = None  # what a roundness instrument would print
+
+
+class _Chart(NamedTuple):
+    """A chart of the board as the template shows it."""
+
+    id: str
     title: str
     text: str
-    draw: Callable[[], Figure]
+    sentence: str
+    is_wide: bool = False
 
 
 def data_uri(png: bytes) -> str:
@@ -51,76 +86,7 @@ def trace_text(outcome: AnyCut) -> str:
     )
 
 
-class Caption(NamedTuple):
-    """Title of a picture and what to look for."""
-
-    key: str  # names the file: cut_KEY.png
-    title: str
-    text: str
-
-
-# What the simulator leaves out of a tool that turns sections.
-EDGE_IS_A_POINT = (
-    "Within a section the cutting edge is a point; feed marks are not modelled, and the tool bends "
-    "only if the machine file gives its stiffness."
-)
-
-
-_MAP_TEXT = (
-    "The surface unrolled: red is metal left standing, blue is cut too deep, each cell shows its "
-    "worst point, grey areas were not cut."
-)
-
-
-class Page(NamedTuple):
-    """What a report says of a part of one kind."""
-
-    source: str
-    rows: list[ReportRow]
-    shown: Sequence[tuple[Picture | Caption, bytes]]  # pictures and their PNGs, in order
-    modelled: str  # what the simulator leaves out of the tool, a sentence
-    compared: str  # what the gauge compares
-    what: str  # what was cut
-    live: Live | None = None  # what is alive of it
-    sheets: SheetPages | None = None  # what a roundness instrument would print
-
-
-class _Shown(NamedTuple):
-    """A picture as the template shows it."""
-
-    key: str
-    title: str
-    text: str
-    image: str
-    sentence: str
-    twin: str  # the chart of the board that shows the same, or nothing
-    is_alive: bool
-
-
-class _Chart(NamedTuple):
-    """A chart of the board as the template shows it."""
-
-    id: str
-    title: str
-    text: str
-    sentence: str
-    is_wide: bool = False
-
-
-def _shown(page: Page, sentences: dict[str, str]) -> list[_Shown]:
-    charts = page.live.charts if page.live else {}
-    return [
-        _Shown(
-            *(one.key, one.title, one.text, data_uri(png)),
-            sentences.get(one.key, one.title),
-            twin_of(one.key, page.live),
-            one.key in charts,
-        )
-        for one, png in page.shown
-    ]
-
-
-def _board_charts(board: Board, shown: list[_Shown]) -> list[_Chart]:
+def _board_charts(board: Board, shown: Sequence[Shown]) -> list[_Chart]:
     """Return the charts of a board with the words of the pictures whose place they take."""
     texts = {one.twin: one.text for one in shown if one.twin}
     scale = (
@@ -145,9 +111,46 @@ def _board_charts(board: Board, shown: list[_Shown]) -> list[_Chart]:
     ]
 
 
+def json_script(value: Json) -> Markup:
+    """Return a value as JSON that nothing in it can end or turn into markup."""
+    text = json.dumps(value, separators=(",", ":"), allow_nan=False)
+    for sign in "<>&":
+        text = text.replace(sign, f"\\u{ord(sign):04x}")
+    return Markup(text)
+
+
+@cache
+def script_texts() -> tuple[str, str]:
+    """Return plotly.js and our own script."""
+    from plotly.offline import get_plotlyjs
+
+    return get_plotlyjs(), (_HERE / "page.js").read_text(encoding="utf-8")
+
+
+@cache
+def policy(*texts: str) -> str:
+    """Return what the page may do: run these scripts and show its own pictures, no more."""
+    digests = (b64encode(sha256(text.encode()).digest()).decode() for text in texts)
+    scripts = " ".join(f"'sha256-{digest}'" for digest in digests) or "'none'"
+    return (
+        f"default-src 'none'; script-src {scripts}; style-src 'unsafe-inline'; "
+        "img-src data: blob:; base-uri 'none'; form-action 'none'"
+    )
+
+
+def css_text(text: str) -> str:
+    r"""Return a text as the inside of a string of CSS.
+
+    >>> css_text('a"b')
+    'a\\000022b'
+    """
+    return "".join(one if one.isalnum() and one.isascii() else f"\\{ord(one):06x}" for one in text)
+
+
+@cache
 def _environment() -> Environment:
     environment = Environment(
-        loader=FileSystemLoader(Path(__file__).resolve().parents[1] / "report"),
+        loader=FileSystemLoader(_HERE),
         undefined=StrictUndefined,
         autoescape=True,
         trim_blocks=True,
@@ -159,19 +162,17 @@ def _environment() -> Environment:
 
 def render_page(outcome: AnyCut, page: Page) -> str:
     """Return the HTML page of a part of any kind; the clock of the computer is not in it."""
-    sentences = sentences_of(outcome) | (page.live.sentences if page.live else {})
-    shown, live = _shown(page, sentences), page.live
-    board = live.board if live else None
-    verdict = verdict_of(outcome, page.sheets.out if page.sheets else ())
-    date = outcome.origin.date if outcome.origin else ""
-    left = f"{outcome.name}: {verdict.title}"
-    running_title, running_date = Markup(css_text(left)), Markup(css_text(date))
+    board, sheets = page.board, page.sheets
+    shown = [one if board else one._replace(twin="") for one in page.shown]
+    charts = {one.key: one.chart for one in shown if one.chart is not None}
+    verdict = verdict_of(outcome, sheets.out if sheets else ())
+    plotly, ours = script_texts()
     return (
         _environment()
-        .get_template(_TEMPLATE)
+        .get_template("page.html.j2")
         .render(
             name=outcome.name,
-            source=page.source,
+            page=page,
             summary=outcome.summary,
             verdict=verdict,
             rows=[row for row in page.rows if row.name != "computing time"],
@@ -179,15 +180,17 @@ def render_page(outcome: AnyCut, page: Page) -> str:
             margins=margins_of(outcome),
             story=fault_story(outcome) if outcome.has_fault else [],
             shown=shown,
-            sheets=page.sheets,
+            sheets=sheets,
             board=board,
             board_charts=_board_charts(board, shown) if board else [],
-            scripts=scripts_of(live),
-            running_title=running_title,
-            running_date=running_date,
-            modelled=page.modelled,
-            compared=page.compared,
-            what=page.what,
+            policy=Markup(policy(plotly, ours)),
+            style=Markup((_HERE / "page.css").read_text(encoding="utf-8")),
+            plotly=Markup(plotly),
+            ours=Markup(ours),
+            figures=json_script(charts | (board_charts(board, page.angle) if board else {})),
+            data=json_script(board_data(board) if board else {}),
+            running_title=Markup(css_text(f"{outcome.name}: {verdict.title}")),
+            running_date=Markup(css_text(outcome.origin.date if outcome.origin else "")),
             trace=trace_text(outcome),
             is_trace_complete=outcome.is_trace_complete,
         )

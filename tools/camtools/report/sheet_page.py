@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-r"""Sheets as the page shows them, and as files beside it.
+r"""Sheets as the page shows them, as pictures, and as data in sheets.json.
 
 >>> one = Feature("long axis", "diameter", "mm", 92.0, 91.9999, -1e-4, None, "no tolerance given")
 >>> _row(one)[3:6]
@@ -10,23 +10,27 @@ True
 
 from __future__ import annotations
 
+import json
 from typing import NamedTuple
 
+from camtools.base.json_text import Json, emit_json
 from camtools.plots.style import png_of
 from camtools.report.sheet import (
     GOOD,
     NO_TOLERANCE,
     OUT,
     Feature,
+    LineSheet,
     SectionSheet,
     Sheets,
     Subject,
     make_sheets,
     shown_number,
 )
-from camtools.report.sheet_json import sheets_json
 from camtools.report.sheet_plots import draw_lines, draw_section
 from camtools.report.text import ReportRow
+from camtools.roundness.circles import Circle, Roundness
+from camtools.roundness.waves import RoundWave
 from camtools.sim.results import AnyCut
 
 SHEETS = "sheets.json"
@@ -114,6 +118,78 @@ def _views(sheets: Sheets) -> tuple[list[SheetView], dict[str, bytes]]:
         rows += [_row(part) for part in sheets.tapers]
         views.append(SheetView("Profiles along the axis", png, rows, [], ""))
     return views, files
+
+
+def _circle(one: Circle) -> Json:
+    return {"diameter_mm": 2 * one.radius_mm, "x_mm": one.x_mm, "y_mm": one.y_mm}
+
+
+def _roundness(one: Roundness, zone_mm: float) -> Json:
+    return {
+        "RONt_LS_um": one.total_mm * _UM_PER_MM,
+        "RONp_LS_um": one.peak_mm * _UM_PER_MM,
+        "RONv_LS_um": one.valley_mm * _UM_PER_MM,
+        "RONq_LS_um": one.q_mm * _UM_PER_MM,
+        "RONt_MZ_um": zone_mm * _UM_PER_MM,
+    }
+
+
+def _waves(waves: list[RoundWave]) -> list[Json]:
+    return [
+        {"order": one.order, "amplitude_um": one.amplitude * _UM_PER_MM, "phase_deg": one.phase_deg}
+        for one in waves
+    ]
+
+
+def _section(one: SectionSheet, *, is_oval: bool) -> Json:
+    found, more = one.section, {}
+    if is_oval:
+        more = {
+            "section": _roundness(found.whole, found.whole_zone.width_mm),
+            "LS_circle": _circle(found.whole.circle),
+            "MC_circle": _circle(found.circumscribed),
+            "MI_circle": _circle(found.inscribed),
+            "harmonics_of_section": _waves(found.whole_waves),
+        }
+    return more | {
+        "name": one.name,
+        "z_mm": one.z_mm,
+        "features": [line._asdict() for line in one.features],
+        "deviation": _roundness(found.off, found.off_zone.width_mm),
+        "largest_deviation_um": found.largest_mm * _UM_PER_MM,
+        "largest_deviation_deg": found.largest_deg,
+        "harmonics_of_deviation": _waves(found.off_waves),
+    }
+
+
+def _line(one: LineSheet) -> Json:
+    return {
+        "angle_deg": one.angle_deg,
+        "from_mm": float(one.z_mm[0]),
+        "to_mm": float(one.z_mm[-1]),
+        "points": int(one.z_mm.size),
+        "features": [line._asdict() for line in one.features],
+    }
+
+
+def out_of_tolerance(document: bytes | None) -> list[str]:
+    """Return what the sheets found out of tolerance, from sheets.json; nothing without sheets."""
+    return [] if document is None else list(json.loads(document)["out_of_tolerance"])
+
+
+def sheets_json(sheets: Sheets) -> bytes:
+    """Return all sheets as JSON text; lengths of harmonics and RON are along the radius."""
+    document = {
+        "head": {row.name: row.value for row in sheets.head},
+        "cutoff_upr": sheets.upr,
+        "left_out": sheets.subject.left_out,
+        "not_cut": sheets.missing,
+        "out_of_tolerance": sheets.out,
+        "sections": [_section(one, is_oval=sheets.subject.is_oval) for one in sheets.sections],
+        "profiles": [_line(one) for one in sheets.lines],
+        "tapers": [one._asdict() for one in sheets.tapers],
+    }
+    return emit_json(document).encode("ascii")
 
 
 def sheet_pages(outcome: AnyCut, subject: Subject) -> SheetPages | None:

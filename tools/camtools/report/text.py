@@ -9,9 +9,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from camtools.base.errors import InputError
 from camtools.base.json_text import Json
 from camtools.base.project_paths import ROOT
 from camtools.base.quantities import length_text
+from camtools.cut.feasibility import UNITS
 from camtools.part.smoothing_text import share_text
 from camtools.sim.results import FAULT, AnyCut
 
@@ -28,12 +29,13 @@ _MOST_NAMES = 3
 _LOST = {"drive", "u_travel", "u_runaway"}  # faults after which nothing retracts
 _CLEAR_MM = 0.2  # the tool counts as out of the work: twice the usual depth of cut
 _MARGINS = {
-    "spindle_rpm": ("spindle speed", "r/min", 1.0),
-    "u_speed_mm_s": ("U speed", "mm/s", 1.0),
-    "u_acceleration_mm_s2": ("U acceleration", "m/s²", 1e-3),
-    "u_stroke_mm": ("U stroke", "mm", 1.0),
-    "spindle_acceleration_rad_s2": ("spindle acceleration", "rad/s²", 1.0),
+    "spindle_rpm": "spindle speed",
+    "u_speed_mm_s": "U speed",
+    "u_acceleration_mm_s2": "U acceleration",
+    "u_stroke_mm": "U stroke",
+    "spindle_acceleration_rad_s2": "spindle acceleration",
 }
+_SHOWN = {"mm/s2": ("m/s²", 1e-3), "rad/s2": ("rad/s²", 1.0)}  # units for people, and the scale
 
 
 class ReportRow(NamedTuple):
@@ -159,12 +161,53 @@ def form_text(form: Json, taken_um: float = 0.0) -> str:
     return f"{error_pair(form)} against the smoothed drawing ({left} left: {share})"
 
 
+RowsOf = Callable[[Any], Sequence[ReportRow]]
+"""What a report states of a cut: a row, none or several."""
+
+
+def quantity(name: str, text: Callable[[Any], str]) -> RowsOf:
+    """Return what states a quantity of a cut in a row; no row for an empty text."""
+
+    def rows(cut: AnyCut) -> list[ReportRow]:
+        value = text(cut)
+        return [ReportRow(name, value)] if value else []
+
+    return rows
+
+
+FOLLOWING_ERROR = quantity(
+    "following error of U", lambda cut: error_pair(cut.summary["following_error_um"])
+)
+MACHINE_TIME = quantity("machine time", lambda cut: f"{cut.summary['machine_time_s']:.1f} s")
+COMPUTING_TIME = quantity(
+    "computing time", lambda cut: f"{cut.summary['wall_time_s']:.2f} s for the cut with its trace"
+)
+
+
+def table_quantity(error_nm: Callable[[Any], float]) -> RowsOf:
+    """Return what states the size of a table and its largest error [nm]."""
+    return quantity(
+        "table",
+        lambda cut: f"{cut.summary['table_bytes']} bytes, accurate to {error_nm(cut):.2g} nm",
+    )
+
+
+def turns_text(cut: AnyCut) -> str:
+    """Return speed, feed and turns of a cut in words."""
+    made, mean = cut.summary["cut"], "mean " if cut.is_modulated else ""
+    return (
+        f"at {mean}{made['spindle_rpm']:g} r/min, feed {made['feed_mm']:g} mm, "
+        f"{made['turns']:.0f} of {made['planned_turns']:.0f} turns"
+    )
+
+
 def margins_of(outcome: AnyCut) -> list[Margin]:
     """Return needed and limit of spindle and U; of its acceleration when the speed changes."""
     found = []
-    for key, (name, unit, scale) in _MARGINS.items():
+    for key, name in _MARGINS.items():
         if key == "spindle_acceleration_rad_s2" and not outcome.is_modulated:
             continue
+        unit, scale = _SHOWN.get(UNITS[key], (UNITS[key], 1.0))
         one = outcome.summary["feasibility"][key]
         needed, limit = one["needed"] * scale, one["limit"] * scale
         percent = 100 * needed / limit

@@ -6,6 +6,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from camtools.base.json_text import Json
@@ -14,21 +16,21 @@ from camtools.cut.correction import Correction, Drawing
 from camtools.cut.path import ToolPath
 from camtools.pipeline.exact import Exact
 from camtools.pipeline.kind import Kind, Rig
-from camtools.report.text import ReportRow
 from camtools.sim.camsim import SURFACE, machine_text
 from camtools.sim.results import Measured, read_control
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.geometry.smooth_points import smoothing_takes_um
 from camtools.skirt.part.control_heights import margin_mm, spread
 from camtools.skirt.part.part_file import SkirtPart
-from camtools.skirt.report.equal_volume import compare_removal
-from camtools.skirt.report.outcome import SkirtOutcome
+from camtools.skirt.report.outcome import SkirtOutcome, compare_removal
 from camtools.skirt.report.summary import make_summary
 from camtools.skirt.report.summary_text import emit_text
-from camtools.skirt.report.text import rows_of
 from camtools.skirt.table.gauge_design import drawing_of
 from camtools.skirt.table.generate import GeneratedSkirt, generate
 from camtools.skirt.tool.exact_shape import exact_skirt
+
+if TYPE_CHECKING:
+    from camtools.report.kind_report import KindReport
 
 
 class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
@@ -127,15 +129,11 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
         error = {"u": made.accuracy_u.value_nm, "x": made.accuracy_x.value_nm}
         return {"table_error_nm": error | {"tolerance": made.tolerance_nm}}
 
-    def rows(self, outcome: SkirtOutcome) -> list[ReportRow]:
-        """See `Kind.rows`."""
-        return rows_of(outcome)
-
-    def report(self, outcome: SkirtOutcome) -> dict[str, bytes]:
+    def report(self) -> KindReport[SkirtOutcome]:
         """See `Kind.report`."""
-        from camtools.skirt.report.page import make_report  # matplotlib, see above
+        from camtools.skirt.report.report import REPORT  # matplotlib, see above
 
-        return make_report(outcome)
+        return REPORT
 
 
 KIND = SkirtKind()

@@ -1,17 +1,24 @@
-"""All that is known about the cut of a skirt.
+"""All that is known about the cut of a skirt, and uniform turning where volumes are equal.
 
->>> Even._fields[:2]
-('summary', 'uniform_summary')
+>>> limited_turns(620.0), limited_turns(62_000.0)
+([], ['--turns-limit', '2000'])
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from camtools.base.json_text import Json
-from camtools.sim.results import Cut, GaugedSurface, Removal
-from camtools.skirt.table.generate import GeneratedSkirt
+from camtools.pipeline.kind import Rig
+from camtools.sim.results import Cut, GaugedSurface, Removal, read_removal
+from camtools.skirt.report.summary import make_summary
+from camtools.skirt.table.generate import GeneratedSkirt, generate
+from camtools.table.summary import table_files
+
+REMOVAL, REMOVAL_UNIFORM = "removal.csv", "removal_uniform.csv"
+_TWIN = "uniform"
+_MAX_TURNS = 2000  # 120 rows each
 
 
 class Even(NamedTuple):
@@ -37,3 +44,40 @@ class SkirtOutcome(Cut[GeneratedSkirt]):
 
     even: Even | None = None
     control: GaugedSurface | None = None
+
+
+def limited_turns(turns: float) -> list[str]:
+    """Return camsim's words that keep the table of slices small."""
+    return [] if turns <= _MAX_TURNS else ["--turns-limit", str(_MAX_TURNS)]
+
+
+def uniform_twin(generated: GeneratedSkirt) -> GeneratedSkirt:
+    """Return the table of the same part at a constant spindle speed."""
+    part = generated.part
+    process = part.process.model_copy(update={"mode": "uniform"})
+    return generate(part.model_copy(update={"process": process}))
+
+
+def compare_removal(rig: Rig, generated: GeneratedSkirt) -> Even | None:
+    """Return removal rate and forces beside those of uniform turning; none of uniform parts.
+
+    Leaves removal.csv and removal_uniform.csv in the simulator's folder.
+    """
+    if generated.speed is None:
+        return None
+    simulator = rig.simulator
+    folder = simulator.folder / _TWIN
+    folder.mkdir()
+    twin_table = uniform_twin(generated)
+    for name, data in table_files(twin_table.table, make_summary(twin_table)).items():
+        (folder / name).write_bytes(data)
+    words = [*rig.words, *limited_turns(rig.turns)]
+    even = simulator.run([*words, "--removal", REMOVAL], is_quiet=True)
+    twin = replace(simulator, table=f"{_TWIN}/{simulator.table}")
+    uniform = twin.run([*words, "--removal", REMOVAL_UNIFORM], is_quiet=True)
+    return Even(
+        even.summary,
+        uniform.summary,
+        read_removal(simulator.folder / REMOVAL),
+        read_removal(simulator.folder / REMOVAL_UNIFORM),
+    )

@@ -1,12 +1,14 @@
-"""Pictures of a part: sections, motion of U, profile and ovality, as PNG bytes.
+"""Pictures of a part: sections, motion of U, profile and ovality.
 
 >>> from camtools.skirt.table.generate import generate
 >>> from camtools.skirt.part.part_file import example_part
->>> draw_profile(generate(example_part()))[1:4]
-b'PNG'
+>>> sorted(draw_all(generate(example_part())))
+['motion', 'profile', 'section']
 """
 
 from __future__ import annotations
+
+from functools import partial
 
 import numpy as np
 from matplotlib import colormaps
@@ -15,8 +17,8 @@ from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 
 from camtools.base.quantities import Floats
-from camtools.plots.panels import legend_below, stacked
-from camtools.plots.style import angle_axis, png_of, titled_figure
+from camtools.plots.panels import legend_below, pictures, stacked
+from camtools.plots.style import angle_axis, titled_figure
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
 from camtools.skirt.geometry.smooth_points import smoothed_curves, smoothing_facts
 from camtools.skirt.table.generate import GeneratedSkirt
@@ -43,7 +45,7 @@ def _colour(i: int) -> tuple[float, float, float, float]:
     return float(red), float(green), float(blue), float(alpha)
 
 
-def draw_section(result: GeneratedSkirt) -> bytes:
+def draw_section(result: GeneratedSkirt) -> Figure:
     """Return a polar picture of sections: radius reduction, hugely magnified."""
     geometry = result.geometry
     of = "" if geometry.drawn is None else f" of the {geometry.played_name}"
@@ -59,7 +61,7 @@ def draw_section(result: GeneratedSkirt) -> bytes:
         axes.plot(phi, -u_um, color=_colour(i), label=label, clip_on=False)
     _polar_scale(axes, max(deepest_um, 1.0))
     figure.legend(loc="outside lower center", ncols=2, frameon=False)
-    return png_of(figure)
+    return figure
 
 
 def _polar_scale(axes: PolarAxes, deepest_um: float) -> None:
@@ -83,7 +85,7 @@ def _motion_curves(panels: list[Axes], result: GeneratedSkirt, z_mm: float, i: i
         axes.plot(360 * turns, values, color=_colour(i), label=f"height {z_mm:.1f} mm")
 
 
-def draw_motion(result: GeneratedSkirt) -> bytes:
+def draw_motion(result: GeneratedSkirt) -> Figure:
     """Return U, its velocity and acceleration over one turn at the part's speed."""
     speed_rpm = result.part.process.spindle_rpm
     figure = titled_figure(8.5, 8.5, _title(result, f"motion of U at {speed_rpm:g} r/min"))
@@ -92,7 +94,7 @@ def draw_motion(result: GeneratedSkirt) -> bytes:
         _motion_curves(panels, result, float(z_mm), i)
     angle_axis(panels[-1])
     legend_below(figure, panels[0], _N_SECTIONS)
-    return png_of(figure)
+    return figure
 
 
 def _against_height(
@@ -122,7 +124,7 @@ def _ovality_points(result: GeneratedSkirt) -> tuple[Floats, Floats]:
     return z_mm, result.geometry.ovality_mm(z_mm)
 
 
-def draw_profile(result: GeneratedSkirt) -> bytes:
+def draw_profile(result: GeneratedSkirt) -> Figure:
     """Return long-axis diameter and ovality over height, with the points of the drawing."""
     geometry = result.geometry
     figure = titled_figure(8.5, 6.0, _title(result, "profile and ovality"))
@@ -140,7 +142,7 @@ def draw_profile(result: GeneratedSkirt) -> bytes:
     left.set_ylabel("skirt height, mm")
     left.set_xlabel("long-axis diameter, mm")
     right.set_xlabel("ovality (long minus short axis), mm")
-    return png_of(figure)
+    return figure
 
 
 def draw_smoothing(result: GeneratedSkirt) -> Figure:
@@ -160,9 +162,6 @@ def draw_smoothing(result: GeneratedSkirt) -> Figure:
 
 def draw_all(result: GeneratedSkirt) -> dict[str, bytes]:
     """Return all pictures by topic."""
-    is_smoothed = bool(smoothed_curves(result.part.piston))
-    return ({"smoothing": png_of(draw_smoothing(result))} if is_smoothed else {}) | {
-        "section": draw_section(result),
-        "motion": draw_motion(result),
-        "profile": draw_profile(result),
-    }
+    drawers = {"smoothing": draw_smoothing} if smoothed_curves(result.part.piston) else {}
+    drawers |= {"section": draw_section, "motion": draw_motion, "profile": draw_profile}
+    return pictures({topic: partial(draw, result) for topic, draw in drawers.items()})

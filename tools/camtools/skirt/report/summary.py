@@ -8,20 +8,24 @@
 
 from __future__ import annotations
 
+from math import isinf
+
 import numpy as np
 
 from camtools.base.json_text import Json
 from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
-from camtools.cut.feasibility import given_of, needed_of
+from camtools.cut.feasibility import feasibility_of
 from camtools.part.tool import Tool
 from camtools.skirt.geometry.corner import Corner
 from camtools.skirt.geometry.measured import coverage
-from camtools.skirt.geometry.profile import notable_overshoots
+from camtools.skirt.geometry.profile import notable_overshoots, ovality_pieces, profile_pieces
 from camtools.skirt.geometry.run_in import HeldSurface
 from camtools.skirt.geometry.sides import SidesSurface, as_drawn
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
 from camtools.skirt.geometry.smooth_points import noise_facts, smoothing_facts, smoothing_takes_um
-from camtools.skirt.report.segment_text import segment_facts
+from camtools.skirt.part.part_file import Piston
+from camtools.skirt.part.profile_keys import Ovality, Profile
+from camtools.skirt.part.segments import Piece
 from camtools.skirt.table.accuracy import Accuracy
 from camtools.skirt.table.gauge_design import design_of, target_of
 from camtools.skirt.table.generate import NM_PER_UM, GeneratedSkirt, peaks_of_table
@@ -112,18 +116,6 @@ def _process(result: GeneratedSkirt) -> Json:
     }
 
 
-def _feasibility(result: GeneratedSkirt) -> Json:
-    limits = result.part.machine.limits
-    peaks, given = peaks_of_table(result.table, result.speed), given_of(limits)
-    needed = needed_of(peaks, limits, omega_rad_s(result.part.process.spindle_rpm))
-    return {
-        "limits": given,
-        "needed": {name: needed[name] for name in given},
-        "highest_spindle_rpm": result.highest_speed.rpm,
-        "decided_by": result.highest_speed.decides,
-    }
-
-
 def tool_of(tool: Tool, heel: Heel) -> Json:
     """Return the tool for which a table is made, and how near its heel comes to the work."""
     return tool.model_dump() | {
@@ -160,6 +152,29 @@ def where_sides_meet(geometry: Geometry) -> Json | None:
     z_mm = dense_heights_mm(geometry, _PEAK_HEIGHTS_PER_PIECE)
     inside = (z_mm >= geometry.skirt_mm[0]) & (z_mm <= geometry.skirt_mm[1])
     return {"meet": sides.meet, "step_um": sides.step_mm(z_mm[inside]) * 1000}
+
+
+def _piece(piece: Piece, scale: int) -> Json:
+    return {
+        "to_mm": piece.to_mm,
+        "value_mm": scale * piece.value_mm,
+        "radius_mm": None if isinf(piece.radius_mm) else piece.radius_mm,
+        "kink_deg": piece.kink_deg,
+    }
+
+
+def segment_facts(piston: Piston) -> Json:
+    """Return lines and arcs of profile and ovality, nothing of other curves.
+
+    Values are diameters and ovalities at the ends; a line has no radius; kink_deg is the turn
+    against the segment before.
+    """
+    found: Json = {}
+    if isinstance(piston.profile, Profile) and piston.profile.segment:
+        found["profile"] = [_piece(one, 2) for one in profile_pieces(piston.profile)]
+    if isinstance(piston.ovality, Ovality) and piston.ovality.segment:
+        found["ovality"] = [_piece(one, 1) for one in ovality_pieces(piston.ovality)]
+    return found
 
 
 def _extras(result: GeneratedSkirt) -> Json:
@@ -209,7 +224,10 @@ def make_summary(result: GeneratedSkirt) -> Json:
             },
             "continuity": {"u": jumps_of(u), "x": jumps_of(x)},
             "motion": motion_peaks(result.geometry, process.spindle_rpm, process.feed_mm),
-            "feasibility": _feasibility(result),
+            "feasibility": feasibility_of(
+                peaks_of_table(table, result.speed),
+                *(result.part.machine.limits, process.spindle_rpm, result.highest_speed),
+            ),
             "design": design_of(result) | {"gauge_mm": list(result.geometry.skirt_mm)},
         }
         | target_of(result)

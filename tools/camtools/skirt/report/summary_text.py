@@ -14,8 +14,6 @@ from camtools.cut.feasibility import tenth_below
 from camtools.measured.text import round_text
 from camtools.part.smoothing_text import share_text
 from camtools.skirt.geometry.smooth_points import smoothing_texts
-from camtools.skirt.report.segment_text import segments_text
-from camtools.skirt.report.tool_text import clearance_text
 from camtools.skirt.tool.heel import Heel
 
 
@@ -40,7 +38,7 @@ def emit_text(summary: Json) -> str:
         f"limited by {feasible['decided_by']}\n"
         + _room_text(summary)
         + tool_text(summary["tool"])
-        + segments_text(summary.get("segments", {}))
+        + _segments_text(summary.get("segments", {}))
         + _smoothing_text(summary)
         + _profile_text(summary)
         + "".join(f"  {text} (overshoot_um)\n" for text in summary.get("overshoots", []))
@@ -49,6 +47,30 @@ def emit_text(summary: Json) -> str:
         + _refit_text(summary)
         + _speed_text(summary)
         + (round_text(summary["correction"]) if "correction" in summary else "")
+    )
+
+
+def clearance_text(clearance_deg: float, heel: Heel) -> str:
+    """Return the clearance angle of a tool, and what the part requires where.
+
+    >>> clearance_text(7.0, Heel(0.188, 45.0, 62.0))
+    'clearance angle 7 degrees, required 0.19 (at 45 degrees, height 62 mm)'
+    """
+    place = f"{heel.angle_deg:g} degrees, height {heel.z_mm:g} mm"
+    return f"clearance angle {clearance_deg:g} degrees, required {heel.needed_deg:.2f} (at {place})"
+
+
+def _words(segment: Json) -> str:
+    radius = segment["radius_mm"]
+    kind = "line" if radius is None else f"arc of {radius:.6g} mm"
+    return f"{kind} to {segment['to_mm']:g} mm, {segment['value_mm']:.6g} mm"
+
+
+def _segments_text(found: Json) -> str:
+    """Return the segments as lines for the terminal, nothing without any."""
+    return "".join(
+        f"  {name}: {'; '.join(_words(one) for one in segments)}\n"
+        for name, segments in found.items()
     )
 
 

@@ -2,10 +2,24 @@
 
 from __future__ import annotations
 
+from math import sqrt
+
 from camtools.base.json_text import Json
 from camtools.base.quantities import length_text
-from camtools.report.learning_text import learning_rows
-from camtools.report.text import ReportRow, error_pair, form_text
+from camtools.part.tool import Tool
+from camtools.report.learning_text import learned
+from camtools.report.text import (
+    COMPUTING_TIME,
+    FOLLOWING_ERROR,
+    MACHINE_TIME,
+    ReportRow,
+    error_pair,
+    form_text,
+    quantity,
+    table_quantity,
+    turns_text,
+)
+from camtools.sim.results import AnyCut
 from camtools.skirt.geometry.profile import notable_overshoots
 from camtools.skirt.geometry.smooth_points import (
     noise_facts,
@@ -13,28 +27,79 @@ from camtools.skirt.geometry.smooth_points import (
     smoothing_takes_um,
     smoothing_texts,
 )
-from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.report.outcome import SkirtOutcome
-from camtools.skirt.report.tool_text import tool_row, track_row
+from camtools.skirt.report.summary_text import clearance_text
+from camtools.skirt.tool.heel import Heel
+
+_BETWEEN = "ridges between tracks"
+
+
+def _nose_text(nose_mm: float) -> str:
+    return f"nose radius {nose_mm:g} mm" if nose_mm else "pointed, without nose radius"
+
+
+def tool_row(summary: Json, tool: Tool, heel: Heel) -> ReportRow:
+    """Return the row of the tool.
+
+    Parameters
+    ----------
+    summary : dict
+        Of the cut: which tool the simulator had. Where it does not say, that of the table.
+    """
+    used = summary.get("tool", {})
+    nose_mm = used.get("nose_mm", tool.nose_radius_mm)
+    words = _nose_text(nose_mm)
+    if nose_mm != tool.nose_radius_mm:
+        words += f", but the table is made for: {_nose_text(tool.nose_radius_mm)}"
+    if used.get("wear_um", 0):
+        words += f", worn by {used['wear_um']:g} um"
+    return ReportRow(
+        "tool",
+        f"{words}; {clearance_text(tool.clearance_deg, heel)}",
+    )
+
+
+def track_row(summary: Json, tool: Tool, peak: float = 1.0) -> ReportRow:
+    """Return the row of what stays between the tracks of the tool.
+
+    The form error is that of the tool's path: ridges do not count in it.
+
+    Parameters
+    ----------
+    summary : dict
+        Of the cut: its feed, and which tool the simulator had.
+    peak : float
+        The largest feed over the height as a multiple of the mean.
+
+    >>> track_row({"cut": {"feed_mm": 0.1}}, Tool(nose_radius_mm=0.8)).value
+    '1.56 µm in theory (nose radius 0.8 mm, feed 0.1 mm); not part of the form error'
+    """
+    nose_mm = summary.get("tool", {}).get("nose_mm", tool.nose_radius_mm)
+    feed_mm = summary["cut"]["feed_mm"] * peak
+    if not nose_mm:
+        text = "not judged: the tool has no nose radius; give tool.nose_radius_mm"
+        return ReportRow(_BETWEEN, text)
+    why = f"(nose radius {nose_mm:g} mm, feed {feed_mm:.4g} mm)"
+    if feed_mm >= 2 * nose_mm:
+        return ReportRow(
+            _BETWEEN, f"the tracks do not meet, so metal remains {why}; reduce the feed"
+        )
+    ridge_um = 1000 * (nose_mm - sqrt(nose_mm**2 - feed_mm**2 / 4))
+    text = f"{length_text(ridge_um)} in theory {why}; not part of the form error"
+    return ReportRow(_BETWEEN, text)
 
 
 def what_was_cut(outcome: SkirtOutcome) -> str:
     """Return part, speed, feed and turns in one phrase."""
-    cut, geometry = outcome.summary["cut"], outcome.generated.geometry
+    geometry, magnify = outcome.generated.geometry, outcome.generated.part.magnify
     span_mm = geometry.z_last_mm - geometry.z_first_mm
-    magnify = outcome.generated.part.magnify
     enlarged = f", {magnify.words}" if magnify else ""
-    mean = "mean " if outcome.generated.speed is not None else ""
-    return (
-        f"skirt of {span_mm:g} mm at {mean}{cut['spindle_rpm']:g} r/min, "
-        f"feed {cut['feed_mm']:g} mm, "
-        f"{cut['turns']:.0f} of {cut['planned_turns']:.0f} turns{enlarged}"
-    )
+    return f"skirt of {span_mm:g} mm {turns_text(outcome)}{enlarged}"
 
 
-def pass_rows(summary: Json) -> list[ReportRow]:
+def pass_rows(outcome: AnyCut) -> list[ReportRow]:
     """Return what each of several passes came to, nothing for one."""
-    passes = summary.get("passes", [])
+    passes = outcome.summary.get("passes", [])
     return [
         ReportRow(
             f"pass {one['pass']} of {len(passes)}",
@@ -104,8 +169,9 @@ def _control_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     return [ReportRow("controller's own error", f"{error_pair(control)} against the {played}")]
 
 
-def _smoothing_rows(part: SkirtPart) -> list[ReportRow]:
+def _smoothing_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     """Return what smoothing of points did, or would do; nothing for smooth points."""
+    part = outcome.generated.part
     found, noise = smoothing_facts(part.piston), noise_facts(part.piston)
     texts = smoothing_texts(found, noise, part.process.form_error_um)
     return [ReportRow("smoothing", text) for text in texts]
@@ -139,30 +205,41 @@ def _removal_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     ]
 
 
-def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
-    """Return the summary, machine limits apart."""
-    summary, generated = outcome.summary, outcome.generated
-    form, piston = summary["form_error_um"], generated.part.piston
-    worst_nm = max(generated.accuracy_u.value_nm, generated.accuracy_x.value_nm)
-    wall_s, machine_s = summary["wall_time_s"], summary["machine_time_s"]
-    law = generated.part.process.feed_law
-    feed_peak = max(law.feed_mm) / generated.part.process.feed_mm if law is not None else 1.0
-    return [
-        ReportRow("cut", what_was_cut(outcome)),
-        ReportRow("form error", form_text(form, smoothing_takes_um(generated.part))),
-        *_correction_rows(outcome),
-        *_control_rows(outcome),
-        *pass_rows(summary),
-        ReportRow("following error of U", error_pair(summary["following_error_um"])),
-        *learning_rows(summary),
-        *_corner_rows(outcome),
-        *_filter_rows(outcome),
-        *(ReportRow("overshoot", text) for text in notable_overshoots(piston)),
-        *_smoothing_rows(generated.part),
-        *_removal_rows(outcome),
-        tool_row(summary, generated.part.tool, generated.heel),
-        track_row(summary, generated.part.tool, feed_peak),
-        ReportRow("table", f"{summary['table_bytes']} bytes, accurate to {worst_nm:.2g} nm"),
-        ReportRow("machine time", f"{machine_s:.1f} s"),
-        ReportRow("computing time", f"{wall_s:.2f} s for the cut with its trace"),
-    ]
+def tool_rows(outcome: AnyCut) -> list[ReportRow]:
+    """Return the rows of the tool and of what stays between its tracks."""
+    made, summary = outcome.generated, outcome.summary
+    law = getattr(made.part.process, "feed_law", None)
+    peak = max(law.feed_mm) / made.part.process.feed_mm if law is not None else 1.0
+    tool = made.part.tool
+    return [tool_row(summary, tool, made.heel), track_row(summary, tool, peak)]
+
+
+def table_error_nm(outcome: AnyCut) -> float:
+    """Return the largest error of a table of U and X [nm]."""
+    made = outcome.generated
+    return max(made.accuracy_u.value_nm, made.accuracy_x.value_nm)
+
+
+ROWS = (
+    quantity("cut", what_was_cut),
+    quantity(
+        "form error",
+        lambda cut: form_text(cut.summary["form_error_um"], smoothing_takes_um(cut.generated.part)),
+    ),
+    _correction_rows,
+    _control_rows,
+    pass_rows,
+    FOLLOWING_ERROR,
+    learned,
+    _corner_rows,
+    _filter_rows,
+    lambda cut: [
+        ReportRow("overshoot", text) for text in notable_overshoots(cut.generated.part.piston)
+    ],
+    _smoothing_rows,
+    _removal_rows,
+    tool_rows,
+    table_quantity(table_error_nm),
+    MACHINE_TIME,
+    COMPUTING_TIME,
+)

@@ -15,8 +15,9 @@ from camtools.cut.verdict import check_table
 from camtools.part.common import MachineLimits, PartInfo, check_feed
 from camtools.part.model import HeightMm, TomlTable, rising
 from camtools.pipeline.kind import Kind, Rig
-from camtools.report.page import Page, render_page
-from camtools.report.text import ReportRow, error_pair
+from camtools.report.kind_report import KindReport
+from camtools.report.sheet import Subject
+from camtools.report.text import error_pair, quantity
 from camtools.sim.camsim import machine_text
 from camtools.sim.results import Cut, Measured
 from camtools.table.channel import KIND_U, KIND_X
@@ -174,15 +175,19 @@ class RingKind(Kind[RingPart, MadeRing, RingCut]):
         """See `Kind.facts`."""
         return {"table_error": {"tolerance_nm": made.tolerance_nm}}
 
-    def rows(self, outcome: RingCut) -> list[ReportRow]:
-        """See `Kind.rows`."""
-        return [ReportRow("form error", error_pair(outcome.summary["form_error_um"]))]
-
-    def report(self, outcome: RingCut) -> dict[str, bytes]:
-        """Return the page, without pictures."""
-        source, rows = outcome.generated.part.part.source, self.rows(outcome)
-        page = Page(source, rows, [], "The tool is a point.", "the tool's true path", "ring")
-        return {"report.html": render_page(outcome, page).encode("utf-8")}
+    def report(self) -> KindReport[RingCut]:
+        """Return the report: the form error, and no picture."""
+        return KindReport(
+            what="ring",
+            angle="spindle angle",
+            heights_mm=lambda cut: (
+                cut.generated.part.ring.z_mm[0],
+                cut.generated.part.ring.z_mm[1],
+            ),
+            rows=(quantity("form error", lambda cut: error_pair(cut.summary["form_error_um"])),),
+            views=(),
+            subject=lambda _: Subject(is_oval=False, has_radius=True),
+        )
 
 
 KIND = RingKind()

@@ -1,4 +1,5 @@
-"""The gauged surface in the cells of a map: of each cell its worst point.
+# SPDX-License-Identifier: Apache-2.0
+"""The gauged surface in numbers: the worst point of each cell of a map, sections, bands of height.
 
 >>> points = GaugedSurface(*np.array([[0.5, 0.5], [1.0, 1.0], [46.0, 46.0], [0.1, -0.3]]))
 >>> cells_of(points, (0.0, 2.0), 2).error_um[1, 180]
@@ -15,6 +16,8 @@ from camtools.base.quantities import Floats, Ints
 from camtools.sim.results import GaugedSurface
 
 N_COLUMNS, MAX_ROWS = 360, 256
+N_BINS = 180  # of a section
+N_BANDS = 124  # of the height
 
 
 class Cells(NamedTuple):
@@ -58,3 +61,44 @@ def cells_of(
     points = (np.append(values, np.nan)[worst] for values in surface)  # -1 is the NaN
     middle_mm = low + (np.arange(n_rows) + 0.5) * (high - low) / n_rows
     return Cells(middle_mm, *(values.reshape(n_rows, n_columns) for values in points))
+
+
+def section_at(surface: GaugedSurface, z_mm: float, half_band_mm: float) -> GaugedSurface:
+    """Return the worst point of every `N_BINS`-th of a turn near a height, by rising angle."""
+    near = np.flatnonzero(np.abs(surface.z_mm - z_mm) <= half_band_mm)
+    index = (surface.turn[near] * N_BINS).astype(np.int64).clip(0, N_BINS - 1)
+    worst = worst_of(index, surface.error_um[near], N_BINS)
+    rows = near[worst[worst >= 0]]
+    return GaugedSurface(*(column[rows] for column in surface))
+
+
+def closed(near: GaugedSurface) -> GaugedSurface:
+    """Return a section with its first point again at the end when it goes all around."""
+    if near.turn.size < N_BINS:
+        return near
+    again = near.turn[:1] + 1
+    return GaugedSurface(
+        np.append(near.turn, again), *(np.append(column, column[:1]) for column in near[1:])
+    )
+
+
+def bands_by_height(surface: GaugedSurface, z_range_mm: tuple[float, float]) -> Floats:
+    """Return the error in bands of height.
+
+    Returns
+    -------
+    ndarray, shape (4, n)
+        Height [mm], smallest, largest and rms error [um] of every band that has points.
+    """
+    low, high = z_range_mm
+    n = N_BANDS
+    band = ((surface.z_mm - low) / (high - low) * n).astype(np.int64).clip(0, n - 1)
+    count = np.bincount(band, minlength=n)
+    square = np.bincount(band, surface.error_um**2, minlength=n)
+    least, most = np.full(n, np.inf), np.full(n, -np.inf)
+    np.minimum.at(least, band, surface.error_um)
+    np.maximum.at(most, band, surface.error_um)
+    some = count > 0
+    centre_mm = low + (np.arange(n) + 0.5) * (high - low) / n
+    rms = np.sqrt(square[some] / count[some])
+    return np.stack([centre_mm[some], least[some], most[some], rms])
