@@ -78,8 +78,15 @@ def page_of(
         report.space(cut),
     )
     page = Page(
-        *(cut.generated.part.part.source, rows_of(report, cut), shown, report.modelled(cut)),
-        *(report.compared, report.what, report.angle, board, sheets),
+        source=cut.generated.part.part.source,
+        rows=rows_of(report, cut),
+        shown=shown,
+        modelled=report.modelled(cut),
+        compared=report.compared,
+        what=report.what,
+        angle=report.angle,
+        board=board,
+        sheets=sheets,
     )
     return render_page(cut, page)
 

@@ -47,6 +47,7 @@ from camtools.sim.results import CUTTING, FAULT, AnyCut, CutVariant
 _MOST_MARKS = 150  # beyond, points of a line hide one another
 _WHITE = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
 CutT = TypeVar("CutT", bound=AnyCut)
+ShownT = TypeVar("ShownT", bound=AnyCut, contravariant=True)  # a view of every cut shows a skirt's
 
 
 def always(cut: AnyCut) -> bool:
@@ -64,20 +65,20 @@ def has_turns(cut: AnyCut) -> bool:
     return bool((cut.trace.state == CUTTING).any())
 
 
-class View(NamedTuple, Generic[CutT]):
+class View(NamedTuple, Generic[ShownT]):
     """A picture of a report, with what to look for and the chart that replaces it on a screen."""
 
     key: str  # names the file: cut_KEY.png
     title: str
     text: str
-    draw: Callable[[CutT], Figure]
-    when: Callable[[CutT], bool] = always
+    draw: Callable[[ShownT], Figure]
+    when: Callable[[ShownT], bool] = always
     twin: str = ""  # chart of the board that shows the same
-    chart: Callable[[CutT], Json] | None = None
-    sentence: Callable[[CutT], str] | None = None  # what it shows, for readers who cannot see it
+    chart: Callable[[ShownT], Json] | None = None
+    sentence: Callable[[ShownT], str] | None = None  # what it shows, for readers who cannot see it
     is_on_page: bool = True
 
-    def words(self, cut: CutT) -> str:
+    def words(self, cut: ShownT) -> str:
         """Return what the picture shows."""
         return (self.sentence(cut) if self.sentence else "") or self.title
 

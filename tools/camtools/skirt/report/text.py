@@ -217,7 +217,7 @@ def tool_rows(outcome: AnyCut) -> list[ReportRow]:
 def table_error_nm(outcome: AnyCut) -> float:
     """Return the largest error of a table of U and X [nm]."""
     made = outcome.generated
-    return max(made.accuracy_u.value_nm, made.accuracy_x.value_nm)
+    return float(max(made.accuracy_u.value_nm, made.accuracy_x.value_nm))
 
 
 ROWS = (
