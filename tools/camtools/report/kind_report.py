@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The report of a kind of part: the kind declares rows and views, everything else follows.
 
->>> quantity("machine time", lambda cut: "")(None)
-[]
+>>> from camtools.report.text import quantity
+>>> rows = [quantity("cut", lambda cut: "a ring"), quantity("swing", lambda cut: "")]
+>>> report = KindReport("ring", "angle", lambda cut: (0.0, 9.0), rows, [], lambda cut: None)
+>>> [row.name for row in rows_of(report, None)]
+['cut']
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The report of a skirt.
 
 >>> REPORT.views[0].key, REPORT.views[-1].key
-('fault', 'compare')
+('fault', 'overview')
 """
 
 from __future__ import annotations
