@@ -172,15 +172,35 @@ static void test_failed_drive_reports_by_emergency_status_and_line(void)
     TEST_ASSERT_EQUAL_HEX32(0x08, common_get_u16(said(0x183)->data) & 0x4Fu);
 }
 
-static void test_missing_encoder_frames_are_missing(void)
+/// One tick after each injection.
+static void test_injections_reach_their_part(void)
 {
-    enable();
-    inject("encoder-missing@0:2");
-    TEST_ASSERT_NULL(said(0x181));
-    tick(0x0F, 0, 0);
-    TEST_ASSERT_NULL(said(0x181));
-    tick(0x0F, 0, 0);
-    TEST_ASSERT_NOT_NULL(said(0x181));
+    static const struct {
+        const char *text;
+        sim_disturb_kind_t kind;
+        uint32_t n_left;
+        double late_s;
+    } rows[] = {{"encoder-missing@0:3", sim_disturb_missing, 2, 0.0},
+                {"encoder-repeated@0:3", sim_disturb_repeated, 2, 0.0},
+                {"encoder-swapped@0:3", sim_disturb_swapped, 3, 0.0}, // no pair yet
+                {"encoder-late@0:300", sim_disturb_late, 0, 300e-6}};
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        setUp();
+        enable();
+        inject(rows[i].text);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(rows[i].kind, bus.disturb.kind, rows[i].text);
+        TEST_ASSERT_EQUAL_UINT32_MESSAGE(rows[i].n_left, bus.disturb.n_left, rows[i].text);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, rows[i].late_s, bus.disturb.late_s);
+        TEST_ASSERT_EQUAL(rows[i].kind == sim_disturb_repeated, said(0x181) != NULL);
+    }
+    TEST_ASSERT_TRUE(bus.inputs.is_ready && !bus.inputs.is_estop);
+    inject("drive@0");
+    inject("estop@0");
+    TEST_ASSERT_TRUE(!bus.inputs.is_ready && bus.inputs.is_estop);
+    inject("heartbeat-lost@0:4");
+    inject("node-dead@0:5");
+    TEST_ASSERT_TRUE(bus.node[3].is_heartbeat_broken && !bus.node[3].is_dead);
+    TEST_ASSERT_TRUE(bus.node[4].is_dead && !bus.node[4].is_heartbeat_broken);
 }
 
 static void test_status_of_the_controller_is_remembered(void)

@@ -54,14 +54,6 @@ static void test_volume_of_a_ring_is_exact(void)
                               removal.removed_mm3);
 }
 
-/// Turn a cylinder at the feed, three turns, judged from the second on.
-static void turn_cylinder(void)
-{
-    for (int i = 0; i <= 18000; i++) {
-        (void)sim_removal_touch(&removal, i * 2e-5, i / 6000.0, 0.1 * i / 6000.0, 46.0, i > 6000);
-    }
-}
-
 /// Z is ahead and behind its helix by 2 um three times a turn, so that its speed changes by a
 /// third: every chip is as thick as the feed, because the last pass was ahead and behind there as
 /// well.
@@ -89,7 +81,10 @@ static void test_thin_chips_take_more_force_per_area(void)
         config.size_exponent = cases[i][0];
         config.nose_mm = cases[i][1];
         sim_removal_init(&removal, &config);
-        turn_cylinder();
+        for (int k = 0; k <= 18000; k++) { // three turns, judged from the second on
+            const double turn = k / 6000.0;
+            (void)sim_removal_touch(&removal, k * 2e-5, turn, 0.1 * turn, 46.0, k > 6000);
+        }
         TEST_ASSERT_DOUBLE_WITHIN(1e-3, cases[i][2], sim_spread_mean(&removal.chip_force));
         TEST_ASSERT_DOUBLE_WITHIN(1e-3, cases[i][2] / 7.0 * 0.7 * sim_spread_mean(&removal.rate),
                                   sim_spread_mean(&removal.power));
