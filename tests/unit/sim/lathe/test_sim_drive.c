@@ -114,6 +114,11 @@ static void test_quantum_rounds_command_and_measurement(void)
         sim_drive_step(&drive, 1234, true);
     }
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1230.0, drive.pos_micro);
+    drive.command_quantum_micro = 100.0; // of the command alone
+    for (int i = 0; i < 2000; i++) {
+        sim_drive_step(&drive, 1234, true);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1200.0, drive.pos_micro);
     drive.pos_micro = 1226.0;
     TEST_ASSERT_EQUAL_INT32(1230, sim_drive_measured_micro(&drive));
     drive.pos_micro = -1e12;

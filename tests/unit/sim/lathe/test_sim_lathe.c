@@ -80,3 +80,32 @@ static void test_old_edge_keeps_its_time(void)
     }
     TEST_ASSERT_TRUE(n_kept > 300);
 }
+
+/// What the gauge sees: the drives, a tip that swings and is bent away by the chip, and the run-out
+/// of the spindle, once and twice a turn.
+static void test_sample_has_modes_bending_and_run_out(void)
+{
+    config.chip.tool_stiffness_n_per_um = 20.0;
+    config.runout_um = 3.0;
+    config.runout_2_um = 1.0;
+    config.mode[0].hz = 800.0;
+    config.mode[0].share = 0.5;
+    config.mode[1].hz = 1200.0;
+    config.mode[1].share = -0.25;
+    init();
+    lathe.mode[0].pos_micro = 60.0;
+    lathe.mode[1].pos_micro = 40.0;
+    lathe.drive[hal_axis_u].pos_micro = 100.0;
+    lathe.drive[hal_axis_z].pos_micro = -7e6;
+    lathe.drive[sim_lathe_swing].pos_micro = 2.5e6;
+    lathe.chip_n = 30.0;
+    static const double x_nm[][2] = {{4.0, 4000.0}, {4.25, -1000.0}, {4.5, -2000.0}};
+    for (int i = 0; i < 3; i++) {
+        lathe.spindle.turn = x_nm[i][0];
+        const sim_sample_t at = sim_lathe_sample(&lathe, 1.5);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 50e6 + x_nm[i][1], at.x_nm);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 100.0 + 30.0 - 10.0 - 1500.0, at.u_nm);
+        TEST_ASSERT_TRUE(at.t_s == 1.5 && at.turn == x_nm[i][0]);
+        TEST_ASSERT_TRUE(at.z_nm == -7e6 && at.swing_deg == 2.5);
+    }
+}

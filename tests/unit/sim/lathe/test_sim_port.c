@@ -18,9 +18,18 @@ static void test_port_says_what_the_machine_has(void)
     sim_port_init(&port, &config, 50e6, 0.0, 1);
     TEST_ASSERT_FALSE(hal_has_edge_time());
     TEST_ASSERT_TRUE(hal_measures_u());
+    TEST_ASSERT_EQUAL_UINT32(20000, hal_tick_hz());
     config.encoder.has_time_stamps = 1.0;
+    config.tick_hz = 10000.0;
+    config.drive[hal_axis_u].kind = sim_drive_force;
+    config.drive[hal_axis_u].delay_us = 25.0;
+    config.drive[hal_axis_u].force_quantum_n = 0.02;
     sim_port_init(&port, &config, 50e6, 0.0, 1);
     TEST_ASSERT_TRUE(hal_has_edge_time());
+    TEST_ASSERT_EQUAL_UINT32(10000, hal_tick_hz());
+    TEST_ASSERT_EQUAL_UINT32(20000, hal_host.slow.force.quantum_un);
+    TEST_ASSERT_EQUAL_UINT32(25000, hal_host.slow.force.latency_ns);
+    hal_host.slow.force = (hal_force_t){.quantum_un = 0};
 }
 
 /// A tick of the firmware without the firmware; the next one may come late.
