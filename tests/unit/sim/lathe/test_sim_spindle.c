@@ -52,13 +52,16 @@ static void test_step_with_ripple_keeps_the_time_of_a_turn(void)
     TEST_ASSERT_DOUBLE_WITHIN(200.0 * 0.1 * 3e-5, 200.0 * sqrt(1.0 - 0.01), spindle.turn);
 }
 
-static void test_true_speed_ripples_with_its_amplitude_and_period(void)
+static void test_true_speed_ripples_with_its_amplitudes_and_periods(void)
 {
     spindle.speed_rad_per_s = 100.0;
     spindle.turn = 7.125; // a quarter period of two per turn
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.2, sim_spindle_true_rad_per_s(&spindle));
     spindle.turn = 7.375;
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 99.8, sim_spindle_true_rad_per_s(&spindle));
-    spindle.turn = 7.5;
+    spindle.turn = 7.25;
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.0, sim_spindle_true_rad_per_s(&spindle));
+    spindle.ripple_2 = 0.01;
+    spindle.ripple_per_turn_2 = 3.0; // three quarters of a period
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 99.0, sim_spindle_true_rad_per_s(&spindle));
 }
