@@ -136,6 +136,9 @@ static void test_most_is_the_largest_value_that_is_built(void)
     TEST_ASSERT_EQUAL_INT32(80000, cam_derived_limits_most(cam_param_observer_bandwidth_mHz, 1000));
     TEST_ASSERT_EQUAL_INT32(30000000, cam_derived_limits_most(cam_param_u_stroke_nm, 1000));
     TEST_ASSERT_EQUAL_INT32(0, cam_derived_limits_most(cam_n_params, 1000));
+    params.lead_ns = cam_derived_limits_most(cam_param_lead_ns, 20000);
+    params.u_scale_latency_ns = 1; // adds to the lead
+    TEST_ASSERT_EQUAL_INT(cam_err_param_tick, cam_derived_limits_check(&params, 20000).err);
 }
 
 /// @return the smaller of a quotient, rounded down, and the end of the parameter's own range
@@ -215,9 +218,10 @@ static void test_whole_counts_per_tick_do_not_average(void)
         {10000, 3000000, 20000, 2990000}, {10000, 3009500, 20000, 2990000},
         {10000, 2990500, 20000, 2990000}, {10000, 2990000, 20000, 0},
         {10000, 3010000, 20000, 0},       {10000, 120000, 20000, 116000},
-        {10000, 116000, 20000, 0},        {4096, 600000, 20000, 0}, // 2.048, a beat of 960 Hz
-        {65536, 3000000, 20000, 0},       {10000, 10000, 20000, 0}, // none in most ticks
-        {10000, 3000000, 1000, 0}};                                 // no speed averages
+        {10000, 116000, 20000, 0},        {4096, 600000, 20000, 0},   // 2.048, a beat of 960 Hz
+        {65536, 3000000, 20000, 0},       {10000, 10000, 20000, 0},   // none in most ticks
+        {10000, 6000000, 20000, 5990000},                             // a beat of 1.6 kHz at most
+        {10000, 180000, 1000, 0},         {10000, 3000000, 1000, 0}}; // no speed averages
     params.observer_bandwidth_mHz = 100000;
     for (uint32_t i = 0; i < 2u * sizeof rows / sizeof rows[0]; i++) {
         params.counts_per_turn = rows[i / 2u].counts;
@@ -244,13 +248,15 @@ static void test_count_is_the_way_of_u_in_it(void)
 static void test_form_is_half_of_each_step(void)
 {
     static const cam_lobe_t lobe;
+    static const cam_table_t nothing;
     static const struct {
         uint32_t steps_pm[hal_n_axes], form_pm, alone_pm;
     } rows[] = {{{0, 0, 0}, 0, 0},
                 {{30517, 0, 0}, 15258, 15258},
                 {{30517, 6103515, 0}, 3067016, 3067016},
                 {{0, 0, 15258789}, 167846, 0},
-                {{1000, 2000, 500000000}, 5501500, 1500}};
+                {{1000, 2000, 500000000}, 5501500, 1500},
+                {{0, 0, 1000}, 11, 0}};
     table = (cam_table_t){
         .x_slope_ppm = 20000, .u_change.most = 1000, .u = {.n_slices = 11, .span_nm = 5000000}};
     for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -260,14 +266,16 @@ static void test_form_is_half_of_each_step(void)
         table.lobes = NULL;
         TEST_ASSERT_EQUAL_UINT32(rows[i].form_pm, cam_derived_limits_form_pm(&table));
         TEST_ASSERT_EQUAL_UINT32(rows[i].alone_pm, cam_derived_limits_form_pm(NULL));
+        TEST_ASSERT_EQUAL_UINT32(rows[i].alone_pm, cam_derived_limits_form_pm(&nothing));
         table.lobes = &lobe;
         TEST_ASSERT_EQUAL_UINT32(rows[i].alone_pm, cam_derived_limits_form_pm(&table));
-    }
-    for (uint32_t axis = 0; axis < hal_n_axes; axis++) {
-        hal_host.slow.scale[axis].command_pm = UINT32_MAX;
     }
     table = (cam_table_t){.x_slope_ppm = UINT32_MAX,
                           .u_change.most = UINT32_MAX,
                           .u = {.n_slices = cam_table_max_slices, .span_nm = 5000000}};
+    TEST_ASSERT_EQUAL_UINT32(2000, cam_derived_limits_form_pm(&table)); // a slope of 4 at most
+    for (uint32_t axis = 0; axis < hal_n_axes; axis++) {
+        hal_host.slow.scale[axis].command_pm = UINT32_MAX;
+    }
     TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, cam_derived_limits_form_pm(&table));
 }

@@ -4,6 +4,7 @@
 // (test_cam_eval.c).
 #include "cam_table_inner.h"
 #include "fixture_random.h"
+#include "fixture_reference.h"
 #include "fixture_shaft.h"
 #include "image_bench.h"
 #include <math.h>
@@ -15,19 +16,6 @@ typedef struct {
     long double low, high;
 } dense_t;
 
-/// By Hermite's basis polynomials of the fifth degree, which the firmware does not use.
-static long double quintic_at(const cam_knot_t *k0, const cam_knot_t *k1, long double t)
-{
-    const long double s = 1.0L - t;
-    const long double p0 = s * s * s * (1.0L + 3.0L * t + 6.0L * t * t);
-    const long double p1 = t * t * t * (1.0L + 3.0L * s + 6.0L * s * s);
-    const long double v0 = s * s * s * t * (1.0L + 3.0L * t);
-    const long double v1 = -t * t * t * s * (1.0L + 3.0L * s);
-    const long double a0 = s * s * s * t * t;
-    const long double a1 = t * t * t * s * s;
-    return p0 * k0->p + p1 * k1->p + v0 * k0->v + v1 * k1->v + a0 * k0->a + a1 * k1->a;
-}
-
 static dense_t dense_of(const cam_channel_t *ch, bool is_around)
 {
     dense_t all = {1e30L, -1e30L};
@@ -35,8 +23,10 @@ static dense_t dense_of(const cam_channel_t *ch, bool is_around)
     for (uint32_t i = 0; i < ch->n_slices * n; i++) {
         const uint32_t next = is_around ? i - i % n + (i + 1u) % n : i + 1u;
         for (int k = 0; k <= n_places && next < ch->n_slices * n; k++) {
-            const long double y =
-                quintic_at(&ch->knots[i], &ch->knots[next], (long double)k / n_places);
+            const cam_knot_t ends[2] = {ch->knots[i], ch->knots[next]};
+            const cam_channel_t segment = {.knots = ends};
+            const long double t = (long double)k / n_places;
+            const long double y = fixture_reference_profile(&segment, 0, t).y;
             all.low = fminl(all.low, y);
             all.high = fmaxl(all.high, y);
         }

@@ -53,10 +53,11 @@ static void test_way_is_measured(void)
 }
 
 /// Check a way of bare knots.
-static cam_err_t check_bare(const cam_knot_t knots[n_knots])
+static cam_err_t check_bare(const cam_knot_t knots[n_knots], bool has_stations)
 {
     cam_table_t table = {
-        .way = {.knots = knots, .n_slices = n_knots, .span_nm = 1000000, .frac_bits = 4}};
+        .way = {.knots = knots, .n_slices = n_knots, .span_nm = 1000000, .frac_bits = 4},
+        .has_stations = has_stations};
     return cam_feed_profile_check(&table);
 }
 
@@ -69,13 +70,15 @@ static void test_a_way_that_falls_in_one_slice_is_refused(void)
         for (int i = 1; i < n_knots - 1; i++) {
             knots[i].p = fallen < 0 ? 0 : drop * i / (n_knots - 1) - (i > fallen ? drop : 0);
         }
-        TEST_ASSERT_EQUAL_INT(fallen < 0 ? cam_ok : cam_err_image_channel, check_bare(knots));
+        TEST_ASSERT_EQUAL_INT(fallen < 0 ? cam_ok : cam_err_image_channel,
+                              check_bare(knots, false));
     }
 }
 
 /// Between two knots each of the five Bernstein coefficients of the slope bounds it: the slopes at
 /// both knots and the curvatures there, which count from the slope of their knot. Of a feed that
-/// falls to a fiftieth of its mean one LSB more is refused.
+/// falls to a fiftieth of its mean one LSB more is refused; with
+/// stations of a feed that falls to 0, but for a thousandth.
 static void test_a_way_is_bounded_by_slopes_and_curvatures_of_its_knots(void)
 {
     enum { plain = 1000000 * 16 / (n_knots - 1), deepest = plain - plain * 2 / 100 };
@@ -100,8 +103,11 @@ static void test_a_way_is_bounded_by_slopes_and_curvatures_of_its_knots(void)
             knots[rows[i].at[0]] = rows[i].knot[0];
             knots[rows[i].at[1]] = rows[i].knot[1];
             TEST_ASSERT_EQUAL_INT_MESSAGE(more == 0 ? cam_ok : cam_err_image_channel,
-                                          check_bare(knots), rows[i].name);
+                                          check_bare(knots, false), rows[i].name);
         }
+        const cam_knot_t standing[n_knots] = {[7] = {.v = -plain - plain / 1000 - more}};
+        TEST_ASSERT_EQUAL_INT(more == 0 ? cam_ok : cam_err_image_channel,
+                              check_bare(standing, true));
     }
 }
 

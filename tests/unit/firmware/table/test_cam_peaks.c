@@ -229,9 +229,9 @@ static void test_change_to_the_last_slice_counts(void)
 {
     for (uint32_t i = 0; i < 12u; i += 11u) {
         const cam_channel_t ch = bare(0, 0);
-        fill(i, i + 1u, (cam_knot_t){.p = 1000});
-        TEST_ASSERT_EQUAL_UINT32(1000, cam_peaks_of_change(&ch).most);
-        TEST_ASSERT_EQUAL_UINT32(1000, cam_peaks_of_change(&ch).kink);
+        fill(i, i + 1u, (cam_knot_t){.p = 1000, .v = 5000});
+        TEST_ASSERT_EQUAL_UINT32(3000, cam_peaks_of_change(&ch).most);
+        TEST_ASSERT_EQUAL_UINT32(3000, cam_peaks_of_change(&ch).kink);
     }
 }
 
