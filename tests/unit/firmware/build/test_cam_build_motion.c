@@ -91,12 +91,14 @@ static void test_limits_are_limited_to_their_words(void)
     params.x_acceleration_mm_per_s2 = 1000000;
     params.z_acceleration_mm_per_s2 = 1000000;
     params.x_speed_um_per_s = 10000000;
-    params.x_jerk_m_per_s3 = 1000000;
+    params.x_jerk_m_per_s3 = 100000;
     build(500);
     const cam_motion_limits_t *x = &config.play.leave[hal_axis_x];
-    TEST_ASSERT_EQUAL_INT32(1 << 29, x->speed_q10 < 1 << 29 ? 1 << 29 : x->speed_q10);
-    const int32_t most = (1 << 30) >> x->log2_window;
-    TEST_ASSERT_EQUAL_INT32(most < 1 << 29 ? most : 1 << 29, x->acceleration_q10);
+    TEST_ASSERT_EQUAL_INT32(1 << 29, x->speed_q10);
+    TEST_ASSERT_EQUAL_INT32((1 << 30) >> 4, x->acceleration_q10);
+    params.x_jerk_m_per_s3 = 1000000;
+    build(500);
+    TEST_ASSERT_EQUAL_INT32(1 << 29, x->acceleration_q10);
 }
 
 /// @return [counts] what moves the place that X and Z are aimed at from plan to plan

@@ -4,14 +4,6 @@
 #include "cam_learning_inner.h" // cam_harmonic_correction_sum_q6
 #include "ilc_bench.h"
 
-/// The first turn shows the speed only, the second settles, the third is the first step.
-static void settle(void)
-{
-    play_turns(2);
-    TEST_ASSERT_EQUAL_UINT32(1, t.n_turns);
-    TEST_ASSERT_EQUAL_UINT8(cam_ilc_drive, t.phase);
-}
-
 /// U does not answer, so a third, larger probe follows the usual two.
 static void test_a_rehearsal_is_a_turn_to_settle_five_of_the_drive_and_four_of_the_probe(void)
 {
@@ -122,7 +114,6 @@ static void test_the_two_layers_share_their_gain(void)
     settle();
     const int32_t first_q16 = t.k1_q16;
     for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        setUp();
         settle();
         how.state = cases[i].state;
         play();
@@ -146,8 +137,8 @@ static void test_the_two_layers_share_their_gain(void)
 /// constants back; four times, then layer 1 is given up, until the state begins anew.
 static void test_the_guard_brings_the_best_back_four_times(void)
 {
-    s.reason = cam_ilc_lobes;
     settle();
+    s.reason = cam_ilc_lobes;
     play();
     const int32_t best_q16 = t.best_k1_q16;
     TEST_ASSERT_NOT_EQUAL(t.k1_q16, best_q16);

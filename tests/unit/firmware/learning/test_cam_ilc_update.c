@@ -4,14 +4,6 @@
 #include "cam_learning_inner.h"
 #include "ilc_bench.h"
 
-/// Begin anew with two turns, of which the first shows the speed only.
-static void begin(void)
-{
-    setUp();
-    play_turns(2);
-    TEST_ASSERT_EQUAL_UINT32(1, t.n_turns);
-}
-
 /// Play one turn. @return whether it counted
 static bool counts(void)
 {
@@ -34,7 +26,7 @@ static void test_a_turn_that_is_not_like_the_others_does_not_count(void)
         {true, 1 << 27, cam_ilc_all, 4, true},        {true, (1 << 27) - 1, cam_ilc_all, 4, false},
         {true, 1 << 30, cam_ilc_not_asked, 4, false}, {true, 1 << 30, cam_ilc_all, 0, false},
     };
-    begin();
+    settle();
     for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         how.is_steady = rows[i].is_steady;
         how.scale_q30 = rows[i].scale_q30;
@@ -47,7 +39,7 @@ static void test_a_turn_that_is_not_like_the_others_does_not_count(void)
 /// A turn that determines nothing is released at once, so that the slow side is free for the next.
 static void test_a_turn_that_determines_nothing_is_released_at_once(void)
 {
-    begin();
+    settle();
     how.is_steady = false;
     n_polls = 1;
     play();
@@ -63,7 +55,7 @@ static void test_a_turn_that_determines_nothing_is_released_at_once(void)
 /// the next step.
 static void test_a_turn_counts_when_the_drive_has_settled(void)
 {
-    begin();
+    settle();
     t.good_from = how.turn + 2u;
     TEST_ASSERT_FALSE(counts());
     TEST_ASSERT_TRUE(counts());
@@ -87,7 +79,7 @@ static void test_friction_is_learned_by_the_gain(void)
 static void test_a_turn_of_another_speed_than_the_last_does_not_count(void)
 {
     for (int sign = -1; sign <= 1; sign += 2) {
-        begin();
+        settle();
         how.speed_q32 += sign * (usual_speed_q32 / 120);
         TEST_ASSERT_FALSE(counts());
         TEST_ASSERT_TRUE(counts());
@@ -105,7 +97,7 @@ static void test_a_turn_of_another_speed_than_the_last_does_not_count(void)
 
 static void test_slow_and_fast_turns_are_reported(void)
 {
-    begin();
+    settle();
     how.speed_q32 = 1 << 12;
     TEST_ASSERT_FALSE(counts());
     TEST_ASSERT_EQUAL_UINT8(cam_ilc_slow_turn, t.hindrance);
@@ -131,12 +123,12 @@ static void test_harmonics_are_as_many_as_the_ticks_resolve(void)
     } cases[] = {{15, 0}, {16, 1}, {17, 1}, {18, 2}, {47, 2},
                  {48, 2}, {71, 2}, {72, 3}, {96, 4}, {400, 4}};
     for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        begin();
+        settle();
         n_ticks = cases[i].ticks;
         play();
         TEST_ASSERT_EQUAL_UINT8(cases[i].harmonics, t.n_orders);
     }
-    begin();
+    settle();
     s.n_harmonics = 16;
     play();
     TEST_ASSERT_EQUAL_UINT8(16, t.n_orders);
@@ -145,7 +137,7 @@ static void test_harmonics_are_as_many_as_the_ticks_resolve(void)
 /// Of few ticks the bins between them are filled by straight lines: the error stays what it is.
 static void test_gaps_are_filled_by_straight_lines(void)
 {
-    begin();
+    settle();
     n_ticks = 32;
     play();
     TEST_ASSERT_UINT32_WITHIN(10, 707, t.error_nm);
@@ -156,7 +148,7 @@ static void test_gaps_are_filled_by_straight_lines(void)
 /// At half the amplitude the same error would be twice as large at the full one.
 static void test_errors_are_those_at_full_amplitude(void)
 {
-    begin();
+    settle();
     how.scale_q30 = 1 << 29;
     play();
     TEST_ASSERT_UINT32_WITHIN(3, 1414, t.error_nm);
@@ -166,7 +158,7 @@ static void test_errors_are_those_at_full_amplitude(void)
 /// ticks, and a nanometre.
 static void test_the_floor_follows_from_the_resolution_of_scale_and_encoder(void)
 {
-    begin();
+    settle();
     play();
     TEST_ASSERT_EQUAL_UINT32(64, t.floor_q6);
     s.scale_nm = 100;
@@ -185,7 +177,7 @@ static void test_the_floor_follows_from_the_resolution_of_scale_and_encoder(void
 /// The corrections may grow until their sum is the bound.
 static void test_room_is_what_the_bound_leaves(void)
 {
-    begin();
+    settle();
     play();
     TEST_ASSERT_EQUAL_UINT32(64 * 30000, t.room_q6);
     t.correction.c_q6[5] = (cam_complex_t){.im = -64 * 13000};
@@ -200,7 +192,7 @@ static void test_room_is_what_the_bound_leaves(void)
 /// when the speed comes back. Without a probe there is nothing to keep.
 static void test_another_speed_freezes_a_cut(void)
 {
-    begin();
+    settle();
     how.state = cam_state_cutting;
     play_turns(2);
     how.speed_q32 = usual_speed_q32 / 100 * 103;
@@ -220,7 +212,7 @@ static void test_another_speed_freezes_a_cut(void)
 /// constants of the drive: a first-order lag of a radian at the old speed.
 static void test_two_turns_that_agree_end_the_freeze(void)
 {
-    begin();
+    settle();
     how.state = cam_state_cutting;
     play_turns(2);
     t.correction.is_probed = true;
@@ -242,7 +234,7 @@ static void test_two_turns_that_agree_end_the_freeze(void)
 /// learning ends, and goes on elsewhere.
 static void test_a_mode_ends_learning_where_it_lies(void)
 {
-    begin();
+    settle();
     how.state = cam_state_cutting;
     play_turns(2);
     t.correction.is_probed = true;
@@ -262,7 +254,7 @@ static void test_a_mode_ends_learning_where_it_lies(void)
 /// In the cut a feed that changes by more than a 64th lets the larger gain hold anew.
 static void test_a_feed_that_changes_begins_the_steps_anew(void)
 {
-    begin();
+    settle();
     how.z_end_nm = 6400;
     how.state = cam_state_cutting;
     play_turns(4);
@@ -278,7 +270,7 @@ static void test_a_feed_that_changes_begins_the_steps_anew(void)
 /// The correction turns with the shape that the operator turns, by 2^-12 turn at least.
 static void test_the_phase_of_the_operator_turns_the_correction(void)
 {
-    begin();
+    settle();
     t.correction.c_q6[2] = (cam_complex_t){.re = 64000};
     how.phase_q32 = (1 << 20) - 1;
     play();
@@ -299,7 +291,7 @@ static void test_the_phase_of_the_operator_turns_the_correction(void)
 static void test_a_rehearsal_at_another_speed_forgets_the_correction(void)
 {
     for (int percent = 101; percent <= 103; percent += 2) {
-        begin();
+        settle();
         t.correction.is_probed = true;
         t.correction.c_q6[2] = (cam_complex_t){.re = 64000};
         how.state = cam_state_ready;

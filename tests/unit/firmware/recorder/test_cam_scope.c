@@ -57,21 +57,22 @@ static int32_t field(uint32_t which)
     return value;
 }
 
-static void set(uint32_t which, int32_t value)
+static void begin(uint32_t tick)
 {
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_set(&scope, which, value));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_begin(&scope, &plan, cam_scope_user, 0, tick));
 }
 
-static void start(uint32_t tick)
+/// Begin with a trigger that fires at once.
+static void begin_now(uint32_t tick)
 {
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_begin(&scope, &scope.set, cam_scope_user, 0, tick));
+    plan.trigger.kind = cam_trigger_now;
+    begin(tick);
 }
 
 static void test_rows_hold_the_chosen_signals_in_the_order_of_the_list(void)
 {
-    set(cam_scope_field_signals, 1 << cam_scope_tick | 1 << cam_scope_u_actual_nm);
-    set(cam_scope_field_rows, 3);
-    start(100);
+    plan.rows = 3;
+    begin_now(100);
     for (uint32_t tick = 98; tick < 110; tick++) { // two of before the start
         take(tick);
     }
@@ -90,15 +91,16 @@ static void test_memory_bounds_the_rows_and_is_never_left(void)
     for (uint32_t n_wave = 0; n_wave <= n_memory; n_wave++) {
         setUp();
         cam_scope_reserve(&scope, n_wave);
-        set(cam_scope_field_rows, n_wave % 2u == 0u ? 0 : 1000000);
+        plan.signals = scope.set.signals; // three
+        plan.rows = n_wave % 2u == 0u ? 0 : 1000000;
         if ((n_memory - n_wave) / 3u == 0u) {
             TEST_ASSERT_EQUAL_INT(cam_err_scope_memory,
-                                  cam_scope_begin(&scope, &scope.set, cam_scope_user, 0, 0));
+                                  cam_scope_begin(&scope, &plan, cam_scope_user, 0, 0));
             take(1);
             TEST_ASSERT_EQUAL_INT32(cam_scope_idle, field(cam_scope_field_phase));
             continue;
         }
-        start(0);
+        begin_now(0);
         for (uint32_t tick = 0; tick < 100; tick++) {
             take(tick);
         }
@@ -112,8 +114,8 @@ static void test_memory_bounds_the_rows_and_is_never_left(void)
 
 static void test_a_state_begins_and_ends_it(void)
 {
-    set(cam_scope_field_from_state, cam_state_identifying);
-    start(10);
+    plan.from_state = cam_state_identifying;
+    begin_now(10);
     take_in(10, cam_state_ready);
     TEST_ASSERT_EQUAL_INT32(cam_scope_armed, field(cam_scope_field_phase));
     take_in(12, cam_state_identifying); // what was lost while it waited is no gap
@@ -128,7 +130,7 @@ static void test_a_state_begins_and_ends_it(void)
 
 static void test_stop_ends_it_and_keeps_the_rows(void)
 {
-    start(10);
+    begin_now(10);
     take(10);
     cam_scope_stop(&scope);
     take(11);
@@ -136,7 +138,7 @@ static void test_stop_ends_it_and_keeps_the_rows(void)
     TEST_ASSERT_EQUAL_INT32(cam_scope_stopped, field(cam_scope_field_end));
     cam_scope_stop(&scope); // of nothing: nothing
     TEST_ASSERT_EQUAL_INT32(cam_scope_stopped, field(cam_scope_field_end));
-    start(20);
+    begin_now(20);
     TEST_ASSERT_EQUAL_INT32(2, field(cam_scope_field_number));
     TEST_ASSERT_EQUAL_INT32(0, field(cam_scope_field_n_rows));
 }
@@ -207,8 +209,8 @@ static void test_signals_are_those_of_the_record(void)
     r.want.faults = UINT32_MAX;
     r.in.encoder = (hal_encoder_t){12, 13, 14, 15};
     r.in.swing_q32 = -16;
-    set(cam_scope_field_signals, (int32_t)(UINT32_MAX >> (32 - cam_scope_n_signals)));
-    start(5);
+    plan.signals = UINT32_MAX >> (32 - cam_scope_n_signals);
+    begin_now(5);
     cam_scope_take(&scope, &r);
     TEST_ASSERT_EQUAL_INT32(cam_scope_n_signals, field(cam_scope_field_n_signals));
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
@@ -244,11 +246,6 @@ static void test_recording_begins_anew_in_each_word(void)
 }
 
 // Rows before and after a trigger
-
-static void begin(uint32_t tick)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_begin(&scope, &plan, cam_scope_user, 0, tick));
-}
 
 /// @return the rows in order, read in pieces of n bytes
 static const int32_t *rows_by(uint32_t n)

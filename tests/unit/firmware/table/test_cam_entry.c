@@ -144,29 +144,6 @@ static void test_range_of_the_knots_is_rounded_outwards(void)
     TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check());
 }
 
-static void test_unit_of_a_kind_is_limited_to_both_sides(void)
-{
-    static const struct {
-        uint32_t kind;
-        int64_t low, high;
-    } units[] = {{cam_kind_speed, least_ratio, most_ratio},
-                 {cam_kind_swing, -CAM_TABLE_ANGLE_MAX, CAM_TABLE_ANGLE_MAX},
-                 {cam_kind_contact, -CAM_TABLE_ANGLE_MAX, CAM_TABLE_ANGLE_MAX}};
-    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
-        const int64_t low = units[i].low;
-        const int64_t high = units[i].high;
-        entry.kind = units[i].kind;
-        TEST_ASSERT_TRUE(cam_entry_is_in_unit(&entry, (cam_extent_t){low, high}));
-        TEST_ASSERT_FALSE(cam_entry_is_in_unit(&entry, (cam_extent_t){low - 1, high}));
-        TEST_ASSERT_FALSE(cam_entry_is_in_unit(&entry, (cam_extent_t){low, high + 1}));
-    }
-    static const uint32_t lengths[] = {cam_kind_u, cam_kind_x, cam_kind_way};
-    for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
-        entry.kind = lengths[i];
-        TEST_ASSERT_TRUE(cam_entry_is_in_unit(&entry, (cam_extent_t){-INT64_MAX, INT64_MAX}));
-    }
-}
-
 static void test_numbers_lie_aligned_behind_what_was_used_and_in_the_image(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, check());
