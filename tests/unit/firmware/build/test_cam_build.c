@@ -320,6 +320,9 @@ static void test_speed(void)
     TEST_ASSERT_EQUAL_INT32(2000000, c->mean_mrpm);
     TEST_ASSERT_EQUAL_INT32(-1, c->sense);
     TEST_ASSERT_EQUAL_INT32(-2000000, config.play.spindle_mrpm);
+    params.observer_bandwidth_mHz = 50000;
+    build_at(1000);
+    TEST_ASSERT_EQUAL_INT32(1 << 26, c->mean_q32); // at most a 64th of a turn per tick
 }
 
 static void test_swing(void)

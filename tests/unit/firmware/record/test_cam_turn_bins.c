@@ -103,6 +103,8 @@ static void test_a_turn_is_gathered_whole_and_alone(void)
 {
     const cam_turn_bin_t *bins = NULL;
     uint32_t last = 0;
+    motion.phase_q32 = 77;
+    motion.axis[hal_axis_z].vel_q10 = 5;
     for (int i = 0; i < 5; i++) {
         bins = take_next();
         TEST_ASSERT_NOT_NULL(bins);
@@ -122,6 +124,9 @@ static void test_a_turn_is_gathered_whole_and_alone(void)
         TEST_ASSERT_TRUE(turn.is_steady);
         TEST_ASSERT_INT32_WITHIN(10, 490, turn.z_end_nm - turn.z_begin_nm); // 49 or 50 plans
         TEST_ASSERT_EQUAL_INT(cam_state_rehearsing, turn.state);
+        TEST_ASSERT_EQUAL_INT32(1 << 30, turn.scale_q30);
+        TEST_ASSERT_EQUAL_INT32(77, turn.phase_q32);
+        TEST_ASSERT_EQUAL_INT32(5, g.z_vel_q10);
         TEST_ASSERT_TRUE(cam_turn_bins_release(&g));
     }
 }
@@ -142,21 +147,29 @@ static void test_the_angle_is_counted_from_the_begin_of_the_bin(void)
     TEST_ASSERT_EQUAL_INT32(131072, g.bin[255].angle_q24);
 }
 
+/// The phase or the state moves, or nothing is played; an amplitude that moves is not level.
 static void test_a_turn_in_motion_is_not_steady(void)
 {
-    TEST_ASSERT_NOT_NULL(take_next());
-    TEST_ASSERT_TRUE(cam_turn_bins_release(&g));
-    turn_on(0.3);
-    motion.phase_step_q32 = 1;
-    turn_on(0.1);
-    motion.phase_step_q32 = 0;
-    bool was_seen = false;
-    for (int i = 0; i < 3 && !was_seen; i++) {
+    for (int i = 0; i < 4; i++) {
+        setUp();
         TEST_ASSERT_NOT_NULL(take_next());
-        was_seen = !turn.is_steady;
         TEST_ASSERT_TRUE(cam_turn_bins_release(&g));
+        turn_on(0.3);
+        motion.phase_step_q32 = i == 0 ? 1 : 0;
+        motion.is_playing = i != 1;
+        record.want.state = i == 2 ? cam_state_cutting : cam_state_rehearsing;
+        motion.scale_step_q30 = i == 3 ? 1 : 0;
+        turn_on(0.1);
+        motion = (cam_motion_t){.is_playing = true};
+        record.want.state = cam_state_rehearsing;
+        bool was_seen = false;
+        for (int k = 0; k < 3 && !was_seen; k++) {
+            TEST_ASSERT_NOT_NULL(take_next());
+            was_seen = i < 3 ? !turn.is_steady : turn.is_steady && !turn.is_level;
+            TEST_ASSERT_TRUE(cam_turn_bins_release(&g));
+        }
+        TEST_ASSERT_TRUE(was_seen);
     }
-    TEST_ASSERT_TRUE(was_seen);
 }
 
 static void test_a_late_reader_is_reported_and_its_bank_stays(void)
