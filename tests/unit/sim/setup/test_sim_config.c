@@ -84,44 +84,30 @@ static void test_what_is_believed_is_the_truth_but_for_its_keys(void)
 /// One value just outside of each range, and that in the table of beliefs, too.
 static void test_ranges_of_the_effects_are_kept(void)
 {
-    static const char *const wrong[] = {
-        "u]\nfriction_m_per_s2 = -1",
-        "u]\nfriction_m_per_s2 = 1001",
-        "u]\nmass_kg = 0",
-        "u]\nviscous_n_s_per_m = -1",
-        "u]\nstiffness_n_per_m = -1",
-        "u]\nforce_limit_n = 0",
-        "u]\nforce_quantum_n = 0",
-        "u]\namplifier_hz = 9",
-        "u]\ncommand_quantum_nm = -1",
-        "x]\ncommand_quantum_nm = -1",
-        "z]\ncommand_quantum_nm = 100001",
-        "u]\nmode_hz = -1",
-        "u]\nmode_damping = 0",
-        "u]\nmode_share = 2.1",
-        "u]\nmode_on_scale = 0.5",
-        "u]\nmode_2_hz = 20001",
-        "u]\nmode_2_damping = 2.1",
-        "u]\nmode_2_share = -2.1",
-        "u]\nmode_2_on_scale = 2",
-        "u]\nscale_latency_us = 1001",
-        "u]\nscale_error_nm = -1",
-        "u]\nscale_period_um = 0",
-        "cut]\nkc_n_per_mm2 = -1",
-        "cut]\nradial_share = 11",
-        "cut]\ntool_stiffness_n_per_um = -1",
-        "spindle]\nripple_2 = 0.6",
-        "spindle]\nripple_per_turn_2 = 0",
-        "spindle]\nrunout_um = -1",
-        "spindle]\nrunout_2_um = 1001",
-        "encoder]\ntime_stamps = 2",
-    };
+    static const struct {
+        const char *section, *keys;
+    } wrong[] = {
+        {"u", "friction_m_per_s2 = -1;friction_m_per_s2 = 1001;mass_kg = 0;"
+              "viscous_n_s_per_m = -1;stiffness_n_per_m = -1;force_limit_n = 0;"
+              "force_quantum_n = 0;amplifier_hz = 9;command_quantum_nm = -1;"
+              "mode_hz = -1;mode_damping = 0;mode_share = 2.1;mode_on_scale = 0.5;"
+              "mode_2_hz = 20001;mode_2_damping = 2.1;mode_2_share = -2.1;"
+              "mode_2_on_scale = 2;scale_latency_us = 1001;scale_error_nm = -1;"
+              "scale_period_um = 0;"},
+        {"x", "command_quantum_nm = -1;"},
+        {"z", "command_quantum_nm = 100001;"},
+        {"cut", "kc_n_per_mm2 = -1;radial_share = 11;tool_stiffness_n_per_um = -1;"},
+        {"spindle", "ripple_2 = 0.6;ripple_per_turn_2 = 0;runout_um = -1;runout_2_um = 1001;"},
+        {"encoder", "time_stamps = 2;"}};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
-        char text[80];
-        (void)snprintf(text, sizeof text, "[%s\n", wrong[i]);
-        refused(text, "out of range; give a");
-        (void)snprintf(text, sizeof text, "[believed.%s\n", wrong[i]);
-        refused(text, "out of range; give a");
+        for (const char *at = wrong[i].keys; *at != '\0'; at += strcspn(at, ";") + 1u) {
+            char text[80];
+            const int n = (int)strcspn(at, ";");
+            (void)snprintf(text, sizeof text, "[%s]\n%.*s\n", wrong[i].section, n, at);
+            refused(text, "out of range; give a");
+            (void)snprintf(text, sizeof text, "[believed.%s]\n%.*s\n", wrong[i].section, n, at);
+            refused(text, "out of range; give a");
+        }
     }
     refused("[u]\nmode_hz = 9\n", "u.mode_hz = 9: too slow; give 0 for none, or 10 .. 20000");
     refused("[u]\nmode_2_hz = 0.1\n", "u.mode_2_hz = 0.1: too slow");
