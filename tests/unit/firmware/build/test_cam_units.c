@@ -48,14 +48,6 @@ static void test_times_become_ticks(void)
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, cam_units_ticks2_of_us2(1000000, 200000));
 }
 
-static void test_distance_of_angles_goes_the_shorter_way(void)
-{
-    TEST_ASSERT_EQUAL_INT32(2, cam_wrap_diff(1, UINT32_MAX));
-    TEST_ASSERT_EQUAL_INT32(-2, cam_wrap_diff(UINT32_MAX, 1));
-    TEST_ASSERT_EQUAL_INT32(INT32_MIN, cam_wrap_diff(0x80000000u, 0));
-    TEST_ASSERT_EQUAL_INT32(INT32_MAX, cam_wrap_diff(0x7FFFFFFFu, 0));
-}
-
 static void test_next_turn_is_at_a_position_or_behind_it(void)
 {
     for (int64_t turn = -3; turn <= 3; turn++) {

@@ -104,16 +104,6 @@ static void test_probe_without_a_correction_keeps_the_answer(void)
     TEST_ASSERT_EQUAL_INT16(1234, s.gain[3].re_q12);
 }
 
-static void test_learn_adds_its_part_of_the_error(void)
-{
-    answer(2);
-    learn(2, of(6400, -3200));
-    expect(of(3200, -1600), s.c_q6[2]);
-    learn(2, of(3200, -1600));
-    expect(of(4800, -2400), s.c_q6[2]);
-    expect(of(0, 0), s.c_q6[1]);
-}
-
 static void test_learn_divides_the_error_by_the_response(void)
 {
     uint32_t room_q6 = UINT32_MAX;

@@ -378,15 +378,14 @@ static void begin_harmonic(cam_ilc_phase_t phase, double error_q6)
 static void test_large_harmonics_share_their_gain(void)
 {
     static const struct {
+        cam_ilc_phase_t phase;
         uint32_t k, largest;
         int32_t cut_gain_q16, learned_q6;
-    } rows[] = {{1, 505600, 8192, 16000},
-                {1, 518400, 8192, 32000},
-                {0, 505600, 8192, 24000},
-                {1, 518400, 0, 0},
-                {0, 518400, 0, 0}};
+    } rows[] = {{cam_ilc_shape, 1, 505600, 8192, 16000}, {cam_ilc_shape, 1, 518400, 8192, 32000},
+                {cam_ilc_shape, 0, 505600, 8192, 24000}, {cam_ilc_cutting, 1, 518400, 8192, 8000},
+                {cam_ilc_cutting, 1, 518400, 0, 0},      {cam_ilc_cutting, 0, 518400, 0, 0}};
     for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        begin_harmonic(cam_ilc_shape, 64000.0);
+        begin_harmonic(rows[i].phase, 64000.0);
         t.k = (uint8_t)rows[i].k;
         t.largest = rows[i].largest;
         s.cut_gain_q16 = rows[i].cut_gain_q16;
