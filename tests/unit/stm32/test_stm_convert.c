@@ -22,15 +22,20 @@ static int32_t any(void)
     return (int32_t)fixture_random_u32(&dice);
 }
 
+/// And it never falls where the value rises.
 static void test_code_is_the_nearest_one(void)
 {
     for (uint32_t i = 0; i < 100000u; i++) {
         const int32_t at_10v = full[i % n_full];
+        const int32_t codes_q32 = BOARD_CODES_Q32(at_10v);
         const int32_t value = any() % at_10v;
         const long double exact = 32768.0L * value / at_10v;
-        const int32_t code = stm_code16(value, BOARD_CODES_Q32(at_10v));
+        const int32_t code = stm_code16(value, codes_q32);
         // half a code, and what the rounded factor makes of 32 768 codes
         TEST_ASSERT_TRUE(fabsl(code - exact) <= 0.5L + 0.07L || code == INT16_MAX);
+        const int32_t other = any();
+        TEST_ASSERT_TRUE(other < value ? stm_code16(other, codes_q32) <= code
+                                       : stm_code16(other, codes_q32) >= code);
     }
 }
 
@@ -46,21 +51,10 @@ static void test_code_is_clamped_at_both_ends(void)
     }
 }
 
-static void test_code_never_falls_where_the_value_rises(void)
-{
-    for (uint32_t i = 0; i < 100000u; i++) {
-        const int32_t codes_q32 = BOARD_CODES_Q32(full[i % n_full]);
-        const int32_t a = any();
-        const int32_t b = any();
-        const int32_t low = a < b ? a : b;
-        const int32_t high = a < b ? b : a;
-        TEST_ASSERT_TRUE(stm_code16(low, codes_q32) <= stm_code16(high, codes_q32));
-    }
-}
-
 static void test_internal_code_has_its_zero_in_the_middle(void)
 {
     const int32_t codes_q32 = BOARD_CODES_Q32(BOARD_U_FULL_NM);
+    TEST_ASSERT_EQUAL_UINT32(10528, BOARD_CODE_PM(345000)); // [uN] of a force: a 32768th
     TEST_ASSERT_EQUAL_UINT32(2048, stm_code12(0, codes_q32));
     TEST_ASSERT_EQUAL_UINT32(3072, stm_code12(BOARD_U_FULL_NM / 2, codes_q32));
     TEST_ASSERT_EQUAL_UINT32(4095, stm_code12(INT32_MAX, codes_q32));
@@ -94,13 +88,6 @@ static void test_step_is_the_nearest_one_and_reads_back_exactly(void)
         }
     }
     TEST_ASSERT_EQUAL_INT32(0, stm_steps(INT32_MAX, BOARD_STEPS_Q32(0))); // no step output
-}
-
-static void test_code_of_the_whole_range_is_a_32768th(void)
-{
-    TEST_ASSERT_EQUAL_UINT32(30517, BOARD_CODE_PM(BOARD_U_FULL_NM));
-    TEST_ASSERT_EQUAL_UINT32(6103515, BOARD_CODE_PM(200000000));
-    TEST_ASSERT_EQUAL_UINT32(10528, BOARD_CODE_PM(345000)); // [uN] of a force
 }
 
 static void test_counter_of_16_bits_is_continued(void)

@@ -35,6 +35,12 @@ static uint32_t answer_to(uint32_t challenge)
     return cam_blake2b_keyed(secret, sizeof secret, bytes, sizeof bytes);
 }
 
+static void expect_unlock(cam_err_t err, uint32_t answer, uint32_t tick)
+{
+    TEST_ASSERT_EQUAL_INT(err, cam_rights_unlock(&r, answer, tick));
+    TEST_ASSERT_EQUAL_INT(err == cam_ok ? cam_level_challenge : cam_level_locked, r.level);
+}
+
 static uint32_t ask(uint32_t tick)
 {
     uint32_t challenge = 0;
@@ -44,27 +50,31 @@ static uint32_t ask(uint32_t tick)
 
 static void test_the_first_to_take_has_command_until_it_is_taken_over(void)
 {
-    static const uint8_t others[][2] = {{9, 1}, {12, 2}, {12, 0}}; // sender, session
-    TEST_ASSERT_FALSE(cam_rights_is_commander(&r, 0, 0));
-    take(12, 0);
-    TEST_ASSERT_TRUE(cam_rights_is_commander(&r, 12, 1));
-    TEST_ASSERT_EQUAL_INT(cam_err_not_commander, cam_rights_take(&r, 9, false, 0));
-    TEST_ASSERT_EQUAL_INT(cam_err_not_commander, cam_rights_take(&r, 12, false, 0));
-    for (uint32_t i = 0; i < 3u; i++) {
-        TEST_ASSERT_FALSE(cam_rights_is_commander(&r, others[i][0], others[i][1]));
+    static const struct {
+        uint8_t sender;
+        bool takes_over;
+        cam_err_t err;
+        uint8_t commander, session, n_take_overs;
+    } steps[] = {
+        {0, true, cam_err_frame, 0, 0, 0},
+        {255, true, cam_err_frame, 0, 0, 0},
+        {12, false, cam_ok, 12, 1, 0},
+        {9, false, cam_err_not_commander, 12, 1, 0},
+        {12, false, cam_err_not_commander, 12, 1, 0},
+        {9, true, cam_ok, 9, 2, 1},
+        {254, true, cam_ok, 254, 3, 2},
+    };
+    for (uint32_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
+        TEST_ASSERT_EQUAL_INT(steps[i].err,
+                              cam_rights_take(&r, steps[i].sender, steps[i].takes_over, 0));
+        for (uint32_t k = 0; k < 256u * 4u; k++) {
+            const uint8_t sender = (uint8_t)(k / 4u), s = (uint8_t)(k % 4u);
+            const bool is_it =
+                steps[i].commander != 0u && sender == steps[i].commander && s == steps[i].session;
+            TEST_ASSERT_EQUAL(is_it, cam_rights_is_commander(&r, sender, s));
+        }
+        TEST_ASSERT_EQUAL_UINT32(steps[i].n_take_overs, r.n_take_overs);
     }
-    TEST_ASSERT_EQUAL_UINT32(0, r.n_take_overs);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, 9, true, 0));
-    TEST_ASSERT_EQUAL_UINT32(1, r.n_take_overs);
-    TEST_ASSERT_FALSE(cam_rights_is_commander(&r, 12, 1));
-    TEST_ASSERT_TRUE(cam_rights_is_commander(&r, 9, 2));
-}
-
-static void test_a_sender_has_a_number_of_its_own(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_err_frame, cam_rights_take(&r, 0, true, 0));
-    TEST_ASSERT_EQUAL_INT(cam_err_frame, cam_rights_take(&r, 255, true, 0));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, 254, true, 0));
 }
 
 static void test_a_session_is_never_0_and_not_the_last_one(void)
@@ -79,27 +89,24 @@ static void test_a_session_is_never_0_and_not_the_last_one(void)
     }
 }
 
+/// Nobody cannot be lost.
 static void test_command_is_lost_after_a_second_of_silence(void)
 {
-    take(12, 0xFFFFFF00u);
-    TEST_ASSERT_FALSE(cam_rights_poll(&r, 0, 0xFFFFFF00u + hz));
-    cam_rights_hear(&r, 0xFFFFFF00u + hz);
-    TEST_ASSERT_FALSE(cam_rights_poll(&r, 0, 0xFFFFFF00u + 2u * hz));
-    TEST_ASSERT_TRUE(cam_rights_poll(&r, 0, 0xFFFFFF00u + 2u * hz + 1u));
-    TEST_ASSERT_FALSE(cam_rights_poll(&r, 0, 0xFFFFFF00u + 4u * hz));
+    const uint32_t from = 0xFFFFFF00u; // the ticks wrap
+    TEST_ASSERT_FALSE(cam_rights_poll(&r, 0, from));
+    take(12, from);
+    TEST_ASSERT_FALSE(cam_rights_poll(&r, 0, from + hz));
+    cam_rights_hear(&r, from + hz);
+    TEST_ASSERT_FALSE(cam_rights_poll(&r, 0, from + 2u * hz));
+    TEST_ASSERT_TRUE(cam_rights_poll(&r, 0, from + 2u * hz + 1u));
+    TEST_ASSERT_FALSE(cam_rights_poll(&r, 0, from + 4u * hz));
     TEST_ASSERT_FALSE(cam_rights_is_commander(&r, 12, 1));
     TEST_ASSERT_EQUAL_UINT32(1, r.n_losses);
     take(9, 0); // anybody may take it
     TEST_ASSERT_EQUAL_UINT32(0, r.n_take_overs);
-}
-
-static void test_nobody_cannot_be_lost(void)
-{
-    TEST_ASSERT_FALSE(cam_rights_poll(&r, 0, 100u * hz));
-    take(12, 100u * hz);
     cam_rights_release(&r);
-    TEST_ASSERT_FALSE(cam_rights_poll(&r, 0, 200u * hz));
-    TEST_ASSERT_EQUAL_UINT32(0, r.n_losses);
+    TEST_ASSERT_FALSE(cam_rights_poll(&r, 0, 100u * hz));
+    TEST_ASSERT_EQUAL_UINT32(1, r.n_losses);
 }
 
 static void test_a_key_unlocks_for_who_has_command_when_it_is_turned_on(void)
@@ -160,7 +167,7 @@ static void test_the_level_ends_with_command(void)
     TEST_ASSERT_TRUE(cam_rights_poll(&r, hal_in_key, hz + 1u)); // lost
     TEST_ASSERT_EQUAL_INT(cam_level_locked, r.level);
     take(12, hz + 1u);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_unlock(&r, answer_to(ask(hz + 1u)), hz + 1u));
+    expect_unlock(cam_ok, answer_to(ask(hz + 1u)), hz + 1u);
     turn_anew(hz + 2u); // the key takes nothing from an answer
     (void)cam_rights_poll(&r, 0, hz + 2u);
     TEST_ASSERT_EQUAL_INT(cam_level_challenge, r.level);
@@ -188,34 +195,23 @@ static void test_the_level_ends_after_ten_minutes(void)
     TEST_ASSERT_EQUAL_UINT32(0, cam_rights_level_left_s(&r, 6u + 600u * hz));
 }
 
+/// A wrong answer uses it up, another session makes it void; one a second, another each time.
 static void test_a_challenge_is_answered_once(void)
 {
-    take(12, 0);
-    const uint32_t challenge = ask(0);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_unlock(&r, answer_to(challenge), 1));
-    TEST_ASSERT_EQUAL_INT(cam_level_challenge, r.level);
-    cam_rights_lock(&r);
-    TEST_ASSERT_EQUAL_INT(cam_err_unlock, cam_rights_unlock(&r, answer_to(challenge), 2));
-    TEST_ASSERT_EQUAL_INT(cam_level_locked, r.level);
-}
-
-static void test_a_wrong_answer_uses_the_challenge_up(void)
-{
-    take(12, 0);
-    const uint32_t challenge = ask(0);
-    TEST_ASSERT_EQUAL_INT(cam_err_unlock, cam_rights_unlock(&r, answer_to(challenge) ^ 1u, 1));
-    TEST_ASSERT_EQUAL_INT(cam_err_unlock, cam_rights_unlock(&r, answer_to(challenge), 1));
     uint32_t next = 0;
-    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_rights_challenge(&r, hz - 1u, &next));
-    TEST_ASSERT_NOT_EQUAL(challenge, ask(hz)); // one a second, another each time
-}
-
-static void test_a_challenge_belongs_to_its_session(void)
-{
     take(12, 0);
-    const uint32_t challenge = ask(0);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, 9, true, 1));
-    TEST_ASSERT_EQUAL_INT(cam_err_unlock, cam_rights_unlock(&r, answer_to(challenge), 1));
+    const uint32_t first = ask(0);
+    expect_unlock(cam_ok, answer_to(first), 1);
+    cam_rights_lock(&r);
+    expect_unlock(cam_err_unlock, answer_to(first), 2);
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_rights_challenge(&r, hz - 1u, &next));
+    const uint32_t second = ask(hz);
+    TEST_ASSERT_NOT_EQUAL(first, second);
+    expect_unlock(cam_err_unlock, answer_to(second) ^ 1u, hz + 1u);
+    expect_unlock(cam_err_unlock, answer_to(second), hz + 1u);
+    const uint32_t third = ask(2u * hz);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, 9, true, 2u * hz + 1u));
+    expect_unlock(cam_err_unlock, answer_to(third), 2u * hz + 1u);
 }
 
 static void test_challenges_depend_on_when_the_commander_was_heard(void)
@@ -229,6 +225,7 @@ static void test_challenges_depend_on_when_the_commander_was_heard(void)
     TEST_ASSERT_NOT_EQUAL(first, ask(500));
 }
 
+/// A program that calls the machine itself is unlocked.
 static void test_level_of_a_port_without_key_or_secret(void)
 {
     static const struct {
@@ -244,11 +241,7 @@ static void test_level_of_a_port_without_key_or_secret(void)
         (void)cam_rights_poll(&r, cases[i].has_key ? 0u : hal_in_key, 1);
         TEST_ASSERT_EQUAL_INT(cases[i].level, cam_rights_check_level(&r));
         TEST_ASSERT_EQUAL_INT(cases[i].challenge, cam_rights_challenge(&r, 1, &challenge));
+        r.is_bus_calling = false;
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_check_level(&r));
     }
-}
-
-static void test_a_program_that_calls_the_machine_itself_is_unlocked(void)
-{
-    r.is_bus_calling = false;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_check_level(&r));
 }
