@@ -207,6 +207,17 @@ static void test_without_a_table_nothing_starts(void)
     TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
     cam_machine_poll(m);
     TEST_ASSERT_FALSE(m->has_table);
+    m->n_requests = 1; // that one
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(m));
+    until(cam_state_manual);
+    hal_host_fault_estop(true);
+    until(cam_state_fault);
+    cam_machine_stage_begin(m);
+    const uint32_t generation = m->generation;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stage_commit(m)); // there is nothing to judge
+    TEST_ASSERT_EQUAL_UINT32(generation + 1u, m->generation);
+    TEST_ASSERT_EQUAL_UINT32(250, cam_machine_feasibility(m, 250).speed_mrpm);
+    TEST_ASSERT_EQUAL_UINT32(m->params.spindle_mrpm, cam_machine_feasibility(m, 0).speed_mrpm);
 }
 
 /// A slow tick slows the observer. A measurement over a field bus, at slow ticks, is too old for a

@@ -245,24 +245,6 @@ static void test_the_stop_of_a_lost_commander_is_not_forgotten(void)
                           atomic_load(&m->core->config.offered)->play.jog.order.begin);
 }
 
-/// A table that is not there is not judged: after a fault by hand a list that changes nothing is
-/// taken.
-static void test_without_a_table_there_is_nothing_to_judge(void)
-{
-    cam_machine_init(m, &g_cam, 20000, hal_clock_hz());
-    fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(m));
-    fixture_rig_ticks(&rig, 20);
-    hal_host_fault_estop(true);
-    until(cam_state_fault);
-    cam_machine_stage_begin(m);
-    const uint32_t generation = m->generation;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stage_commit(m));
-    TEST_ASSERT_EQUAL_UINT32(generation + 1u, m->generation);
-    TEST_ASSERT_EQUAL_UINT32(250, cam_machine_feasibility(m, 250).speed_mrpm);
-    TEST_ASSERT_EQUAL_UINT32(m->params.spindle_mrpm, cam_machine_feasibility(m, 0).speed_mrpm);
-}
-
 // Hold, overrides and trim
 
 /// Hold needs a cut, resume a hold; while the feed is held the axes follow the table as in the cut,

@@ -205,29 +205,30 @@ static void test_parts_are_set_and_read(void)
 
 enum { x_axis = 1, z_axis = 2 };
 
-/// Send a command, which must be carried out. @return the value of its answer
-static int32_t done(uint8_t command, uint8_t axis, int32_t value)
+static int32_t position(uint8_t axis)
 {
-    const fixture_answer_t answer = fixture_can_command(&f, command, axis, value);
-    TEST_ASSERT_EQUAL_UINT32(command, answer.command);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, answer.result);
-    fixture_can_loop(&f, 20);
-    return answer.value;
+    fixture_can_loop(&f, 2000);
+    return fixture_can_command(&f, get_position, axis, 0).value;
 }
 
+/// Wrong axes and values are refused, with the limit.
 static void test_jog_and_step_move_their_axis(void)
 {
-    (void)done(manual, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(cam_err_state, result_of(jog, x_axis, 1));
+    expect_answer(cam_ok, 0, manual, 0, 0);
+    loop_until(cam_state_manual);
+    TEST_ASSERT_EQUAL_INT32(cam_err_hand_axis, result_of(jog, 3, 1));
+    TEST_ASSERT_EQUAL_INT32(cam_err_hand_axis, result_of(get_position, 200, 0));
+    expect_answer(cam_err_hand_speed, 10000, jog, x_axis, INT32_MIN);
+    const int32_t from_nm = position(x_axis);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, result_of(jog, x_axis, 5000));
+    fixture_can_loop(&f, 20);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, result_of(jog, x_axis, 0));
+    TEST_ASSERT_GREATER_THAN_INT32(from_nm + 100, position(x_axis));
+    TEST_ASSERT_EQUAL_INT32(hal_host.out.axis[hal_axis_x].pos_nm, position(x_axis));
+    TEST_ASSERT_EQUAL_INT32(cam_ok, result_of(step, z_axis, -1000));
+    TEST_ASSERT_EQUAL_INT32(-1000, position(z_axis));
     TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
-    (void)done(jog, x_axis, 5000);
-    (void)done(jog, x_axis, 0);
-    fixture_can_loop(&f, 2000);
-    const int32_t x_nm = done(get_position, x_axis, 0);
-    TEST_ASSERT_EQUAL_INT32(hal_host.out.axis[hal_axis_x].pos_nm, x_nm);
-    TEST_ASSERT_GREATER_THAN_INT32(100, x_nm);
-    (void)done(step, z_axis, -1000);
-    fixture_can_loop(&f, 2000);
-    TEST_ASSERT_EQUAL_INT32(-1000, done(get_position, z_axis, 0));
 }
 
 static void test_home_zero_and_tool_change_the_position(void)
@@ -236,27 +237,20 @@ static void test_home_zero_and_tool_change_the_position(void)
     for (uint32_t axis = 0; axis < (uint32_t)hal_n_axes; axis++) {
         TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&f.rig, homes[axis], 1));
     }
-    (void)done(manual, 0, 0);
-    for (uint32_t axis = 0; axis < (uint32_t)hal_n_axes; axis++) {
-        (void)done(home_axis, (uint8_t)axis, 0);
+    expect_answer(cam_ok, 0, manual, 0, 0);
+    loop_until(cam_state_manual);
+    for (uint8_t axis = 0; axis < hal_n_axes; axis++) {
+        TEST_ASSERT_EQUAL_INT32(cam_ok, result_of(home_axis, axis, 0));
+        fixture_can_loop(&f, 20);
     }
     TEST_ASSERT_EQUAL_HEX32(7, fixture_rig_status(&f.rig).jog.homed);
-    TEST_ASSERT_EQUAL_INT32(40006000, done(zero_x, 0, 80012000));
-    TEST_ASSERT_EQUAL_INT32(-5, done(zero_z, 0, -5));
-    TEST_ASSERT_EQUAL_INT32(3, done(set, cam_param_tool, 3));
+    expect_answer(cam_ok, 40006000, zero_x, 0, 80012000);
+    fixture_can_loop(&f, 20);
+    expect_answer(cam_ok, -5, zero_z, 0, -5);
+    fixture_can_loop(&f, 20);
+    expect_answer(cam_ok, 3, set, cam_param_tool, 3);
     TEST_ASSERT_EQUAL_INT32(3, f.rig.machine.params.tool);
-}
-
-static void test_wrong_axes_and_values_are_refused_with_the_limit(void)
-{
-    TEST_ASSERT_EQUAL_INT32(cam_err_state, result_of(jog, x_axis, 1));
-    (void)done(manual, 0, 0);
-    TEST_ASSERT_EQUAL_INT32(cam_err_hand_axis, result_of(jog, 3, 1));
-    TEST_ASSERT_EQUAL_INT32(cam_err_hand_axis, result_of(get_position, 200, 0));
-    expect_answer(cam_err_hand_speed, 10000, jog, x_axis, INT32_MIN);
     TEST_ASSERT_EQUAL_INT32(cam_err_param_range, result_of(set, cam_param_tool, 5));
-    fixture_can_loop(&f, 100);
-    TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
 }
 
 // Frames that no tool should send; tests/fuzz sends random ones
