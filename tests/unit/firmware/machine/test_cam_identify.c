@@ -368,7 +368,7 @@ static void test_downloads_out_of_order_are_refused(void)
     TEST_ASSERT_EQUAL_INT(cam_err_scope_on, cam_machine_wave_begin(m, 64));
 }
 
-/// A minute at 20 kHz, its fades included, has 1 200 000 ticks.
+/// A minute at 20 kHz, its fades included, has 1 200 000 ticks. A release forgets the wave.
 static void test_length_of_an_excitation_is_limited(void)
 {
     static const struct {
@@ -385,12 +385,6 @@ static void test_length_of_an_excitation_is_limited(void)
         TEST_ASSERT_EQUAL_INT(!cases[i].is_good, found.err == cam_err_wave_length);
         TEST_ASSERT_TRUE(cases[i].is_good || found.value == 1200000);
     }
-}
-
-static void test_a_release_forgets_the_wave(void)
-{
-    wave[1] = 1000000; // a step that no axis could follow
-    to_ready();
     TEST_ASSERT_NOT_EQUAL_INT(cam_err_wave_none, cam_machine_excite(m, 1, 16).err);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_release(m));
     TEST_ASSERT_EQUAL_INT(cam_err_wave_none, cam_machine_excite(m, 1, 16).err);
@@ -552,9 +546,22 @@ static void expect_refused(cam_err_t err, int32_t value)
     TEST_ASSERT_EQUAL_INT32(value, v.value);
 }
 
+/// The unit is one of two, and a force needs its port.
 static void test_wave_beyond_the_force_limit_or_out_of_the_stroke_is_refused(void)
 {
     to_force();
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_range, set_unit(2));
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_range, set_unit(-1));
+    TEST_ASSERT_EQUAL_INT32(1, field(cam_scope_field_wave_unit));
+    TEST_ASSERT_EQUAL_INT(cam_ok, set_unit(0));
+    hal_host.slow.force.quantum_un = 0;
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_unit, set_unit(1));
+    TEST_ASSERT_EQUAL_INT(cam_ok, set_unit(0));
+    TEST_ASSERT_EQUAL_INT32(0, field(cam_scope_field_wave_unit));
+    hal_host.slow.force.quantum_un = 20000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, set_unit(1));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_begin(m, sizeof wave)); // of an older tool
+    TEST_ASSERT_EQUAL_INT32(0, field(cam_scope_field_wave_unit));
     const int32_t limit_mn = m->params.servo_force_limit_mn;
     wave[5] = -limit_mn - 1;
     load_force();
@@ -584,21 +591,4 @@ static void test_x_must_be_clear_of_all_of_us_travel(void)
     expect_refused(cam_ok, 0);
     go_on(1, true);
     TEST_ASSERT_EQUAL_INT32(2 * travel_nm, g_cam.config.in_use->guard.following_nm);
-}
-
-static void test_unit_is_one_of_two_and_a_force_needs_its_port(void)
-{
-    to_force();
-    TEST_ASSERT_EQUAL_INT(cam_err_scope_range, set_unit(2));
-    TEST_ASSERT_EQUAL_INT(cam_err_scope_range, set_unit(-1));
-    TEST_ASSERT_EQUAL_INT32(1, field(cam_scope_field_wave_unit));
-    TEST_ASSERT_EQUAL_INT(cam_ok, set_unit(0));
-    hal_host.slow.force.quantum_un = 0;
-    TEST_ASSERT_EQUAL_INT(cam_err_wave_unit, set_unit(1));
-    TEST_ASSERT_EQUAL_INT(cam_ok, set_unit(0));
-    TEST_ASSERT_EQUAL_INT32(0, field(cam_scope_field_wave_unit));
-    hal_host.slow.force.quantum_un = 20000;
-    TEST_ASSERT_EQUAL_INT(cam_ok, set_unit(1));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_begin(m, sizeof wave)); // of an older tool
-    TEST_ASSERT_EQUAL_INT32(0, field(cam_scope_field_wave_unit));
 }

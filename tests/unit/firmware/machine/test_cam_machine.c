@@ -210,6 +210,9 @@ static void test_without_a_table_nothing_starts(void)
     m->n_requests = 1; // that one
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(m));
     until(cam_state_manual);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(m, hal_axis_x, 1000).err);
+    fixture_rig_ticks(&rig, 1000);
+    TEST_ASSERT_GREATER_THAN_INT32(10000, hal_host.out.axis[hal_axis_x].pos_nm);
     hal_host_fault_estop(true);
     until(cam_state_fault);
     cam_machine_stage_begin(m);

@@ -88,16 +88,6 @@ static void test_gains_and_limits_of_a_jogged_u_wait_until_it_rests(void)
     TEST_ASSERT_EQUAL_INT(cam_err_u_speed, cam_machine_check_speed(machine(), 0));
 }
 
-static void test_manual_needs_no_table(void)
-{
-    cam_machine_init(machine(), &g_cam, 20000, hal_clock_hz());
-    fixture_rig_tick(&rig);
-    to_manual();
-    expect_jog(cam_ok, hal_axis_x, 1000);
-    fixture_rig_ticks(&rig, 1000);
-    TEST_ASSERT_GREATER_THAN_INT32(10000, hal_host.out.axis[hal_axis_x].pos_nm);
-}
-
 static void test_refusals_carry_the_limit(void)
 {
     set(cam_param_x_low_nm, -2 * mm);

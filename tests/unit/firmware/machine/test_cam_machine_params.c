@@ -44,6 +44,7 @@ static void test_commit_brings_all_into_force_in_one_tick(void)
     TEST_ASSERT_EQUAL_INT(cam_err_params_begin, cam_machine_stage_commit(m)); // once
 }
 
+/// A commit is refused as a whole, also after a change by another.
 static void test_commit_that_is_refused_leaves_all_as_they_were(void)
 {
     TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_ready));
@@ -58,10 +59,7 @@ static void test_commit_that_is_refused_leaves_all_as_they_were(void)
     stage(cam_param_spindle_limit_mrpm, 1000000);
     TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, cam_machine_stage_commit(m));
     TEST_ASSERT_EQUAL_MEMORY(&before, &m->params, sizeof before);
-}
-
-static void test_commit_after_a_change_by_another_is_refused(void)
-{
+    setUp();
     TEST_ASSERT_EQUAL_INT(cam_err_params_begin, cam_machine_stage(m, cam_param_k1_ns, 5));
     cam_machine_stage_begin(m);
     stage(cam_param_k1_ns, 5);

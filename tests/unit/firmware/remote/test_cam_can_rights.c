@@ -252,6 +252,7 @@ static void test_lines_name_the_commander_and_the_refused_sender(void)
 
 // Level: limits, tables, and what is kept; never in the work
 
+/// The lock is for the bus: what is set at the machine itself needs no key.
 static void test_locked_limits_and_tables_stay_and_the_refusal_says_why(void)
 {
     static const uint8_t locked[] = {select_table, begin_download, end_download, set_learned};
@@ -266,15 +267,10 @@ static void test_locked_limits_and_tables_stay_and_the_refusal_says_why(void)
     hal_host_turn_key(true);
     fixture_can_loop(&f, 2);
     expect_answer(cam_ok, 2000000, set, cam_param_u_stroke_nm, 2000000);
-}
-
-/// The lock is for the bus: what is carried out for it ends with its answer.
-static void test_what_is_set_at_the_machine_itself_needs_no_key(void)
-{
     expect_answer(cam_ok, 0, lock, 0, 0);
-    expect_answer(cam_err_locked, 1200000, set, cam_param_u_stroke_nm, 2000000);
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&f.rig, cam_param_u_stroke_nm, 2000000));
     expect_answer(cam_err_locked, 2000000, set, cam_param_u_stroke_nm, 1200000);
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&f.rig, cam_param_u_stroke_nm, 1200000));
+    expect_answer(cam_err_locked, 1200000, set, cam_param_u_stroke_nm, 2000000);
 }
 
 static void test_a_commit_that_changes_a_limit_is_refused_as_a_whole(void)

@@ -157,6 +157,7 @@ static void ask_for_piece(uint32_t n)
     fixture_can_receive(0x640, 8, read_scope, 7, (int32_t)(n << 24));
 }
 
+/// A block ends it.
 static void test_a_full_queue_delays_a_piece(void)
 {
     ask_for_piece(100);
@@ -167,6 +168,14 @@ static void test_a_full_queue_delays_a_piece(void)
     hal_host.slow.n_room = 1000;
     go_on(1000);
     expect_parts(0, 100, 7);
+    ask_for_piece(255);
+    go_on(100);
+    TEST_ASSERT_GREATER_THAN_UINT32(0, n_piece);
+    const hal_can_frame_t single = {.id = 0x6C0, .n = 8, .data = {7}};
+    (void)hal_host_can_receive(&single);
+    go_on(2000);
+    TEST_ASSERT_EQUAL_UINT32(0, last.id); // the piece has no answer
+    TEST_ASSERT_LESS_THAN_UINT32(255u * 4u, n_piece);
 }
 
 static void test_a_command_ends_a_piece_and_a_new_recording_too(void)
@@ -193,18 +202,6 @@ static void test_a_command_ends_a_piece_and_a_new_recording_too(void)
     go_on(10);
     TEST_ASSERT_EQUAL_INT32(cam_err_scope_range, fixture_can_answer(&last).result);
     TEST_ASSERT_EQUAL_INT32(0, fixture_can_answer(&last).value);
-}
-
-static void test_a_block_ends_a_piece(void)
-{
-    ask_for_piece(255);
-    go_on(100);
-    TEST_ASSERT_GREATER_THAN_UINT32(0, n_piece);
-    const hal_can_frame_t single = {.id = 0x6C0, .n = 8, .data = {7}};
-    (void)hal_host_can_receive(&single);
-    go_on(2000);
-    TEST_ASSERT_EQUAL_UINT32(0, last.id); // the piece has no answer
-    TEST_ASSERT_LESS_THAN_UINT32(255u * 4u, n_piece);
 }
 
 /// Of a recording that was released, too.

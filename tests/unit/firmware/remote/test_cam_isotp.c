@@ -157,6 +157,7 @@ static void test_wrong_sequence_breaks(void)
     }
 }
 
+/// A new message takes the place of the old.
 static void test_a_late_frame_breaks(void)
 {
     begin(300);
@@ -166,10 +167,6 @@ static void test_a_late_frame_breaks(void)
     TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, since + timeout_ticks + 2u));
     expect_idle();
     send_whole(300);
-}
-
-static void test_a_new_message_takes_the_place_of_the_old(void)
-{
     static const uint8_t one[] = {1, 0};
     begin(300);
     TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_next(1, 6, 7));

@@ -75,49 +75,46 @@ static void test_start_has_its_reason(void)
     }
 }
 
-static void test_parameters_have_a_line_as_they_were_found(void)
+/// As they were found, and one for each kind of kept ones that are not used.
+static void test_parameters_have_their_lines(void)
 {
-    machine.kept = (cam_param_store_found_t){.version = 4294967295u};
-    cam_log_text_params(&machine);
-    TEST_ASSERT_EQUAL_STRING("params: version 4294967295 in use", line());
-    machine.kept = (cam_param_store_found_t){.version = 0, .is_torn = true};
-    cam_log_text_params(&machine);
-    TEST_ASSERT_EQUAL_STRING("params: version 0 in use, what was to be saved after it is not whole",
-                             line());
+    static const struct {
+        cam_param_store_found_t kept;
+        const char *lines[6]; // the newest first
+    } cases[] = {
+        {{.version = 4294967295u}, {"params: version 4294967295 in use"}},
+        {{.version = 0, .is_torn = true},
+         {"params: version 0 in use, what was to be saved after it is not whole"}},
+        {{.version = 12,
+          .n_retired = 64,
+          .n_unknown = 1,
+          .n_unfit = 20,
+          .n_missing = 300,
+          .unfit = cam_param_feed_nm,
+          .missing = cam_param_k1_ns,
+          .unknown = "colour"},
+         {"params: 300 not among those kept, at default, first k1_ns",
+          "params: 20 out of range and left at default, first feed_nm",
+          "params: 1 unknown to this firmware and left out, first colour",
+          "params: 64 retired and ignored", "params: version 12 in use"}},
+        {{.version = 7, .n_missing = 1, .missing = cam_n_params}, // which has no name
+         {"params: 1 not among those kept, at default, first ", "params: version 7 in use"}},
+    };
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const uint32_t n_before = hal_host.n_lines;
+        uint32_t n = 0;
+        machine.kept = cases[i].kept;
+        cam_log_text_params(&machine);
+        for (; cases[i].lines[n] != NULL; n++) {
+            TEST_ASSERT_EQUAL_STRING(cases[i].lines[n], line_before(n));
+        }
+        TEST_ASSERT_EQUAL_UINT32(n_before + n, hal_host.n_lines);
+    }
+    n_seen = hal_host.n_lines;
     machine.kept.err = cam_err_params_none;
     cam_log_text_params(&machine);
     TEST_ASSERT_NOT_NULL(strstr(line_before(0), " - defaults in use"));
     TEST_ASSERT_EQUAL_INT(0, strncmp("params: ", line(), 8));
-}
-
-/// A line for each kind of kept ones that are not used, and only where there is one.
-static void test_parameters_that_are_not_used_have_a_line(void)
-{
-    machine.kept = (cam_param_store_found_t){.version = 12,
-                                             .n_retired = 64,
-                                             .n_unknown = 1,
-                                             .n_unfit = 20,
-                                             .n_missing = 300,
-                                             .unfit = cam_param_feed_nm,
-                                             .missing = cam_param_k1_ns,
-                                             .unknown = "colour"};
-    cam_log_text_params(&machine);
-    TEST_ASSERT_EQUAL_UINT32(5, hal_host.n_lines);
-    TEST_ASSERT_EQUAL_STRING("params: version 12 in use", line_before(4));
-    TEST_ASSERT_EQUAL_STRING("params: 64 retired and ignored", line_before(3));
-    TEST_ASSERT_EQUAL_STRING("params: 1 unknown to this firmware and left out, first colour",
-                             line_before(2));
-    TEST_ASSERT_EQUAL_STRING("params: 20 out of range and left at default, first feed_nm",
-                             line_before(1));
-    TEST_ASSERT_EQUAL_STRING("params: 300 not among those kept, at default, first k1_ns",
-                             line_before(0));
-    machine.kept.n_retired = 0;
-    machine.kept.n_unknown = 0;
-    machine.kept.n_missing = 1;
-    machine.kept.missing = cam_n_params; // which has no name
-    cam_log_text_params(&machine);
-    TEST_ASSERT_EQUAL_UINT32(8, hal_host.n_lines);
-    TEST_ASSERT_EQUAL_STRING("params: 1 not among those kept, at default, first ", line_before(0));
 }
 
 /// Axes of which the port knows nothing are left out; where it knows none there is no line.

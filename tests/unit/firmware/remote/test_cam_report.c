@@ -381,17 +381,6 @@ static void test_values_are_bounded_by_their_bits(void)
     expect(most_24, 15, 8, 24);
 }
 
-/// The seconds that are left for enable are rounded up.
-static void test_button_is_sent_with_its_seconds(void)
-{
-    static const uint32_t cases[][2] = {{25000, 50}, {24999, 51}, {25001, 50}, {149999, 1}};
-    status.acknowledge.phase = cam_acknowledge_given;
-    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        status.acknowledge.n_plans = cases[i][0];
-        expect(cases[i][1], 25, 40, 8);
-    }
-}
-
 /// The mean is that of the interrupts that were looked at since the page was sent last, sent or
 /// not, in 10 ns; the longest is that since the start, in ns. Both end with their bits.
 static void test_time_of_the_interrupt_is_sent(void)
@@ -424,8 +413,9 @@ static void test_time_of_the_interrupt_is_sent(void)
     expect(0, 1, 32, 32);
 }
 
-/// In 1 / 128 turn, the speed of the pass in 1 / 100 r/min.
-static void test_progress_is_sent(void)
+/// In 1 / 128 turn, the speed of the pass in 1 / 100 r/min; the seconds that are left for enable
+/// are rounded up.
+static void test_progress_and_seconds_of_the_button_are_sent(void)
 {
     const cam_progress_t p = cam_progress(m);
     TEST_ASSERT_TRUE(p.has_end);
@@ -434,6 +424,12 @@ static void test_progress_is_sent(void)
     expect((uint64_t)(p.left_q32 >> 25), 23, 9, 27);
     expect((uint64_t)(p.whole_q32 >> 25), 23, 36, 27);
     expect(p.mrpm / 10u, 24, 8, 24);
+    static const uint32_t cases[][2] = {{25000, 50}, {24999, 51}, {25001, 50}, {149999, 1}};
+    status.acknowledge.phase = cam_acknowledge_given;
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        status.acknowledge.n_plans = cases[i][0];
+        expect(cases[i][1], 25, 40, 8);
+    }
 }
 
 static void test_every_page_comes_in_turn(void)
