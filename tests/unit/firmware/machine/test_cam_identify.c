@@ -56,6 +56,10 @@ void setUp(void)
         wave[i] = (int32_t)(20000.0 * sin(6.283185307179586 * i / n));
     }
     set_place(place_nm);
+    // The recording of a wave begins with it, whatever its last one waited for.
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_set(m, cam_scope_field_before, 5));
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_machine_scope_set(m, cam_scope_field_trigger, cam_trigger_time));
 }
 
 /// Ticks with the main loop between them, with signs of life or without.

@@ -54,9 +54,12 @@ static void test_fade_takes_its_ticks(void)
     }
 }
 
+/// The wave is one of positions, or of force where a force has a limit.
 static void expect(cam_err_t err, int32_t value, int32_t place_nm)
 {
-    const cam_verdict_t v = cam_wave_judge(&range, &fade, place_nm, &cfg, tick_hz);
+    const cam_verdict_t v = cfg.force.servo.limit_q6 > 0
+                                ? cam_wave_judge_force(&range, place_nm, &cfg)
+                                : cam_wave_judge(&range, &fade, place_nm, &cfg, tick_hz);
     TEST_ASSERT_EQUAL_INT(err, v.err);
     TEST_ASSERT_EQUAL_INT32(value, v.value);
 }
@@ -70,27 +73,20 @@ static void test_stroke_is_that_of_both_sides(void)
     expect(cam_err_wave_stroke, 500001, 490001);
 }
 
-static void expect_force(cam_err_t err, int32_t value, int32_t place_nm)
-{
-    const cam_verdict_t v = cam_wave_judge_force(&range, place_nm, &cfg);
-    TEST_ASSERT_EQUAL_INT(err, v.err);
-    TEST_ASSERT_EQUAL_INT32(value, v.value);
-}
-
 /// Of either sense, whatever it would be as a motion; then the position is that of the wave.
 static void test_force_is_within_its_limit(void)
 {
     cfg.force.servo.limit_q6 = 20000 * 64;
     range.step_nm = range.bend_nm = 40000;
-    expect_force(cam_ok, 0, -500000);
-    expect_force(cam_err_wave_stroke, 500001, 500001);
+    expect(cam_ok, 0, -500000);
+    expect(cam_err_wave_stroke, 500001, 500001);
     range.low_nm = -20001;
-    expect_force(cam_err_wave_force, 20001, 500001);
+    expect(cam_err_wave_force, 20001, 500001);
     range.low_nm = 0;
     range.high_nm = 20001;
-    expect_force(cam_err_wave_force, 20001, 0);
+    expect(cam_err_wave_force, 20001, 0);
     range.low_nm = INT32_MIN;
-    expect_force(cam_err_wave_force, INT32_MAX, 0);
+    expect(cam_err_wave_force, INT32_MAX, 0);
 }
 
 /// Speed: the steps of the samples, and what the gain adds by its own speed to the largest of them.

@@ -118,18 +118,6 @@ static void test_writing_that_stopped_is_refused_wherever_it_stopped(void)
     TEST_ASSERT_EQUAL_INT32(cam_ok, send(select_table));
 }
 
-static void test_size_in_the_header_that_cannot_be(void)
-{
-    static const uint32_t sizes[] = {0, 31, 127, fixture_image_capacity + 32, UINT32_MAX};
-    begin();
-    for (uint32_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
-        fixture_image_put(&f.rig.image, fixture_at_image_size, sizes[i]);
-        expect_start_without_table(cam_err_image_size);
-    }
-    fixture_image_put(&f.rig.image, fixture_at_image_size, (uint32_t)f.rig.image.size - 32u);
-    expect_start_without_table(cam_err_image_crc);
-}
-
 static void test_select_takes_a_table_written_after_the_start_or_the_damage(void)
 {
     f.rig.image.bytes[0] ^= 1u;
