@@ -58,15 +58,6 @@ bool stm_flash_erase(uint32_t address, uint32_t bytes)
     return true;
 }
 
-static void tear(size_t i, const uint8_t *bytes, uint32_t n)
-{
-    flash.is_unreadable[i] = torn == torn_unreadable;
-    if (torn == torn_as_half) {
-        memcpy(&stm_params_start[i * stm_flash_word_bytes], bytes, n / 2u);
-    }
-    longjmp(supply_falls, 1);
-}
-
 bool stm_flash_program(uint32_t address, const uint8_t *bytes, uint32_t n)
 {
     for (uint32_t at = 0; at < n; at += stm_flash_word_bytes) {
@@ -77,7 +68,10 @@ bool stm_flash_program(uint32_t address, const uint8_t *bytes, uint32_t n)
         }
         flash.is_used[i] = true;
         if (is_cut()) {
-            tear(i, bytes + at, n_here);
+            flash.is_unreadable[i] = torn == torn_unreadable;
+            memcpy(&stm_params_start[i * stm_flash_word_bytes], bytes + at,
+                   torn == torn_as_half ? n_here / 2u : 0u);
+            longjmp(supply_falls, 1);
         }
         memcpy((void *)(uintptr_t)(address + at), bytes + at, n_here);
     }

@@ -131,7 +131,6 @@ static void test_a_wave_is_played_recorded_and_left(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(m)); // a cut follows as ever
 }
 
-/// Until it is at its position U has nothing of the wave.
 static void test_the_way_to_the_place_is_without_the_wave(void)
 {
     begin();
@@ -213,9 +212,8 @@ static void test_begin_and_end_need_room(void)
     expect_end(cam_excited_done, cam_state_ready);
 }
 
-/// A command that is not obeyed yet, a black box that nobody has read, which is not overwritten by
-/// a wave, and neither is the wave by it, and a memory in which some rows of the three signals do
-/// not fit after the wave: nothing is handed over.
+/// A black box that nobody has read, a memory without room for rows of three signals after the wave,
+/// and a command that is not obeyed yet. A box that only waits for a fault gives way.
 static void test_what_is_in_the_way_of_a_begin(void)
 {
     to_ready();

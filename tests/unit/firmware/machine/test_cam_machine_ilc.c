@@ -160,7 +160,6 @@ static void test_a_correction_and_a_ripple_are_handed_over(void)
     TEST_ASSERT_EQUAL_INT16(0, offered()->dm[1]);
 }
 
-/// Each of the three reasons to work suffices: learning of U, of the ripple, a walk not yet ended.
 static void test_each_reason_to_work_suffices(void)
 {
     static const struct {

@@ -68,8 +68,7 @@ static void test_commit_that_is_refused_leaves_all_as_they_were(void)
     TEST_ASSERT_EQUAL_INT32(0, m->params.k1_ns);
 }
 
-/// The feed-forward changes in ready without a step of U's command, and not before U has come to
-/// rest.
+/// Without a step of U's command.
 static void test_feed_forward_changes_in_ready_while_u_rests(void)
 {
     TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_cutting));

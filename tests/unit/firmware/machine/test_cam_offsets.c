@@ -45,7 +45,6 @@ static void test_shift_is_that_of_an_axis_that_was_homed(void)
     }
 }
 
-/// Each axis has the parameters of its own name.
 static void test_each_axis_has_its_parameters(void)
 {
     cam_params_t p = cam_param_defaults();

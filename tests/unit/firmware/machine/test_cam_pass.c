@@ -85,7 +85,6 @@ static void test_records_out_of_range_are_refused(void)
     }
 }
 
-/// The highest speed is that of the pass that allows the least, wherever it stands.
 static void test_highest_speed_is_that_of_the_pass_that_allows_the_least(void)
 {
     cam_params_t params = cam_param_defaults();

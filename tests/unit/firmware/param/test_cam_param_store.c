@@ -123,7 +123,6 @@ static void test_checksum_differs_by_every_parameter(void)
     TEST_ASSERT_EQUAL_UINT32(before, cam_param_store_checksum(&params));
 }
 
-/// A sense is +1 or -1; none of them may be 0.
 static void test_no_sense_is_zero(void)
 {
     static const cam_param_id_t sense[] = {cam_param_encoder_sign, cam_param_u_home_sense,

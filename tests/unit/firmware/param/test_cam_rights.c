@@ -89,7 +89,7 @@ static void test_a_session_is_never_0_and_not_the_last_one(void)
     }
 }
 
-/// Nobody cannot be lost.
+/// While nobody commands there is no loss.
 static void test_command_is_lost_after_a_second_of_silence(void)
 {
     const uint32_t from = 0xFFFFFF00u; // the ticks wrap

@@ -225,7 +225,7 @@ static void test_a_new_begin_forgets_what_came(void)
     expect_old_in_force();
 }
 
-/// With the same content.
+/// With other content they are refused.
 static void test_repeated_blocks_are_accepted_once(void)
 {
     expect_begin();

@@ -98,26 +98,6 @@ static void test_sectors_without_a_whole_table_are_refused(void)
     }
 }
 
-static void test_writing_that_stopped_is_refused_wherever_it_stopped(void)
-{
-    static uint8_t good[8192];
-    const uint32_t size = (uint32_t)f.rig.image.size;
-    TEST_ASSERT_LESS_OR_EQUAL_UINT32(sizeof good, size);
-    memcpy(good, f.rig.image.bytes, size);
-    for (uint32_t n = 0; n < size; n += 16u) { // in the pieces that flash programs at once
-        memset(f.rig.image.bytes, 0xFF, size);
-        memcpy(f.rig.image.bytes, good, n);
-        run();
-        const cam_err_t err = n == 0u    ? cam_err_image_magic
-                              : n == 16u ? cam_err_image_size // the header's size is not there yet
-                                         : cam_err_image_crc;
-        TEST_ASSERT_EQUAL_INT32(err, send(enable));
-    }
-    expect_start_without_table(cam_err_image_crc);
-    memcpy(f.rig.image.bytes, good, size);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, send(select_table));
-}
-
 static void test_select_takes_a_table_written_after_the_start_or_the_damage(void)
 {
     f.rig.image.bytes[0] ^= 1u;

@@ -232,7 +232,6 @@ static void test_state_and_faults_have_lines_one_at_a_time(void)
     }
 }
 
-/// Level, and a start without a steady spindle.
 static void test_level_and_spindle_have_a_line_once(void)
 {
     machine.rights.level = cam_level_key;
