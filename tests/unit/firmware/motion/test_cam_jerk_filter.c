@@ -47,8 +47,16 @@ static void check_step(const bound_t *b, const cam_axis_motion_t *before,
     TEST_ASSERT_LESS_OR_EQUAL_INT64(2 * b->most_acc_q10 / n + 2, jerk);
 }
 
-/// Lead to a target and check every step. @return largest travel beyond the target
-static int64_t drive(cam_axis_motion_t *m, const cam_motion_limits_t *limits, int64_t target_q10)
+static bool move(cam_axis_motion_t *m, const cam_motion_limits_t *limits, bool is_braked,
+                 int64_t target_q10)
+{
+    return is_braked ? cam_jerk_filter_stop_isr(&filter, m, limits)
+                     : cam_jerk_filter_to_isr(&filter, m, limits, target_q10);
+}
+
+/// Move to a target, or brake, and check every step. @return largest travel beyond the target
+static int64_t drive(cam_axis_motion_t *m, const cam_motion_limits_t *limits, bool is_braked,
+                     int64_t target_q10)
 {
     enum { patience = 400000 };
     const bound_t bound = bound_of(limits, m);
@@ -57,17 +65,17 @@ static int64_t drive(cam_axis_motion_t *m, const cam_motion_limits_t *limits, in
     bool is_there = false;
     for (int i = 0; i < patience && !is_there; i++) {
         const cam_axis_motion_t before = *m;
-        is_there = cam_jerk_filter_to_isr(&filter, m, limits, target_q10);
+        is_there = move(m, limits, is_braked, target_q10);
         check_step(&bound, &before, m);
         const int64_t past = was_below ? m->pos_q10 - target_q10 : target_q10 - m->pos_q10;
         beyond = larger(beyond, past);
     }
     TEST_ASSERT_TRUE(is_there);
-    TEST_ASSERT_EQUAL_INT64(target_q10, m->pos_q10);
     TEST_ASSERT_EQUAL_INT32(0, m->vel_q10);
+    const int64_t end_q10 = is_braked ? m->pos_q10 : target_q10;
     for (int i = 0; i < 3; i++) { // and it stays there
-        TEST_ASSERT_TRUE(cam_jerk_filter_to_isr(&filter, m, limits, target_q10));
-        TEST_ASSERT_EQUAL_INT64(target_q10, m->pos_q10);
+        TEST_ASSERT_EQUAL_INT64(end_q10, m->pos_q10);
+        TEST_ASSERT_TRUE(move(m, limits, is_braked, target_q10));
     }
     TEST_ASSERT_EQUAL_INT32(0, m->acc_q10);
     return beyond;
@@ -84,12 +92,12 @@ static cam_motion_limits_t random_limits(fixture_random_t *dice)
     return (cam_motion_limits_t){speed, acceleration, log2_window};
 }
 
-/// From rest it passes its target by little; from any motion, too, it ends there.
+/// From rest it passes its target by little; from any motion, too, it ends there, or brakes.
 static void test_glide_keeps_every_limit_and_lands_exactly(void)
 {
     fixture_random_t dice = {.state = 7};
-    for (int i = 0; i < 4500; i++) {
-        const bool is_at_rest = i % 3 == 0;
+    for (int i = 0; i < 5500; i++) {
+        const bool is_at_rest = i % 4 == 0;
         const cam_motion_limits_t limits = random_limits(&dice);
         const int32_t v = is_at_rest ? 0 : limits.speed_q10;
         const int32_t a = is_at_rest ? 0 : limits.acceleration_q10;
@@ -101,7 +109,7 @@ static void test_glide_keeps_every_limit_and_lands_exactly(void)
         cam_jerk_filter_begin_isr(&filter, &m, limits.log2_window);
         const int64_t way = fixture_random_range(&dice, -200, 200) * limits.speed_q10 +
                             fixture_random_range(&dice, -1000, 1000);
-        const int64_t beyond = drive(&m, &limits, m.pos_q10 + way);
+        const int64_t beyond = drive(&m, &limits, i % 4 == 1, m.pos_q10 + way);
         TEST_ASSERT_TRUE(!is_at_rest || beyond <= limits.acceleration_q10 / 8 + 1);
     }
 }
@@ -159,28 +167,6 @@ static void test_glide_takes_a_window_longer_than_the_motion_without_a_limit_of_
     TEST_ASSERT_EQUAL_UINT32(n_plain + 31u, n); // the first zero of both counts
 }
 
-static void test_glide_brakes_to_rest_within_its_limits(void)
-{
-    fixture_random_t dice = {.state = 13};
-    for (int i = 0; i < 1000 / fixture_rarer; i++) {
-        const cam_motion_limits_t limits = random_limits(&dice);
-        const int32_t a = limits.acceleration_q10;
-        cam_axis_motion_t m = {
-            .vel_q10 = (int32_t)fixture_random_range(&dice, -limits.speed_q10, limits.speed_q10),
-            .acc_q10 = (int32_t)fixture_random_range(&dice, -a, a)};
-        const bound_t bound = bound_of(&limits, &m);
-        cam_jerk_filter_begin_isr(&filter, &m, limits.log2_window);
-        bool is_at_rest = false;
-        for (int k = 0; k < 2000 && !is_at_rest; k++) {
-            const cam_axis_motion_t before = m;
-            is_at_rest = cam_jerk_filter_stop_isr(&filter, &m, &limits);
-            check_step(&bound, &before, &m);
-        }
-        TEST_ASSERT_TRUE(is_at_rest);
-        TEST_ASSERT_EQUAL_INT32(0, m.vel_q10);
-    }
-}
-
 /// Another window counts from the next rest on, and other numbers of the axis at once.
 static void test_glide_takes_another_window_at_rest_and_other_numbers_at_once(void)
 {
@@ -202,5 +188,5 @@ static void test_glide_takes_another_window_at_rest_and_other_numbers_at_once(vo
     }
     (void)cam_jerk_filter_to_isr(&filter, &m, &limits, 51000000);
     TEST_ASSERT_EQUAL_UINT32(5, filter.log2_window);
-    (void)drive(&m, &limits, 0);
+    (void)drive(&m, &limits, false, 0);
 }

@@ -86,17 +86,6 @@ static void test_move_slower_than_a_step_of_acceleration_keeps_its_speed(void)
     TEST_ASSERT_EQUAL_INT64(60500, m.pos_q10);
 }
 
-static void test_move_takes_about_the_time_of_a_trapezoid(void)
-{
-    cam_axis_motion_t m = {0};
-    uint32_t n = 0;
-    while (!cam_move_profile_to_isr(&m, &limits,
-                                    100000000)) { // 50 ticks at full speed, 31 up, 31 down
-        n++;
-    }
-    TEST_ASSERT_UINT32_WITHIN(4, 50 + 31, n);
-}
-
 static void test_stop_brakes_to_rest_wherever_that_is(void)
 {
     static const int32_t speeds[] = {0, 1, -1, 64000, -64001, 2000000, -2000000};

@@ -240,21 +240,35 @@ static void test_changes_near_the_end_feed_the_whole_part(void)
     }
 }
 
+/// [turn / 2^32] master positions
+#define TURNS(n) ((n)*CAM_TURN_Q32)
+
+/// A feed that was held from its 4th turn on and rests at the 90th.
+static const cam_feed_motion_t resting = {.is_held = true,
+                                          .from_q32 = TURNS(3),
+                                          .to_q32 = TURNS(4),
+                                          .to_rate_q30 = 1 << 30,
+                                          .brake_q32 = TURNS(70),
+                                          .end_q32 = TURNS(90)};
+
+/// What a feed makes of the configuration's rate a moment before a plan.
+static cam_feed_motion_t requested(cam_feed_motion_t c, int64_t next_q32)
+{
+    cam_feed_motion_request_isr(&c, &f.config.play, next_q32 - 1000, next_q32);
+    return c;
+}
+
 /// It rests where it is, and counts as ended: the tool leaves the work at once.
 static void test_feed_of_which_nothing_is_left_ends_where_it_rests(void)
 {
     const cam_play_config_t *cfg = &f.config.play;
-    const int64_t next_q32 = 100 * CAM_TURN_Q32;
     for (int32_t more = 0; more < 2; more++) {
-        cam_feed_motion_t c = {.is_held = true,
-                               .from_q32 = 3 * CAM_TURN_Q32,
-                               .to_q32 = 4 * CAM_TURN_Q32,
-                               .end_q32 = 90 * CAM_TURN_Q32,
-                               .fed_end_q32 = cfg->feed_q32 - cfg->ramp_q32 + more};
-        cam_feed_motion_request_isr(&c, cfg, next_q32 - 1000, next_q32);
+        cam_feed_motion_t c = resting;
+        c.fed_end_q32 = cfg->feed_q32 - cfg->ramp_q32 + more;
+        c = requested(c, TURNS(100));
         TEST_ASSERT_FALSE(c.is_held);
         TEST_ASSERT_EQUAL_INT32(cfg->feed_rate_q30, c.requested_q30);
-        TEST_ASSERT_INT64_WITHIN(1 << 20, next_q32, c.end_q32);
+        TEST_ASSERT_INT64_WITHIN(1 << 20, TURNS(100), c.end_q32);
     }
 }
 
@@ -262,17 +276,9 @@ static void test_feed_of_which_nothing_is_left_ends_where_it_rests(void)
 static void test_rest_that_is_asked_for_again_stays(void)
 {
     f.config.play.feed_rate_q30 = 0;
-    cam_feed_motion_t c = {.is_held = true,
-                           .from_q32 = 3 * CAM_TURN_Q32,
-                           .to_q32 = 4 * CAM_TURN_Q32,
-                           .to_rate_q30 = 1 << 30,
-                           .brake_q32 = 89 * CAM_TURN_Q32,
-                           .end_q32 = 90 * CAM_TURN_Q32};
-    const cam_feed_motion_t before = c;
     for (int64_t turn = 1; turn < 200; turn += 40) {
-        cam_feed_motion_request_isr(&c, &f.config.play, turn * CAM_TURN_Q32 - 1000,
-                                    turn * CAM_TURN_Q32);
-        TEST_ASSERT_EQUAL_MEMORY(&before, &c, sizeof c);
+        const cam_feed_motion_t c = requested(resting, TURNS(turn));
+        TEST_ASSERT_EQUAL_MEMORY(&resting, &c, sizeof c);
     }
 }
 
@@ -283,15 +289,14 @@ static void test_rings_that_have_not_begun_rest_at_once(void)
     cfg->rings.is_on = true;
     cfg->feed_rate_q30 = 0;
     for (int64_t early = 0; early < 14; early++) {
-        const int64_t next_q32 = 10 * CAM_TURN_Q32 - early * CAM_TURN_Q32 / 4;
+        const int64_t next_q32 = TURNS(10) - TURNS(early) / 4;
         cam_feed_motion_t c = {
-            .from_q32 = 10 * CAM_TURN_Q32, .end_q32 = 90 * CAM_TURN_Q32, .requested_q30 = 1 << 30};
-        cam_feed_motion_t stopped = c;
-        cam_feed_motion_request_isr(&c, cfg, next_q32 - 1000, next_q32);
-        TEST_ASSERT_TRUE(c.is_held);
+            .from_q32 = TURNS(10), .end_q32 = TURNS(90), .requested_q30 = 1 << 30};
+        const cam_feed_motion_t held = requested(c, next_q32);
+        TEST_ASSERT_TRUE(held.is_held);
+        TEST_ASSERT_EQUAL_INT64(next_q32, held.end_q32);
+        TEST_ASSERT_EQUAL_INT64(next_q32, cam_feed_motion_stop_isr(&c, cfg, next_q32));
         TEST_ASSERT_EQUAL_INT64(next_q32, c.end_q32);
-        TEST_ASSERT_EQUAL_INT64(next_q32, cam_feed_motion_stop_isr(&stopped, cfg, next_q32));
-        TEST_ASSERT_EQUAL_INT64(next_q32, stopped.end_q32);
     }
 }
 
@@ -299,12 +304,11 @@ static void test_rings_that_have_not_begun_rest_at_once(void)
 static void test_stop_ends_a_hold(void)
 {
     for (int64_t turn = 80; turn <= 100; turn += 10) {
-        cam_feed_motion_t c = {.is_held = true, .end_q32 = 90 * CAM_TURN_Q32};
-        const int64_t end_q32 = (turn > 90 ? turn : 90) * CAM_TURN_Q32;
-        TEST_ASSERT_EQUAL_INT64(end_q32,
-                                cam_feed_motion_stop_isr(&c, &f.config.play, turn * CAM_TURN_Q32));
+        cam_feed_motion_t c = resting;
+        TEST_ASSERT_EQUAL_INT64(TURNS(turn > 90 ? turn : 90),
+                                cam_feed_motion_stop_isr(&c, &f.config.play, TURNS(turn)));
         TEST_ASSERT_FALSE(c.is_held);
-        TEST_ASSERT_EQUAL_INT64(90 * CAM_TURN_Q32, c.end_q32);
+        TEST_ASSERT_EQUAL_INT64(TURNS(90), c.end_q32);
     }
 }
 
@@ -316,16 +320,15 @@ static void test_override_changes_no_rings(void)
     cfg->rings.is_on = true;
     cfg->feed_rate_q30 = one / 2;
     cfg->ramp_q32 = cfg->feed_q32 = CAM_TURN_Q32;
-    const cam_feed_motion_t before = {.from_q32 = 10 * CAM_TURN_Q32,
-                                      .to_q32 = 11 * CAM_TURN_Q32,
-                                      .brake_q32 = 70 * CAM_TURN_Q32,
-                                      .end_q32 = 71 * CAM_TURN_Q32,
+    const cam_feed_motion_t before = {.from_q32 = TURNS(10),
+                                      .to_q32 = TURNS(11),
+                                      .brake_q32 = TURNS(70),
+                                      .end_q32 = TURNS(71),
                                       .rate_q30 = one,
                                       .to_rate_q30 = one,
                                       .requested_q30 = one};
     for (int64_t turn = 5; turn < 80; turn += 5) {
-        cam_feed_motion_t c = before;
-        cam_feed_motion_request_isr(&c, cfg, turn * CAM_TURN_Q32, (turn + 1) * CAM_TURN_Q32);
+        cam_feed_motion_t c = requested(before, TURNS(turn));
         TEST_ASSERT_EQUAL_INT32(one / 2, c.requested_q30); // and is not looked at again
         c.requested_q30 = one;
         TEST_ASSERT_EQUAL_MEMORY(&before, &c, sizeof c);
@@ -341,9 +344,9 @@ static void set_long_ramp(cam_play_config_t *cfg)
     cfg->feed_rate_q30 = 1 << 30;
     cfg->per_feed_rate_q24 = 1 << 24;
     cfg->feed_nm = 100000;
-    cfg->ramp_q32 = long_ramp * CAM_TURN_Q32;
+    cfg->ramp_q32 = TURNS(long_ramp);
     cfg->per_ramp_q31 = (uint32_t)((UINT64_C(1) << 31) / long_ramp);
-    cfg->stop_ramp_q32 = stop_ramp * CAM_TURN_Q32;
+    cfg->stop_ramp_q32 = TURNS(stop_ramp);
     cfg->per_stop_q31 = (uint32_t)((UINT64_C(1) << 31) / stop_ramp);
     cfg->feed_q32 = (200 + long_ramp) * CAM_TURN_Q32;
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plan: its period, its increments, which arrive exactly, the speed of the spindle, ports with
-// slow ticks.
+// The plan: its period, its increments, which arrive exactly, the speed of the spindle.
 #include "cam_fix.h"
 #include "play_bench.h"
 #include <math.h>
@@ -86,25 +85,6 @@ static void test_spindle_goes_from_the_ratio_of_one_plan_to_that_of_the_next(voi
         TEST_ASSERT_DOUBLE_WITHIN(2.0, ldexp(cfg->speed.mean_q32, -20) * step,
                                   (double)f.motion.alpha_q40);
     }
-}
-
-/// At 1 kHz every tick plans for the next one: nothing is interpolated.
-static void test_slow_port_plans_in_every_tick(void)
-{
-    f.tick_hz = 1000;
-    f.params.observer_bandwidth_mHz = 40000;
-    f.params.z_margin_nm = 1000000;
-    fixture_play_configure(&f);
-    TEST_ASSERT_EQUAL_INT32(1, f.config.play.plan_ticks);
-    f.angle.speed_q32 = 14316558; // 200 r/min: 300 ticks a turn
-    engage();
-    while (f.want.state != cam_state_ready) {
-        fixture_play_tick(&f);
-        TEST_ASSERT_TRUE(is_planned());
-        TEST_ASSERT_EQUAL_INT64(0, f.axis[hal_axis_z].pos_q10 % 1024);
-        TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
-    }
-    TEST_ASSERT_EQUAL_INT64((int64_t)part.z_last_nm * 1024, f.axis[hal_axis_z].pos_q10);
 }
 
 /// A stop in any tick is carried out in it, and the next plan lays the end of the cut.

@@ -76,9 +76,11 @@ static void test_clear_is_forgotten_after_a_fault(void)
     static const cam_state_t states[] = {cam_state_off, cam_state_homing, cam_state_ready,
                                          cam_state_fault};
     for (uint32_t i = 0; i < 4u; i++) {
-        bench_t b = {.m = {.state = states[i], .is_clear = i < 3u}};
-        (void)plan(&b);
-        TEST_ASSERT_EQUAL(i == 3u, b.m.is_clear); // X and Z stand where they are to be
+        bench_t b = {.m = {.state = states[i], .is_clear = i < 3u, .u_target_q10 = 77}};
+        TEST_ASSERT_FALSE(plan(&b));
+        TEST_ASSERT_EQUAL_INT64(states[i] == cam_state_off ? 77 : b.m.u_target_q10,
+                                b.m.u_target_q10); // in off U follows its measurement
+        TEST_ASSERT_EQUAL(i == 3u, b.m.is_clear);  // X and Z stand where they are to be
     }
 }
 
@@ -174,15 +176,4 @@ static void test_swing_comes_to_rest_after_a_fault(void)
     }
     TEST_ASSERT_INT32_WITHIN(1 << 10, 0, b.m.swing.set.pos_q32);
     TEST_ASSERT_TRUE(b.m.is_clear);
-}
-
-/// In off the axes follow their measurements; nothing plans them.
-static void test_in_off_no_axis_is_moved(void)
-{
-    bench_t b = homed();
-    b.m.state = cam_state_off;
-    b.m.u_target_q10 = 77;
-    TEST_ASSERT_FALSE(plan(&b));
-    TEST_ASSERT_EQUAL_INT64(77, b.m.u_target_q10);
-    TEST_ASSERT_EQUAL_INT64(0, b.m.axis[hal_axis_x].vel_q10);
 }

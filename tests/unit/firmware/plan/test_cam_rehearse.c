@@ -11,7 +11,7 @@ static int64_t least_x_nm; ///< of the set-points of X while U was not at rest
 static int32_t most_u_q6, least_u_q6;
 static int32_t first_z_nm, last_z_nm;
 
-static void begin_with(int32_t turns, bool is_z_measured)
+static void begin(int32_t turns, bool is_z_measured)
 {
     fixture_rig_init(&rig, &part, 20000);
     set(cam_param_rehearse_turns, turns);
@@ -22,11 +22,6 @@ static void begin_with(int32_t turns, bool is_z_measured)
     least_x_nm = INT64_MAX;
     most_u_q6 = INT32_MIN;
     least_u_q6 = INT32_MAX;
-}
-
-static void begin(int32_t turns)
-{
-    begin_with(turns, false);
 }
 
 /// Tick as long as the state stays, and note where the axes are while U plays.
@@ -68,7 +63,7 @@ static void test_u_plays_in_full_while_x_is_clear_by_half_the_stroke(void)
 {
     static const int32_t clearances_nm[] = {1000000, 0};
     for (int i = 0; i < 2; i++) {
-        begin(3);
+        begin(3, false);
         TEST_ASSERT_EQUAL_INT(cam_state_rehearsing, rig.last.want.state);
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine)); // from the approach: at once
         fixture_rig_ticks(&rig, 2);
@@ -94,7 +89,7 @@ static void test_u_rests_before_the_cut_and_settles_before_the_feed(void)
 {
     static const int32_t settling_turns[] = {12, 0};
     for (int is_z_measured = 0; is_z_measured < 2; is_z_measured++) {
-        begin_with(3, is_z_measured != 0);
+        begin(3, is_z_measured != 0);
         TEST_ASSERT_LESS_THAN_UINT32(200000, fixture_rig_until(&rig, cam_state_engaging, 200000));
         uint32_t n = 0;
         for (; !g_cam.motion.is_playing; n++) {
@@ -114,7 +109,7 @@ static void test_u_rests_before_the_cut_and_settles_before_the_feed(void)
 
 static void test_stop_ends_a_rehearsal_in_ready(void)
 {
-    begin(1000);
+    begin(1000, false);
     play_up_to(1 << 29);
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_start(&rig.machine));
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_disable(&rig.machine));
@@ -127,7 +122,7 @@ static void test_stop_ends_a_rehearsal_in_ready(void)
 /// A rehearsal has no feed: an override in it does not move its end, and applies from the cut on.
 static void test_an_override_in_a_rehearsal_is_for_the_cut(void)
 {
-    begin(3);
+    begin(3, false);
     play_up_to(1 << 29);
     const int64_t end_q32 = g_cam.plan.disengage_at_q32;
     set(cam_param_feed_override_ppm, 900000);
@@ -143,7 +138,7 @@ static void test_a_fault_retracts_as_in_the_cut(void)
 {
     TEST_ASSERT_EQUAL_HEX32(cam_guard_armed(cam_state_cutting),
                             cam_guard_armed(cam_state_rehearsing));
-    begin(1000);
+    begin(1000, false);
     play_up_to(1 << 29);
     const int32_t x_nm = rig.last.out[hal_axis_x].pos_nm;
     hal_host_fault_estop(true);
@@ -158,14 +153,14 @@ static void test_a_fault_retracts_as_in_the_cut(void)
 static void test_a_modulated_table_is_not_rehearsed(void)
 {
     part = fixture_part_modulated();
-    begin(3);
+    begin(3, false);
     TEST_ASSERT_EQUAL_INT(cam_state_engaging, rig.last.want.state);
 }
 
 /// A constant correction is commanded on top of the set-point, times the envelope.
 static void test_what_was_learned_is_in_the_command(void)
 {
-    begin(1000);
+    begin(1000, false);
     play_up_to(1 << 30);
     cam_config_t *copy = cam_config_copy(&rig.machine.core->config);
     TEST_ASSERT_NOT_NULL(copy);

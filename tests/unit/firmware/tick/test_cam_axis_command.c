@@ -110,34 +110,27 @@ static void test_plan_is_commanded_within_speed_change_and_position(void)
     } cases[] = {
         {0, 10240, 0, true},
         {0, 10241, 0, false},
-        {0, -10240, 0, true},
-        {0, -10241, 0, false},
         {1020000, 1024000, 0, true},
         {1020000, 1024001, 0, false},
-        {-1020000, -1024000, 0, true},
-        {-1020000, -1024001, 0, false},
         {0, 0, 32, true},
         {0, 0, 33, false},
-        {0, 0, -32, true},
-        {0, 0, -33, false},
         {0, 0, INT64_MAX / 2, false},
         {2000000, 1999999, 0, true}, // faster than the limit: it may brake
         {2000000, 2000001, 0, false},
         {2000000, 1989759, 0, false}, // ... by no more than the change
-        {-2000000, -1999999, 0, true},
-        {-2000000, -2000001, 0, false},
-        {-2000000, -1989759, 0, false},
     };
-    for (uint32_t axis = (uint32_t)hal_axis_x; axis <= (uint32_t)hal_axis_z; axis++) {
-        for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-            const uint32_t faults =
-                plan(axis, cases[i].before_q10, cases[i].vel_q10, cases[i].jump_q10);
-            const int32_t is_q10 = cases[i].is_commanded ? cases[i].vel_q10 : cases[i].before_q10;
-            TEST_ASSERT_EQUAL_HEX32(cases[i].is_commanded ? 0u : CAM_FAULT_BIT(command), faults);
-            TEST_ASSERT_EQUAL_INT32(is_q10, motion.axis[axis].vel_q10);
-            TEST_ASSERT_EQUAL_INT32(is_q10 - cases[i].before_q10, motion.change_q10[axis]);
-            TEST_ASSERT_TRUE(motion.is_filtering == cases[i].is_commanded);
-        }
+    for (size_t k = 0; k < 4u * sizeof cases / sizeof cases[0]; k++) {
+        const size_t i = k / 4u;
+        const int32_t sign = k % 2u == 0u ? 1 : -1;
+        const uint32_t axis = k % 4u < 2u ? hal_axis_x : hal_axis_z;
+        const int32_t before_q10 = sign * cases[i].before_q10;
+        const int32_t vel_q10 = sign * cases[i].vel_q10;
+        const uint32_t faults = plan(axis, before_q10, vel_q10, sign * cases[i].jump_q10);
+        const int32_t is_q10 = cases[i].is_commanded ? vel_q10 : before_q10;
+        TEST_ASSERT_EQUAL_HEX32(cases[i].is_commanded ? 0u : CAM_FAULT_BIT(command), faults);
+        TEST_ASSERT_EQUAL_INT32(is_q10, motion.axis[axis].vel_q10);
+        TEST_ASSERT_EQUAL_INT32(is_q10 - before_q10, motion.change_q10[axis]);
+        TEST_ASSERT_TRUE(motion.is_filtering == cases[i].is_commanded);
     }
 }
 

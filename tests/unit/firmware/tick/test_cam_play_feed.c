@@ -74,21 +74,6 @@ static void test_feed_eases_in_and_out_over_its_ramp(void)
     }
 }
 
-/// The check that refuses a feed as too fast for Z must judge the ramp that is really used.
-static void test_feed_ramp_shortened_to_the_feed_is_what_feasibility_judges(void)
-{
-    part.feed_nm = 1000000; // one turn is fed, so the ramp is one turn, too
-    fixture_play_init(&f, &part);
-    f.params.feed_ramp_turns = 100;
-    f.params.z_acceleration_mm_per_s2 = 1700; // 1 mm * (2500 / 60 s)^2 / 1 turn is 1736 mm/s2
-    const cam_refusal_t low = cam_feasible(&f.table, &f.params, 2500000, FIXTURE_PLAY_HZ);
-    TEST_ASSERT_EQUAL_INT(cam_err_z_acceleration, low.err);
-    TEST_ASSERT_INT64_WITHIN(2, 1737, low.needed);
-    f.params.z_acceleration_mm_per_s2 = 1740;
-    const cam_refusal_t ok = cam_feasible(&f.table, &f.params, 2500000, FIXTURE_PLAY_HZ);
-    TEST_ASSERT_EQUAL_INT(cam_ok, ok.err);
-}
-
 static void start_at(int32_t z_nm)
 {
     fixture_play_init(&f, &part);
@@ -315,15 +300,6 @@ static void test_stop_goes_on_to_the_end_of_a_ring(void)
     while (f.want.state != cam_state_ready) {
         fixture_play_tick(&f);
         TEST_ASSERT_EQUAL_INT64(0, f.axis[hal_axis_z].pos_q10 - f.before[hal_axis_z].pos_q10);
-    }
-}
-
-static void test_stop_before_the_first_ring_leaves_z_where_it_is(void)
-{
-    TEST_ASSERT_TRUE(stopped_at(-5.0) <= 0.0);
-    while (f.want.state != cam_state_ready) {
-        fixture_play_tick(&f);
-        TEST_ASSERT_EQUAL_INT64((int64_t)part.z_first_nm * 1024, f.axis[hal_axis_z].pos_q10);
     }
 }
 

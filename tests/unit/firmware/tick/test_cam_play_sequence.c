@@ -251,42 +251,6 @@ static void test_stop_of_a_measured_cut_disengages_at_the_next_turn(void)
     expect_smooth_until(cam_state_ready);
 }
 
-/// A chain that was open for a single tick between two plans is remembered until a plan has seen
-/// it.
-static void test_an_emergency_stop_between_two_plans_is_remembered(void)
-{
-    fixture_play_ticks(&f, 3);
-    TEST_ASSERT_FALSE(f.motion.was_open);
-    TEST_ASSERT_TRUE(f.motion.was_off);
-    f.in.inputs |= (uint32_t)hal_in_estop;
-    fixture_play_tick(&f);
-    TEST_ASSERT_TRUE(f.motion.was_open);
-    f.in.inputs &= ~(uint32_t)hal_in_estop;
-    fixture_play_tick(&f);
-    TEST_ASSERT_TRUE(f.motion.was_open);
-    f.motion.was_open = false; // a plan has seen it
-    fixture_play_tick(&f);
-    TEST_ASSERT_FALSE(f.motion.was_open);
-}
-
-/// Without enable set-points are where the axes are, to the ends of what is sensed.
-static void test_off_follows_the_axes_as_far_as_they_go(void)
-{
-    f.is_axes_held = true;
-    for (uint32_t axis = 0; axis < hal_n_axes; axis++) {
-        f.in.actual_nm[axis] = axis == 1u ? cam_sense_most_nm - 1 : -1000 * (int32_t)axis;
-    }
-    fixture_play_tick(&f);
-    for (uint32_t axis = 0; axis < hal_n_axes; axis++) {
-        const int64_t nm = axis == 1u ? cam_sense_most_nm - 1 : -1000 * (int64_t)axis;
-        TEST_ASSERT_EQUAL_INT64(nm * 1024, f.motion.axis[axis].pos_q10);
-        TEST_ASSERT_EQUAL_INT32(0, f.motion.axis[axis].vel_q10);
-    }
-    f.in.actual_nm[0] = -cam_sense_most_nm;
-    fixture_play_tick(&f);
-    TEST_ASSERT_EQUAL_INT64(-(int64_t)cam_sense_most_nm * 1024, f.motion.axis[0].pos_q10);
-}
-
 /// Whatever an earlier motion by hand has left, the next one begins with axes that stand.
 static void test_motion_by_hand_begins_at_rest(void)
 {

@@ -15,13 +15,10 @@ enum { n_draws = 20000 / fixture_rarer };
 
 static cam_config_t config;
 static fixture_random_t source;
-static int n_built, n_loops;
 
 void setUp(void)
 {
     source = (fixture_random_t){.state = 18u};
-    n_built = 0;
-    n_loops = 0;
     hal_host_reset(20000);
 }
 
@@ -151,6 +148,8 @@ static void expect_relations(const cam_config_t *c)
 static void test_every_configuration_is_within_the_ranges_of_the_proof(void)
 {
     static const uint32_t rates_hz[] = {500u, 1000u, 2500u, 8000u, 20000u, 50000u, 100000u};
+    int n_built = 0;
+    int n_loops = 0;
     for (int i = 0; i < n_draws; i++) {
         const uint32_t tick_hz = rates_hz[i % 7];
         const uint32_t clock_hz = i % 3 == 0 ? 1000000u : 480000000u;

@@ -33,12 +33,15 @@ enum {
     n_wild = 11,
 };
 
+/// What a machine has beyond the plain skirt.
+enum { rings = 1, z_measured = 2, edge_time = 4, shaft_of_lobes = 8, way_of_z = 16 };
+
 /// A machine with its part; each reaches other code.
 typedef struct {
     const char *name;
     uint32_t tick_hz;
     fixture_part_t (*part)(void);
-    bool is_ring_helix, is_z_measured, has_edge_time, is_shaft, has_way;
+    uint32_t has;
     uint32_t none; ///< states that it has not, a bit each
 } case_t;
 
@@ -46,22 +49,14 @@ typedef struct {
 enum { no_hold = 1u << cam_state_holding, no_rehearsal = 1u << cam_state_rehearsing };
 
 static const case_t cases[] = {
-    {.name = "skirt", .tick_hz = 20000, .part = fixture_part_short},
-    {.name = "stamped", .tick_hz = 20000, .part = fixture_part_short, .has_edge_time = true},
-    {.name = "Z measured",
-     .tick_hz = 20000,
-     .part = fixture_part_short,
-     .is_z_measured = true,
-     .none = no_hold},
-    {.name = "rings", .tick_hz = 20000, .part = fixture_part_short, .is_ring_helix = true},
-    {.name = "modulated", .tick_hz = 20000, .part = fixture_part_modulated, .none = no_rehearsal},
-    {.name = "swung", .tick_hz = 20000, .part = fixture_part_swung},
-    {.name = "way", .tick_hz = 20000, .part = fixture_part_short, .has_way = true},
-    {.name = "shaft, Z measured",
-     .tick_hz = 2000,
-     .is_shaft = true,
-     .is_z_measured = true,
-     .none = no_hold},
+    {"skirt", 20000, fixture_part_short, 0, 0},
+    {"stamped", 20000, fixture_part_short, edge_time, 0},
+    {"Z measured", 20000, fixture_part_short, z_measured, no_hold},
+    {"rings", 20000, fixture_part_short, rings, 0},
+    {"modulated", 20000, fixture_part_modulated, 0, no_rehearsal},
+    {"swung", 20000, fixture_part_swung, 0, 0},
+    {"way", 20000, fixture_part_short, way_of_z, 0},
+    {"shaft, Z measured", 2000, fixture_part_short, shaft_of_lobes | z_measured, no_hold},
 };
 enum { n_cases = sizeof cases / sizeof cases[0] };
 
@@ -272,24 +267,24 @@ static void swinging(double z_nm, double w[3])
 
 static void begin(const case_t *c)
 {
-    fixture_part_t part = c->part != NULL ? c->part() : fixture_part_short();
-    part.is_ring_helix = c->is_ring_helix;
+    fixture_part_t part = c->part();
+    part.is_ring_helix = (c->has & rings) != 0u;
     part.spindle_mrpm = 1000000;
     fixture_can_init(&f, &part, c->tick_hz);
-    if (c->is_shaft) {
+    if ((c->has & shaft_of_lobes) != 0u) {
         const fixture_shaft_t shaft = fixture_shaft_three();
         fixture_shaft_make(&f.rig.image, &shaft);
     }
-    if (c->has_way) {
+    if ((c->has & way_of_z) != 0u) {
         fixture_newer_way(&f.rig.image, swinging, 15, 4);
     }
-    hal_host.slow.has_edge_time = c->has_edge_time;
+    hal_host.slow.has_edge_time = (c->has & edge_time) != 0u;
     fixture_can_start(&f);
     set(cam_param_spindle_acceleration_mrad_per_s2, 2000000000); // for the modulated speed
     set(cam_param_following_limit_nm, 1000000);
     set(cam_param_swing_speed_mdeg_per_s, 100000000);
     set(cam_param_swing_acceleration_deg_per_s2, 10000000);
-    set(cam_param_z_is_measured, c->is_z_measured ? 1 : 0);
+    set(cam_param_z_is_measured, (c->has & z_measured) != 0u ? 1 : 0);
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         f.rig.lathe.home[i] = (ideal_home_t){.side = 1, .edge_nm = 300000, .pitch_nm = 200000};
     }
