@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// States and requests: what is carried out when, that no course of a cut makes an axis jump, and
-// what inputs do while the interrupt is off.
+// States and requests: what is carried out when, and that no course of a cut makes an axis jump.
 #include "cam_fix.h"
 #include "play_bench.h"
 #include <math.h>
