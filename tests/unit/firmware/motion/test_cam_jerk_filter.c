@@ -150,23 +150,6 @@ static void test_glide_is_the_mean_of_the_last_places(void)
     }
 }
 
-static void test_glide_takes_a_window_longer_than_the_motion_without_a_limit_of_jerk(void)
-{
-    static const cam_motion_limits_t limits = {2000000, 64000, 5};
-    cam_axis_motion_t plain = {0};
-    uint32_t n_plain = 0;
-    while (!cam_move_profile_to_isr(&plain, &limits, 100000000)) {
-        n_plain++;
-    }
-    cam_axis_motion_t m = {0};
-    cam_jerk_filter_begin_isr(&filter, &m, limits.log2_window);
-    uint32_t n = 0;
-    while (!cam_jerk_filter_to_isr(&filter, &m, &limits, 100000000)) {
-        n++;
-    }
-    TEST_ASSERT_EQUAL_UINT32(n_plain + 31u, n); // the first zero of both counts
-}
-
 /// Another window counts from the next rest on, and other numbers of the axis at once.
 static void test_glide_takes_another_window_at_rest_and_other_numbers_at_once(void)
 {

@@ -351,6 +351,19 @@ static void set_long_ramp(cam_play_config_t *cfg)
     cfg->feed_q32 = (200 + long_ramp) * CAM_TURN_Q32;
 }
 
+static void test_another_rate_waits_for_the_end_of_a_ramp(void)
+{
+    cam_play_config_t *cfg = &f.config.play;
+    cam_feed_motion_t c = {0};
+    set_long_ramp(cfg);
+    cam_feed_motion_begin_isr(&c, cfg, TURNS(10));
+    cfg->feed_rate_q30 /= 2;
+    for (int64_t early = 1; early >= 0; early--) {
+        cam_feed_motion_request_isr(&c, cfg, c.to_q32 - early, c.to_q32 + TURNS(1));
+        TEST_ASSERT_EQUAL(early == 0, c.requested_q30 == cfg->feed_rate_q30);
+    }
+}
+
 /// Wherever a stop comes, in the ramps or between them: what is commanded stays, Z rests within
 /// three turns, and it never brakes more steeply than the ramp of a stop.
 static void test_stop_ends_a_ramp_and_rests_within_three_turns(void)

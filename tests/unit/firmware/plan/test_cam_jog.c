@@ -166,15 +166,6 @@ static void test_fault_by_hand_brakes_all_axes_where_they_are(void)
     TEST_ASSERT_GREATER_THAN_INT32(x_nm + mm / 2, port_nm(hal_axis_x));
 }
 
-/// By hand the tool may go anywhere: after a fault it does not count as out of the work.
-static void test_nothing_counts_as_clear_by_hand(void)
-{
-    to_manual();
-    g_cam.motion.is_clear = true;
-    fixture_rig_ticks(&rig, 20);
-    TEST_ASSERT_FALSE(g_cam.motion.is_clear);
-}
-
 static void set_home(hal_axis_t axis, int32_t method, int32_t sense, int32_t place_nm)
 {
     static const cam_param_id_t first[] = {cam_param_u_home, cam_param_x_home, cam_param_z_home};

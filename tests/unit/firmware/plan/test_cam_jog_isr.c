@@ -157,7 +157,9 @@ static void test_search_forgets_the_home_of_its_axis(void)
 /// begun next is not stopped by it.
 static void test_stop_ends_order_and_state_once(void)
 {
+    m.is_clear = true; // by hand the tool may go anywhere
     (void)order(cam_jog_jog, hal_axis_x);
+    TEST_ASSERT_FALSE(m.is_clear);
     m.is_stopping = true;
     for (int i = 0; i < 1000 && m.state != cam_state_off; i++) {
         TEST_ASSERT_TRUE(m.is_stopping);
@@ -197,10 +199,16 @@ static void test_jog_and_step_end_within_the_travel(void)
         (void)order(cases[i].begin, hal_axis_x);
         TEST_ASSERT_EQUAL_INT64(cases[i].to_nm * INT64_C(1024), h.target_q10);
     }
-    setUp(); // braking by steps may have led it past the end by as much
-    m.axis[hal_axis_x].pos_q10 = mm * INT64_C(1024) + 64;
-    (void)order(cam_jog_jog, hal_axis_x);
-    TEST_ASSERT_EQUAL_INT64(mm * INT64_C(1024), h.target_q10);
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        setUp(); // braking by steps may have led it past the end by as much
+        cfg.jog.order.sense = sign;
+        m.axis[hal_axis_x].pos_q10 = sign * (mm * INT64_C(1024) + 64);
+        (void)order(cam_jog_jog, hal_axis_x);
+        TEST_ASSERT_EQUAL_INT64(sign * mm * INT64_C(1024), h.target_q10);
+    }
+    cfg.jog.order.speed_q10 = 1; // of which a tick has no share
+    (void)order(cam_jog_jog, hal_axis_u);
+    TEST_ASSERT_EQUAL_INT32(1, m.u_speed_q10);
 }
 
 /// A fault or another state stops the order that runs; of one that has ended it changes nothing.

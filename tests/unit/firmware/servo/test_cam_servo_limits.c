@@ -42,6 +42,7 @@ static void test_start_clears_all_but_the_heat(void)
     cam_servo_input_t in = {.actual_q6 = -100000000};
     cam_servo_t fresh = {0};
     for (int i = 0; i < 200; i++) {
+        in.actual_q6 += 1000; // so that the lead is not 0
         (void)cam_servo_step_isr(&servo, &c, &in);
     }
     TEST_ASSERT_TRUE(servo.is_limited && servo.heat_q54 > 0);

@@ -38,23 +38,6 @@ static void test_u_with_lead_is_read_at_the_angle_to_come(void)
     }
 }
 
-static void test_u_of_a_geared_cut_is_read_at_the_height_of_its_angle(void)
-{
-    f.params.lead_ns = 225000;
-    fixture_play_configure(&f);
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
-    fixture_play_ticks(&f, 10);
-    while (f.want.state == cam_state_cutting &&
-           f.angle.pos_q32 < f.plan.disengage_at_q32 - 99999999) {
-        fixture_play_tick(&f);
-        const int64_t at = f.angle.pos_q32 + (int64_t)f.angle.speed_q32 * 9 / 2;
-        // While the feed rises U's height is found from Z's last increment: 5 nm of Z.
-        TEST_ASSERT_DOUBLE_WITHIN(0.8, fixture_play_u_nm(&f, at, f.want.z_nm),
-                                  nm(f.axis, hal_axis_u));
-    }
-    TEST_ASSERT_INT32_WITHIN(100, part.z_last_nm, f.want.z_nm);
-}
-
 /// @return [nm] Z of the short part with its ramps of two turns, in doubles
 static double height(double turns)
 {
