@@ -96,7 +96,7 @@ static cam_motion_limits_t random_limits(fixture_random_t *dice)
 static void test_glide_keeps_every_limit_and_lands_exactly(void)
 {
     fixture_random_t dice = {.state = 7};
-    for (int i = 0; i < 5500; i++) {
+    for (int i = 0; i < 4500; i++) {
         const bool is_at_rest = i % 4 == 0;
         const cam_motion_limits_t limits = random_limits(&dice);
         const int32_t v = is_at_rest ? 0 : limits.speed_q10;

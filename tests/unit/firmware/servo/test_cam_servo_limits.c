@@ -158,6 +158,7 @@ static void test_heat_limits_to_the_continuous_force(void)
     int cooled = 0;
     for (; servo.is_hot; cooled++) {
         cam_servo_rest_isr(&servo, &c);
+        TEST_ASSERT_FALSE(servo.is_limited);
     }
     TEST_ASSERT_INT_WITHIN(100, (int)(20000.0 * log(8.0 / 7.0)), cooled);
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Z geared to the spindle, along a ring-helix, or measured: ramps, exactness, ends, ranges.
 #include "cam_fix.h"
-#include "cam_feasible.h"
 #include "fixture_newer.h"
 #include "play_bench.h"
 #include <math.h>
