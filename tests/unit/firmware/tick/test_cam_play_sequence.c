@@ -250,17 +250,25 @@ static void test_stop_of_a_measured_cut_disengages_at_the_next_turn(void)
     expect_smooth_until(cam_state_ready);
 }
 
-/// Whatever an earlier motion by hand has left, the next one begins with axes that stand.
+/// Off forgets an earlier motion; whatever one by hand has left, the next one begins at rest.
 static void test_motion_by_hand_begins_at_rest(void)
 {
+    cam_motion_t *m = &f.motion;
     fixture_play_ticks(&f, 3);
-    f.motion.u_speed_q10 = 12345;
-    f.motion.is_stopping = true;
+    m->spindle_mrpm = 1;
+    m->is_by_hand = m->is_filtering = true;
+    m->was_off = false;
+    fixture_play_tick(&f);
+    TEST_ASSERT_EQUAL_INT32(0, m->spindle_mrpm);
+    TEST_ASSERT_FALSE(m->is_by_hand || m->is_filtering);
+    TEST_ASSERT_TRUE(m->was_off);
+    m->u_speed_q10 = 12345;
+    m->is_stopping = true;
     fixture_play_do(&f, cam_request_manual);
-    TEST_ASSERT_EQUAL_INT(cam_state_manual, f.motion.state);
-    TEST_ASSERT_EQUAL_INT32(0, f.motion.u_speed_q10);
-    TEST_ASSERT_FALSE(f.motion.is_stopping);
-    TEST_ASSERT_TRUE(f.motion.is_by_hand);
+    TEST_ASSERT_EQUAL_INT(cam_state_manual, m->state);
+    TEST_ASSERT_EQUAL_INT32(0, m->u_speed_q10);
+    TEST_ASSERT_FALSE(m->is_stopping);
+    TEST_ASSERT_TRUE(m->is_by_hand);
 }
 
 /// U rests in the tick of enable, when a drive may take its zero from the set-point, and for the
