@@ -348,10 +348,10 @@ static void test_retract_continues_from_the_last_command(void)
         {cam_state_cutting, 2000, -300, 2000, 0},   {cam_state_cutting, -2000, -300, -2000, 0},
         {cam_state_cutting, 2000, 5000, 2000, 0},   {cam_state_cutting, 2000, 1500, 500, 0},
         {cam_state_cutting, -2000, -1900, -100, 0}, {cam_state_cutting, -2000, -2300, 300, 0},
-        {cam_state_cutting, 300, -1700, 300, 0},    {cam_state_identifying, 300, 500, 300, 0},
-        {cam_state_homing, 2000, 0, 2000, 0},       {cam_state_homing, 2000, 300, 2000, 300},
-        {cam_state_homing, -2000, 300, -2000, 300}, {cam_state_manual, 2000, -300, 2000, -300},
-        {cam_state_homing, 2000, 5000, 2000, 625},
+        {cam_state_cutting, 300, -1700, 300, 0},    {cam_state_cutting, 1000, 2000, 1000, 0},
+        {cam_state_identifying, 300, 500, 300, 0},  {cam_state_homing, 2000, 0, 2000, 0},
+        {cam_state_homing, 2000, 300, 2000, 300},   {cam_state_homing, -2000, 300, -2000, 300},
+        {cam_state_manual, 2000, -300, 2000, -300}, {cam_state_homing, 2000, 5000, 2000, 625},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         begin(cases[i].state);

@@ -183,6 +183,15 @@ static void test_increments_beyond_the_limits_are_a_fault_before_they_are_comman
     }
 }
 
+/// What the plan itself detects is a fault beside what its checks find.
+static void test_z_off_its_position_is_a_fault(void)
+{
+    bring(cam_state_cutting);
+    rig.lathe.error_nm[hal_axis_z] = 200000;
+    until(cam_state_fault);
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(z_range), fixture_rig_status(&rig).first_fault);
+}
+
 /// X leaves a clearance of 5 mm in a turn: a count of the encoder moves it by 0.94 um. And a fast
 /// observer makes a speed of every count, which the lag of X multiplies.
 static void test_counts_of_the_encoder_move_x_off_a_wide_clearance_without_a_fault(void)

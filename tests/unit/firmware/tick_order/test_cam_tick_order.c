@@ -130,7 +130,8 @@ static void test_tick_reads_before_it_writes_and_writes_all_once_in_every_state(
     cut();
 }
 
-/// The axes of the rig need no force, so the loop is a weak one.
+/// The axes of the rig need no force, so the loop is a weak one. With enabled drives alone its
+/// force may be limited as U presses on its stop.
 static void test_force_leaves_before_all_other_writes(void)
 {
     hal_host.slow.force.quantum_un = 20000;
@@ -140,4 +141,11 @@ static void test_force_leaves_before_all_other_writes(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_servo_crossover_hz, 1));
     cut();
     TEST_ASSERT_NOT_EQUAL_INT32(0, most_force_q6);
+    for (uint32_t is_lost = 0; is_lost < 2u; is_lost++) {
+        g_cam.motion.u_press_q6 = 640;
+        hal_host_fault_drive(is_lost != 0u);
+        fixture_rig_ticks(&rig, 2);
+        TEST_ASSERT_EQUAL_INT32(is_lost != 0u ? 0 : 640, g_cam.force.servo.most_q6);
+        TEST_ASSERT_EQUAL_INT32(is_lost != 0u ? 0 : 640, g_cam.motion.u_press_q6);
+    }
 }
