@@ -94,8 +94,7 @@ static void test_before_the_first_tick_the_state_is_off_and_nothing_else_is_know
     cam_moment_t now;
     memset(&now, 0x55, sizeof now);
     cam_status_moment(&core, &now);
-    const cam_moment_t off = {.record.want.state = cam_state_off};
-    TEST_ASSERT_EQUAL_INT(off.record.want.state, now.record.want.state);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, now.record.want.state);
     TEST_ASSERT_EQUAL_UINT32(0, now.record.tick);
     TEST_ASSERT_EQUAL_UINT32(0, cam_status_read(&core).n_late);
 }

@@ -170,11 +170,7 @@ static void test_session_with_a_modulated_spindle_replays_bit_for_bit(void)
     fixture_rig_ticks(&rig, 3);
     set(cam_param_spindle_acceleration_mrad_per_s2, 2000000000);
     set(cam_param_spindle_lag_us, 100);
-    set(cam_param_lead_ns, 50000);
-    set(cam_param_xz_lag_ns, 400000);
-    set(cam_param_k2_us2, 1000);
-    set(cam_param_following_limit_nm, 1000000);
-    select_table();
+    prepare();
     cut_with_changes();
     int32_t least = INT32_MAX;
     int32_t most = 0;
