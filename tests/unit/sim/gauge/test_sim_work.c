@@ -23,10 +23,13 @@ static void test_touch_counts_largest_and_rms_error(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, sim_work_roundness_um(&work));
     touch(0.1, 10.0, 46.003);
     touch(0.2, 20.0, 45.996);
+    touch(0.3, 30.0, 46.001);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 4.0, work.max_um);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.2, work.max_turn);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 20.0, work.max_z_mm);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, sqrt(12.5), sim_work_rms_um(&work));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, sqrt((9.0 + 16.0 + 1.0) / 3.0), sim_work_rms_um(&work));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.097, work.depth_min_mm);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.104, work.depth_max_mm);
 }
 
 static void test_touch_outside_the_cut_counts_only_as_gouge(void)
@@ -104,6 +107,7 @@ static void test_turned_part_is_distinguished_from_its_form(void)
     }
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, turned_rad, sim_work_turned_rad(&work));
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, sqrt(4.0 + 0.5), sim_work_shape_rms_um(&work));
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, 3.0, sim_work_shape_max_um(&work));
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, sqrt(4.0 + 0.5 + 0.02), sim_work_rms_um(&work));
 }
 
