@@ -51,6 +51,34 @@ static void test_disc_has_the_published_contacts(void)
     }
 }
 
+/// Every law is its lift at the angle 0 and 0 on the base circle, and it has its derivatives.
+static void test_laws_have_their_lift_and_derivatives(void)
+{
+    const double step_rad = 1e-5;
+    for (int law = 0; law <= sim_lobe_n_flanks; law++) {
+        sim_lobe_lift_t lift = {.law = law < sim_lobe_n_flanks ? sim_lobe_lift_flanks
+                                                               : sim_lobe_lift_poly345,
+                                .lift_mm = 8.0,
+                                .half_angle_rad = 1.1,
+                                .flanks = {(sim_lobe_flank_t)law, 8.0, 1.1, 0.2, 0.9, 0.02, 0.03}};
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 8.0, sim_lobe_lift_at(&lift, SIM_TWO_PI).h_mm);
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, sim_lobe_lift_at(&lift, 3.0).h_mm);
+        double last_mm = sim_lobe_lift_at(&lift, -1.0).h_mm;
+        for (int i = 0; i < 1000; i++) {
+            const double at_rad = SIM_TWO_PI * (i + 0.5) / 1000.0 - 1.0;
+            const sim_lobe_rise_t low = sim_lobe_lift_at(&lift, at_rad - step_rad);
+            const sim_lobe_rise_t here = sim_lobe_lift_at(&lift, at_rad);
+            const sim_lobe_rise_t high = sim_lobe_lift_at(&lift, at_rad + step_rad);
+            const double h1_mm = 0.5 * (high.h_mm - low.h_mm) / step_rad;
+            const double h2_mm = 0.5 * (high.h1_mm - low.h1_mm) / step_rad;
+            TEST_ASSERT_DOUBLE_WITHIN(0.12, last_mm, here.h_mm); // no jumps
+            last_mm = here.h_mm;
+            TEST_ASSERT_DOUBLE_WITHIN(1e-5, h1_mm, here.h1_mm);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-3, h2_mm, here.h2_mm);
+        }
+    }
+}
+
 static void test_lobes_are_found_by_height(void)
 {
     TEST_ASSERT_TRUE(read("{" HEAD ", \"lobes\": [" DISC ", {\"z_mm\": [20, 30], \"phase_rad\": 1, "
