@@ -125,6 +125,28 @@ static void test_load_takes_firmware_parameters(void)
     TEST_ASSERT_EQUAL_INT32(7, config.controller.value[cam_param_k1_ns]);
 }
 
+/// A lag of 1 / (pi 100 Hz), a dead time of 100 us and half a tick.
+static void test_controller_is_derived_from_the_machine(void)
+{
+    static const sim_wishes_t none;
+    cam_params_t params;
+    sim_lathe_config_t *m = &config.lathe;
+    m->encoder.counts_per_turn = 12000.0;
+    m->drive[sim_lathe_swing].speed_units_per_s = 250.0;
+    for (int i = 0; i < sim_lathe_n_drives; i++) {
+        m->drive[i].delay_us = 100.0;
+        m->drive[i].damping = 2.0;
+        m->drive[i].bandwidth_hz = 200.0;
+    }
+    TEST_ASSERT_TRUE_MESSAGE(sim_controller_params(&params, m, false, &none, &error), error.text);
+    TEST_ASSERT_EQUAL_INT32(12000, params.counts_per_turn);
+    TEST_ASSERT_EQUAL_INT32(250000, params.swing_speed_mdeg_per_s);
+    TEST_ASSERT_INT32_WITHIN(1, 3183099 + 125000, params.xz_lag_ns);
+    TEST_ASSERT_INT32_WITHIN(1, 3183099 + 125000, params.swing_lag_ns);
+    TEST_ASSERT_INT32_WITHIN(1, 3183099, params.k1_ns);
+    TEST_ASSERT_EQUAL_INT32(125000, params.lead_ns);
+}
+
 static void test_load_refuses_what_is_wrong(void)
 {
     refused("[u]\nbandwith_hz = 300\n", "u.bandwith_hz = 300: unknown");
