@@ -196,44 +196,6 @@ static void test_why_nothing_is_learned_is_known(void)
     TEST_ASSERT_EQUAL_INT(cam_ilc_no_table, cam_machine_learning(m).reason);
 }
 
-/// Turns of 1000 ticks in a rehearsal, of which nothing but the gather knows.
-/// @return [nm / 64] error below which the scale sees nothing, of the last turn that counted
-static uint32_t floor_of(int32_t scale_nm)
-{
-    enum { n_ticks = 1000, plan_ticks = 8, n_turns = 12 };
-    setUp();
-    hal_host.slow.measures_u = true;
-    set(cam_param_learn_harmonics, 4);
-    set(cam_param_u_scale_nm, scale_nm);
-    cam_turn_bins_t *g = &m->core->bins;
-    cam_tick_record_t record = {.config = m->generation,
-                                .in.actual_nm = {-300},
-                                .want = {.state = cam_state_rehearsing, .u_due_q6 = -64 * 300}};
-    const cam_motion_t motion = {.is_playing = true, .scale_q30 = 1 << 30};
-    const int32_t step_q32 = (int32_t)(INT64_C(4294967296) / n_ticks) + 1;
-    for (int i = 1; i < n_ticks * n_turns; i++) {
-        const int64_t pos_q32 = (int64_t)i * step_q32;
-        record.angle.pos_q32 = pos_q32;
-        record.angle.measured_q32 = (uint32_t)(uint64_t)pos_q32;
-        cam_turn_bins_add_isr(g, &record);
-        if (i % plan_ticks == 0) {
-            record.angle.speed_q32 = step_q32;
-            cam_turn_bins_plan_isr(g, &record, &motion);
-        }
-        poll(cam_state_rehearsing);
-        m->ilc.blending = 0;
-    }
-    TEST_ASSERT_TRUE(m->ilc.n_turns > 0u);
-    return m->ilc.floor_q6;
-}
-
-/// 78 / 64 quanta by the root of the ticks, and a nanometre.
-static void test_a_coarse_scale_sees_less(void)
-{
-    TEST_ASSERT_UINT32_WITHIN(2, 64 + 25, floor_of(10)); // of 1000 ticks
-    TEST_ASSERT_UINT32_WITHIN(10, 64 + 2467, floor_of(1000));
-}
-
 // Turns that the test makes
 
 enum { n_ticks = 400, set_nm = 100000, error_nm = 1000 };
@@ -327,6 +289,9 @@ static void test_probe_is_the_one_that_is_set_or_three_steps_of_the_scale(void)
         TEST_ASSERT_EQUAL_UINT8(cam_ilc_probing, m->ilc.phase);
         TEST_ASSERT_UINT32_WITHIN(8, 5u * 32u * (uint32_t)cases[i][2],
                                   cam_harmonic_correction_sum_q6(&m->ilc.correction));
+        // 78 / 64 of a scale's step and of 63 nm, which a count of the encoder is, over 20
+        TEST_ASSERT_UINT32_WITHIN(8, 64u + 78u * ((uint32_t)cases[i][1] + 63u) / 20u,
+                                  m->ilc.floor_q6);
     }
 }
 

@@ -78,6 +78,7 @@ static void expect_range(uint8_t command, uint8_t index, int32_t low, int32_t hi
     expect_fields(answer_before(0), cam_ok, high, get_maximum, index);
 }
 
+/// Where there is no room for the range, it is kept.
 static void test_a_value_out_of_range_is_answered_with_the_range(void)
 {
     static const struct {
@@ -103,10 +104,6 @@ static void test_a_value_out_of_range_is_answered_with_the_range(void)
     expect_answer(cam_ok, 16777216, get_maximum, cam_param_counts_per_turn, 5);
     expect_answer(cam_err_param_id, 0, get_minimum, cam_n_params, 5);
     expect_answer(cam_err_param_id, 0, get_maximum, 255, 5);
-}
-
-static void test_a_range_without_room_is_kept(void)
-{
     hal_host.slow.n_room = 2;
     const uint32_t n_sent = hal_host.slow.n_sent;
     fixture_can_receive(0x640, 8, set, cam_param_encoder_sign, 7);
