@@ -29,9 +29,9 @@ static void set(cam_param_id_t id, int32_t value)
     TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, id, value));
 }
 
-static void set_place(int32_t nm)
+static void set_field(uint32_t which, int32_t value)
 {
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_set(m, cam_scope_field_place_nm, nm));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_set(m, which, value));
 }
 
 static cam_err_t load(uint32_t crc_error)
@@ -55,11 +55,11 @@ void setUp(void)
     for (int i = 0; i < n; i++) {
         wave[i] = (int32_t)(20000.0 * sin(6.283185307179586 * i / n));
     }
-    set_place(place_nm);
+    set_field(cam_scope_field_place_nm, place_nm);
     // The recording of a wave begins with it, whatever its last one waited for.
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_set(m, cam_scope_field_before, 5));
-    TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_machine_scope_set(m, cam_scope_field_trigger, cam_trigger_time));
+    set_field(cam_scope_field_before, 5);
+    set_field(cam_scope_field_trigger, cam_trigger_time);
+    set_field(cam_scope_field_level, 1000000000);
 }
 
 /// Ticks with the main loop between them, with signs of life or without.
@@ -212,8 +212,8 @@ static void test_begin_and_end_need_room(void)
     expect_end(cam_excited_done, cam_state_ready);
 }
 
-/// A black box that nobody has read, a memory without room for rows of three signals after the wave,
-/// and a command that is not obeyed yet. A box that only waits for a fault gives way.
+/// A black box that nobody has read, a memory without room for rows of three signals after the
+/// wave, and a command that is not obeyed yet. A box that only waits for a fault gives way.
 static void test_what_is_in_the_way_of_a_begin(void)
 {
     to_ready();
@@ -413,7 +413,7 @@ static void load_force(void)
 static void to_force(void)
 {
     hal_host.slow.force.quantum_un = 20000;
-    set_place(0);
+    set_field(cam_scope_field_place_nm, 0);
     set(cam_param_servo_integral_mHz, 0);
     set(cam_param_servo_crossover_hz, 1);
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
@@ -571,9 +571,9 @@ static void test_wave_beyond_the_force_limit_or_out_of_the_stroke_is_refused(voi
     wave[5] = -limit_mn;
     load_force();
     const int32_t end_nm = m->params.u_stroke_nm / 2;
-    set_place(-end_nm - 1);
+    set_field(cam_scope_field_place_nm, -end_nm - 1);
     expect_refused(cam_err_wave_stroke, -end_nm - 1);
-    set_place(-end_nm);
+    set_field(cam_scope_field_place_nm, -end_nm);
     expect_refused(cam_ok, 0); // whatever its speed and acceleration would be as nanometres
 }
 
@@ -584,7 +584,7 @@ static void test_x_must_be_clear_of_all_of_us_travel(void)
     const cam_config_t *cfg = g_cam.config.in_use;
     const int32_t clear_nm = (int32_t)(cfg->play.x_clear_q10 / 1024) - m->params.x_clearance_nm / 2;
     const int32_t travel_nm = m->params.u_stroke_nm / 2 + cfg->guard.approach_nm;
-    set_place(-300000);
+    set_field(cam_scope_field_place_nm, -300000);
     g_cam.motion.axis[hal_axis_x].pos_q10 = (int64_t)(clear_nm + travel_nm - 1) * 1024;
     fixture_rig_ticks(&rig, 2);
     expect_refused(cam_err_wave_clear, clear_nm + travel_nm);
