@@ -54,6 +54,8 @@ static char *content(const char *path)
 
 static void test_text_of_rows_is_that_of_printf(void)
 {
+    static const int state[] = {0, -1, 2, 1000}; // cam_state_t, none
+    static const char *const state_name[] = {"off", "-", "ready", "-"};
     common_error_t e;
     FILE *theirs = fopen("sim_out_theirs.csv", "wb");
     TEST_ASSERT_TRUE(sim_out_open(&out, "sim_out_ours.csv", "--test", &e));
@@ -68,10 +70,10 @@ static void test_text_of_rows_is_that_of_printf(void)
         const bool is_long = i % 3 == 0; // a mask beyond four digits has eight
         (void)fprintf(theirs, is_long ? "0x%08x,0x%08x,%s\n" : "0x%04x,0x%08x,%s\n",
                       is_long ? 0x10000u + (unsigned)i : (unsigned)i, (unsigned)i * 99999u,
-                      i % 2 == 0 ? "ready" : "-");
+                      state_name[i % 4]);
         sim_rows_add(&rows, is_long ? 0x10000 + i : i);
         sim_rows_add(&rows, (uint32_t)i * 99999u);
-        sim_rows_add(&rows, i % 2 == 0 ? 2 : i % 4 == 1 ? -1 : 1000); // cam_state_ready, none
+        sim_rows_add(&rows, state[i % 4]);
         if (i % 7 == 0) {
             sim_out_rows(&out, &rows);
         }
