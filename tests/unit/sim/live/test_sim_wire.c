@@ -39,6 +39,7 @@ static void test_sensed_whole_in_crosses_with_the_distorted_encoder(void)
     hal_host.in.encoder.counts = 1000;
     hal_host_fault_counts(-7);
     hal_host_advance();
+    hal_host_advance();
     const uint32_t clock = hal_host.clock;
     TEST_ASSERT_TRUE(sim_wire_send_sensed(&lathe));
 
@@ -74,6 +75,8 @@ static void test_wire_partner_gone_is_lost_for_good_and_changes_nothing(void)
     hal_host.out.spindle_mrpm = 5;
     TEST_ASSERT_FALSE(sim_wire_receive_written(&lathe));
     TEST_ASSERT_TRUE(lathe.is_lost);
+    TEST_ASSERT_FALSE(sim_wire_send_sensed(&lathe));
+    lathe.is_lost = false; // sending finds it, too
     TEST_ASSERT_FALSE(sim_wire_send_sensed(&lathe));
     TEST_ASSERT_EQUAL_INT32(5, hal_host.out.spindle_mrpm);
 }
