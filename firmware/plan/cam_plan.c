@@ -164,11 +164,11 @@ static void plan_speed(cam_plan_t *p, const cam_play_config_t *cfg, const cam_an
     }
     const cam_speed_config_t speed = cam_speed_overridden(&cfg->speed, p->spindle_rate_q30);
     const uint32_t theta_q32 = cam_angle_of_pos(cam_angle_ahead(angle, cfg->ratio_q16));
-    const cam_ratio_t ratio = cam_speed_ratio_at(ch, theta_q32 - phase_then_q32(m, cfg),
-                                                 slice_of(&p->shaft, cfg->table, ch, z_nm));
+    const int32_t ratio_q28 = cam_speed_ratio_q28_at(ch, theta_q32 - phase_then_q32(m, cfg),
+                                                     slice_of(&p->shaft, cfg->table, ch, z_nm));
     const int32_t from_q28 = p->ratio_q28;
     const int32_t held_q28 = // wider than any checked table
-        cam_clamp_i32(ratio.ratio_q28, CAM_RATIO_ONE_Q28 / 32, CAM_RATIO_ONE_Q28 * 5);
+        cam_clamp_i32(ratio_q28, CAM_RATIO_ONE_Q28 / 32, CAM_RATIO_ONE_Q28 * 5);
     p->ratio_q28 = cam_speed_eased_q28(held_q28, envelope);
     m->spindle_mrpm = cam_speed_mrpm(&speed, from_q28, p->ratio_q28);
     m->alpha_q40 = cam_speed_alpha_q40(&speed, cam_plan_move_share(cfg, p->ratio_q28 - from_q28));
