@@ -366,8 +366,9 @@ bool cam_ilc_update_is_rough(const cam_ilc_t *t)
 
 int32_t cam_ilc_update_gain_q16(const cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
-    const bool is_settled = t->phase == (uint8_t)cam_ilc_cutting && t->n_steps >= rough_steps;
-    return is_settled || s->cut_gain_q16 == 0 ? s->cut_gain_q16 : s->gain_q16;
+    const bool is_settled = t->n_steps >= rough_steps || s->cut_gain_q16 == 0;
+    const bool is_in_cut = t->phase == (uint8_t)cam_ilc_cutting;
+    return is_in_cut && is_settled ? s->cut_gain_q16 : s->gain_q16;
 }
 
 /// @return [2^-16] learning gain of layer 2: half on the large harmonics, on which layer 1 acts as

@@ -374,7 +374,7 @@ static void begin_harmonic(cam_ilc_phase_t phase, double error_q6)
 }
 
 /// What an eighth of the motion or more shares with the drive's constants it learns by half the
-/// gain, the mean by three quarters; nothing where nothing is learned in the cut.
+/// gain, the mean by three quarters; nothing in the cut where nothing is learned there.
 static void test_large_harmonics_share_their_gain(void)
 {
     static const struct {
@@ -388,6 +388,7 @@ static void test_large_harmonics_share_their_gain(void)
         begin_harmonic(rows[i].phase, 64000.0);
         t.k = (uint8_t)rows[i].k;
         t.largest = rows[i].largest;
+        t.phase = (uint8_t)rows[i].phase;
         s.cut_gain_q16 = rows[i].cut_gain_q16;
         cam_ilc_update_harmonic(&t, &s);
         TEST_ASSERT_INT32_WITHIN(400, rows[i].learned_q6, t.correction.c_q6[rows[i].k].re);
