@@ -93,6 +93,7 @@ def until_dark(session: Session, operation: int, act: Callable[[], None]) -> Non
     session.remote.started()
 
 
+@pytest.mark.long
 def test_power_lost_in_the_record_leaves_the_old_table(started: Session, table: bytes) -> None:
     """The old table, and the next download works, by flags and locks that are no errors of it.
 

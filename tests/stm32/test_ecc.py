@@ -137,6 +137,7 @@ def memory_lines(session: Session) -> list[str]:
     return memory_lines_of({name: float(str(value)) for name, value in page.items()})
 
 
+@pytest.mark.long
 def test_corrected_errors_are_counted_and_shown(started: Session) -> None:
     """One in each memory; a cell that stays flipped counts once, another one counts again."""
     chip = started.chip

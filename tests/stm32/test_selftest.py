@@ -114,6 +114,7 @@ def test_bad_parts_are_named(started: Session) -> None:
     assert "self-test: FAILED" in "\n".join(lines)
 
 
+@pytest.mark.long
 def test_bare_board_without_its_oscillator_fails_the_clocks() -> None:
     """Without 8 MHz at OSC_IN the report names it; the fault of the port fails the tick.
 

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from urllib.parse import urlencode, urlsplit
 
 from websockets.sync.client import ClientConnection, connect
+from websockets.typing import Origin
 
 from checks.patience import limit_s
 
@@ -48,7 +49,7 @@ def open_page(url: str) -> Iterator[ClientConnection]:
         "tab_id": str(uuid.uuid4()),
     }
     place = f"{url.replace('http://', 'ws://')}{SOCKET}?{urlencode(query)}"
-    with connect(place, origin=origin, open_timeout=limit_s()) as socket:  # type: ignore[arg-type]
+    with connect(place, origin=Origin(origin), open_timeout=limit_s()) as socket:
         hear_until(socket, "0")
         socket.send("40")
         hear_until(socket, "40")

@@ -107,7 +107,7 @@ def test_a_change_keeps_the_rest_byte_for_byte(change: tuple[str, FormField, Any
         assert comment in changed.splitlines()[lines_of(changed)[field.path] - 1]
 
 
-@settings(max_examples=12, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=6, suppress_health_check=[HealthCheck.too_slow])
 @given(changes())
 def test_there_and_back_is_the_same_text(change: tuple[str, FormField, Any]) -> None:
     """The old value, set again, gives a text of the same values; a key that was added goes."""
