@@ -383,12 +383,12 @@ static void test_large_harmonics_share_their_gain(void)
         int32_t cut_gain_q16, learned_q6;
     } rows[] = {{cam_ilc_shape, 1, 505600, 8192, 16000}, {cam_ilc_shape, 1, 518400, 8192, 32000},
                 {cam_ilc_shape, 0, 505600, 8192, 24000}, {cam_ilc_cutting, 1, 518400, 8192, 8000},
+                {cam_ilc_shape, 1, 518400, 0, 32000},    {cam_ilc_shape, 0, 505600, 0, 24000},
                 {cam_ilc_cutting, 1, 518400, 0, 0},      {cam_ilc_cutting, 0, 518400, 0, 0}};
     for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         begin_harmonic(rows[i].phase, 64000.0);
         t.k = (uint8_t)rows[i].k;
         t.largest = rows[i].largest;
-        t.phase = (uint8_t)rows[i].phase;
         s.cut_gain_q16 = rows[i].cut_gain_q16;
         cam_ilc_update_harmonic(&t, &s);
         TEST_ASSERT_INT32_WITHIN(400, rows[i].learned_q6, t.correction.c_q6[rows[i].k].re);
