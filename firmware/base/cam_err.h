@@ -115,7 +115,7 @@
     X(u_command,            -138, "the feed-forward would command U beyond its stroke") \
     X(u_command_speed,      -139, "the feed-forward would command U faster than its limits allow") \
     X(u_command_acceleration, -140, "the feed-forward would command U to accelerate too much") \
-    /* Position loop of U (cam_feasible_inner.h) */ \
+    /* Position loop of U (cam_feasible.h) */ \
     X(servo_none,           -141, "U takes forces, but its position loop is not set: tools/tune designs it") \
     X(servo,                -142, "a parameter of U's position loop is beyond its bound by the others") \
     X(servo_force,          -143, "acceleration, speed and stroke of U would take more than the force limit") \

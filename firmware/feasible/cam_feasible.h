@@ -6,7 +6,8 @@
 ///
 /// Read the judgement of a cut first. The parts after it check and derive parameters where no speed
 /// is known yet: limits that were not set, windows and gains of U's motion, its position loop, and
-/// what the operator changes in a cut. Context of all functions: slow side. Source: MATHS.md (61).
+/// what the operator changes in a cut; last the arithmetic of limits. Context of all functions:
+/// slow side. Source: MATHS.md (61).
 #ifndef CAM_FEASIBLE_H
 #define CAM_FEASIBLE_H
 
@@ -190,7 +191,7 @@ int32_t cam_changes_feed_ppm(const cam_params_t *params);
 /// @param c  complete except for the operator's changes, which are filled in
 void cam_changes_build(cam_play_config_t *c, const cam_params_t *params, uint32_t tick_hz);
 
-/// Integer arithmetic of limits, as all below.
+/// Integer arithmetic of limits, to the end of this file; build and machine use it, too.
 static inline int64_t cam_cut_smaller(int64_t a, int64_t b)
 {
     return a < b ? a : b;

@@ -11,7 +11,7 @@
 #define CAM_FEASIBLE_INNER_H
 
 #include "cam_doubles.h"  // CAM_PI
-#include "cam_err.h"      // cam_err_t, CAM_MUST_USE
+#include "cam_err.h"      // CAM_MUST_USE
 #include "cam_feasible.h" // cam_demand_t, cam_demands_t
 #include "cam_fix.h"      // cam_abs_i64
 #include "cam_param.h"    // cam_params_t
@@ -159,8 +159,8 @@ typedef struct {
 double cam_z_coupling_z_um_per_s(const cam_cut_t *c);
 
 /// On a helix Z accelerates with feed * (turns per second)^2 / ramp, where a ramp is not longer
-/// than the height that is fed. On a ring-helix the ramps are as short
-/// as the limit allows, so that only the least acceleration that any ramp needs can exceed it.
+/// than the height that is fed. On a ring-helix the ramps are as short as the limit allows, so that
+/// only the least acceleration that any ramp needs can exceed it.
 /// @return [mm/s2]
 double cam_z_coupling_z_mm_per_s2(const cam_cut_t *c);
 

@@ -276,8 +276,8 @@ bool cam_ilc_is_blending(const cam_ilc_t *t, uint32_t at_q8);
 /// @param in     changed in place
 void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, cam_learned_t *in);
 
-/// Reduce the learned k1 and k2 by an eighth, because U's command would leave its
-/// stroke. @return whether there is more to reduce
+/// Reduce the learned k1 and k2 by an eighth, because U's command would leave its stroke.
+/// @return whether there is more to reduce
 bool cam_ilc_shrink(cam_ilc_t *t);
 
 /// @param deep_nm  [nm] largest depth of cut

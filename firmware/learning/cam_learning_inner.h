@@ -306,7 +306,7 @@ bool cam_ilc_update_is_other_speed(const cam_ilc_t *t, int32_t speed_q32);
 uint32_t cam_ilc_update_guarded_q6(const cam_ilc_t *t);
 
 /// @return [2^-16] learning gain: the rehearsal's, also in the cut until some turns after the feed
-///         has changed; then the cut's
+///         has changed; then the cut's, in the whole cut where that is 0
 int32_t cam_ilc_update_gain_q16(const cam_ilc_t *t, const cam_ilc_setup_t *s);
 
 /// @return whether the turn is cut with a chip while its feed changes, or soon after

@@ -464,7 +464,7 @@ CAM_MUST_USE cam_err_t cam_machine_wave_end(cam_machine_t *m, uint32_t crc);
 
 /// Play the wave: ready -> identifying -> ready.
 /// @param n_periods   at full gain, at least 1; fade and periods take a minute at most
-/// @param fade_ticks  [ticks] of the rise, and of the fall
+/// @param fade_ticks  [ticks] of the rise, and of the fall, 16 .. 65535
 /// @return            cam_ok, cam_err_state, _busy, _wave_none, _scope_memory, _scope_unread,
 ///                    or a verdict of cam_wave_judge(), cam_wave_judge_force();
 ///                    cam_err_wave_clear with the required X [nm]

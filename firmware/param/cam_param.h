@@ -12,8 +12,8 @@
 /// ranges of CAM_PARAMS hold as well. following_limit_nm = 0 derives the limit from the part, so a
 /// list that bounds it must begin above 0.
 ///
-/// Read the list and its functions first, then refusals, the stored text, and last the rights to
-/// change parameters. All functions: slow side, one caller.
+/// Read the list and its functions first, then refusals, the stored text, the rights to change
+/// parameters, and last numbers as text. All functions: slow side, one caller.
 #ifndef CAM_PARAM_H
 #define CAM_PARAM_H
 

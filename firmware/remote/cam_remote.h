@@ -121,8 +121,8 @@ void cam_can_init(cam_can_t *r, cam_machine_t *machine);
 
 /// Execute at most one command or store at most one block, send the status when due, and report at
 /// most one change as a line of text.
-/// Context: main loop. A command may last as long as the check of a whole table
-/// or its download, for which a watchdog must allow.
+/// Context: main loop. A command may last as long as the check of a whole table or its download,
+/// for which a watchdog must allow.
 void cam_can_poll(cam_can_t *r);
 
 #endif

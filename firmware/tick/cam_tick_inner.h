@@ -16,8 +16,7 @@
 #include <stdint.h>     // int32_t, uint32_t
 
 /// Begin a tick. A reader that sees anything this tick writes also sees that the tick has begun.
-/// @return its record with its number, unchanged for 255 ticks after it. Context: ISR, constant
-/// time.
+/// @return its record with its number, unchanged for 255 ticks after it
 cam_tick_record_t *cam_trace_begin_isr(cam_trace_t *trace);
 
 /// Force: the force of a U that takes forces, and its supervision.
@@ -181,7 +180,7 @@ uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
 /// @return mask of the faults armed in a state. Context: both sides.
 uint32_t cam_guard_armed(cam_state_t state);
 
-/// Hand the complete record to the readers, after a release fence. Context: ISR, constant time.
+/// Hand the complete record to the readers, after a release fence.
 void cam_trace_commit_isr(cam_trace_t *trace, cam_tick_record_t *record);
 
 /// Copy words that the interrupt may be writing; such a copy is discarded. Context: slow side.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_config.h"
 #include "cam_feasible.h" // cam_derived_limits_usual_mHz
-#include "sim_units.h"    // SIM_TWO_PI, sim_floor
+#include "sim_units.h"    // SIM_TWO_PI
 #include <math.h>         // ceil, floor, fmax, fmin, pow
 
 bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char *origin,

@@ -198,7 +198,7 @@ bool hal_measures_u(void);
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis);
 
 /// @return the output of U's force, constant after hal_init(). If it has one, the firmware closes
-/// U's position loop (cam_tick_inner.h); its scale must be measured. Default: 0, U takes positions.
+/// U's position loop (cam_servo.h); its scale must be measured. Default: 0, U takes positions.
 /// Simulator: set by the test or machine file.
 hal_force_t hal_force(void);
 

@@ -60,7 +60,7 @@ VISITS = [
 
 @pytest.fixture(scope="module")
 def panel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Panel]:
-    """Run a panel, of which no proxy is in front."""
+    """Run a panel for a proxy, which is not there."""
     with panel_alone(tmp_path_factory.mktemp("panel"), "--proxy-host", PROXY.title()) as alone:
         yield alone
 

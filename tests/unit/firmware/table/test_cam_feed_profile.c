@@ -77,8 +77,8 @@ static void test_a_way_that_falls_in_one_slice_is_refused(void)
 
 /// Between two knots each of the five Bernstein coefficients of the slope bounds it: the slopes at
 /// both knots and the curvatures there, which count from the slope of their knot. Of a feed that
-/// falls to a fiftieth of its mean one LSB more is refused; with
-/// stations of a feed that falls to 0, but for a thousandth.
+/// falls to a fiftieth of its mean one LSB more is refused; with stations, of a feed that falls to
+/// 0 and a thousandth of its mean beyond.
 static void test_a_way_is_bounded_by_slopes_and_curvatures_of_its_knots(void)
 {
     enum { plain = 1000000 * 16 / (n_knots - 1), deepest = plain - plain * 2 / 100 };

@@ -2,7 +2,7 @@
 // The guard alone: each fault at its limit and one step beyond, in every state, as FAULTS.md has
 // it, and how it brakes the command.
 #include "cam_build.h"
-#include "cam_tick_inner.h" // cam_guard_t, cam_guard_armed, cam_guard_plan_isr
+#include "cam_tick_inner.h" // cam_guard_t, cam_guard_plan_isr
 #include "cam_param.h"
 #include "unity.h"
 #include <string.h>

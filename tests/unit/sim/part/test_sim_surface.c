@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_surface.h"
-#include "sim_units.h" // SIM_TWO_PI, sim_abs
+#include "sim_units.h" // SIM_TWO_PI
 #include "unity.h"
 #include <math.h>   // cos, fmod, pow, sin
 #include <stdio.h>  // snprintf
