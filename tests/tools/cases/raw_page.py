@@ -50,7 +50,7 @@ def open_page(url: str) -> Iterator[ClientConnection]:
     }
     place = f"{url.replace('http://', 'ws://')}{SOCKET}?{urlencode(query)}"
     with connect(place, origin=Origin(origin), open_timeout=limit_s()) as socket:
-        hear_until(socket, "0")
+        assert str(socket.recv(limit_s())).startswith("0")  # the handshake of Engine.IO
         socket.send("40")
         hear_until(socket, "40")
         yield socket

@@ -11,8 +11,13 @@ from urllib.parse import urlsplit
 
 import httpx
 import pytest
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse
+from starlette.routing import Mount, Route
 
 from camtools.cli.panel import token_of
+from camtools.panel.access import middleware
 from camtools.panel.pages.reports import reports
 from camtools.panel.runs.options import RunOptions
 from camtools.panel.runs.store import RunStore
@@ -87,6 +92,41 @@ def test_only_own_pages_with_the_token_get_in(
         assert answer["referrer-policy"] == "no-referrer"
     else:
         assert token not in content
+
+
+@pytest.mark.parametrize(
+    ("path", "origin", "wanted"),
+    [
+        ("/key/report", None, 200),
+        ("/key/report", "null", 403),  # of the report's own scripts
+        ("/token/", None, 200),
+        ("/token/", "null", 403),
+        ("/keys/report", None, 404),
+        ("/", None, 404),
+    ],
+)
+def test_a_key_opens_what_is_below_it(path: str, origin: str | None, wanted: int) -> None:
+    """The token the pages, the key of reports nothing but these."""
+
+    async def text(request: Request) -> PlainTextResponse:
+        return PlainTextResponse(request.url.path)
+
+    below = [Mount(f"/{key}", routes=[Route("/{rest:path}", text)]) for key in ("token", "key")]
+    served = Starlette(routes=below, middleware=middleware(("token", "key"), []))
+
+    async def got() -> httpx.Response:
+        transport = httpx.ASGITransport(served)
+        async with httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1") as client:
+            return await client.get(path, headers={"Origin": origin} if origin else {})
+
+    assert asyncio.run(got()).status_code == wanted
+
+
+def test_a_page_that_is_not_there_is_a_line(panel: Panel) -> None:
+    """NiceGUI's page of it would stay in memory, and its address in the log."""
+    place = urlsplit(panel.url)
+    status, _, content = ask(f"http://{place.netloc}", f"{place.path}nowhere")
+    assert (status, content) == (404, "no such page\n")
 
 
 def test_it_listens_on_the_loopback_alone(panel: Panel) -> None:

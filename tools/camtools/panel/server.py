@@ -13,6 +13,8 @@ from collections.abc import Collection
 import uvicorn
 from fastapi import FastAPI
 from nicegui import app, core, ui
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse
 
 from camtools.panel.access import middleware
 from camtools.panel.context import AppContext
@@ -26,6 +28,11 @@ from camtools.panel.pages.reports import reports
 _RECONNECT_S = 45.0
 # A page that is too busy to answer for this long is not cut off.
 _PING_S, _ANSWER_S = 4.0, 8.0
+
+
+async def _not_found(_request: Request, _error: Exception) -> PlainTextResponse:
+    """Answer in a line. NiceGUI would keep a page of it, and log its address with the token."""
+    return PlainTextResponse("no such page\n", 404)
 
 
 def _ping_patiently() -> None:
@@ -66,6 +73,7 @@ def application(context: AppContext, token: str, proxy_hosts: Collection[str] = 
         show_welcome_message=False,
     )
     app.on_startup(_ping_patiently)
+    app.add_exception_handler(404, _not_found)
     core.sio.eio.transports = app.config.socket_io_js_transports = ["websocket"]
     return outer
 

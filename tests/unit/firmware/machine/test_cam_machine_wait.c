@@ -104,7 +104,7 @@ static void test_the_part_counts_when_its_first_pass_is_ready(void)
 
 /// A pass that ended is seen when nothing is pending, the state is no longer that of the work, and
 /// there was a pass. Parts are set from 0 on.
-static void test_the_end_of_a_pass_is_seen_once(void)
+static void test_parts_are_counted_once_at_the_end_of_their_pass(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_machine_set_parts(m, -1));
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_parts(m, INT32_MAX));
@@ -376,21 +376,6 @@ static void test_a_ring_helix_has_its_own_feed_or_none(void)
 }
 
 // Button and command
-
-/// 20 ms, 50 ms, 2 s and a minute, rounded up to plans of 400 us or of a tick.
-static void test_times_of_the_button_are_plans(void)
-{
-    static const uint32_t cases[][5] = {
-        {20000, 50, 125, 5000, 150000}, {1000, 20, 50, 2000, 60000}, {500, 10, 25, 1000, 30000}};
-    for (uint32_t i = 0; i < 3u; i++) {
-        fixture_rig_init(&rig, &part, cases[i][0]);
-        const cam_acknowledge_config_t cfg = cam_machine_acknowledge_config(m);
-        TEST_ASSERT_EQUAL_UINT32(cases[i][1], cfg.settle_plans);
-        TEST_ASSERT_EQUAL_UINT32(cases[i][2], cfg.least_plans);
-        TEST_ASSERT_EQUAL_UINT32(cases[i][3], cfg.most_plans);
-        TEST_ASSERT_EQUAL_UINT32(cases[i][4], cfg.good_plans);
-    }
-}
 
 static void test_button_is_that_of_the_port(void)
 {

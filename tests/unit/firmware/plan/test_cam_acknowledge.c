@@ -111,6 +111,7 @@ static void test_times_are_the_same_at_every_tick_rate(void)
         uint32_t tick_hz;
         cam_acknowledge_config_t plans; ///< of 20 ms, 50 ms, 2 s and a minute, rounded up
     } rows[] = {{500, {true, 10, 25, 1000, 30000}},
+                {1000, {true, 20, 50, 2000, 60000}},
                 {3750, {true, 38, 94, 3750, 112500}},
                 {20000, {true, 50, 125, 5000, 150000}}};
     for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -126,7 +127,7 @@ static void test_times_are_the_same_at_every_tick_rate(void)
 
 /// A plan of a course: '.' released, 'P' pressed, 'E' chain open, 'X' both, 'w' chain was open
 /// since the last plan; in state fault 'F' released, 'f' pressed; 'H' released with enabled drives.
-static void plan(char what, cam_acknowledge_t *a, cam_motion_t *m)
+static void plan(char what, cam_state_t enabled, cam_acknowledge_t *a, cam_motion_t *m)
 {
     static const cam_acknowledge_config_t cfg = {
         .settle_plans = 2, .least_plans = 5, .most_plans = 8, .good_plans = 10};
@@ -135,9 +136,7 @@ static void plan(char what, cam_acknowledge_t *a, cam_motion_t *m)
     const cam_tick_record_t r = {.in.inputs = (is_pressed ? hal_in_acknowledge : 0u) |
                                               (is_open ? hal_in_estop : 0u)};
     m->was_open = what == 'w';
-    m->state = strchr("Ff", what) != NULL ? cam_state_fault
-               : what == 'H'              ? cam_state_manual
-                                          : cam_state_off;
+    m->state = strchr("Ff", what) != NULL ? cam_state_fault : what == 'H' ? enabled : cam_state_off;
     cam_acknowledge_isr(a, &cfg, &r, m);
     TEST_ASSERT_FALSE(m->was_open);
     const bool is_given = a->phase == cam_acknowledge_given;
@@ -182,13 +181,19 @@ static void test_which_presses_count(void)
         {"just in time after use", ".......PPPPP..HHHHHHHHHHHHHH..........", true},
         {"too late after use", ".......PPPPP..HHHHHHHHHHHHHH...........", false},
     };
-    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    const uint32_t n_rows = sizeof rows / sizeof rows[0];
+    for (uint32_t i = 0; i < n_rows * cam_n_states; i++) {
+        const cam_state_t enabled = (cam_state_t)(i / n_rows);
+        if (enabled == cam_state_off || enabled == cam_state_fault) {
+            continue;
+        }
         cam_acknowledge_t a = {0};
         cam_motion_t m = {0};
-        for (const char *what = rows[i].course; *what != '\0'; what++) {
-            plan(*what, &a, &m);
+        for (const char *what = rows[i % n_rows].course; *what != '\0'; what++) {
+            plan(*what, enabled, &a, &m);
         }
-        TEST_ASSERT_EQUAL_MESSAGE(rows[i].counts, m.is_acknowledged, rows[i].name);
+        TEST_ASSERT_EQUAL_MESSAGE(rows[i % n_rows].counts, m.is_acknowledged,
+                                  rows[i % n_rows].name);
     }
 }
 

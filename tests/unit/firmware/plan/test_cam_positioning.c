@@ -71,7 +71,7 @@ static void test_homing_ends_when_the_tool_is_out_and_all_stand(void)
 }
 
 /// In homing and in the state fault the axes count as out of the work, anew for each fault.
-static void test_clear_is_forgotten_after_a_fault(void)
+static void test_what_belongs_to_the_cut_is_forgotten_outside_of_it(void)
 {
     static const cam_state_t states[] = {cam_state_off, cam_state_homing, cam_state_ready,
                                          cam_state_fault};

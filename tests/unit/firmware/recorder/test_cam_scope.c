@@ -377,6 +377,7 @@ static void test_stop_before_the_trigger_keeps_the_rows_of_before_it(void)
     TEST_ASSERT_EQUAL_UINT32(8, scope.ring.n_rows);
     TEST_ASSERT_EQUAL_UINT32(8, scope.ring.n_before);
     TEST_ASSERT_EQUAL_UINT32(12, scope.ring.first_tick);
+    TEST_ASSERT_EQUAL_UINT32(19, scope.ring.trigger_tick);
 }
 
 static void test_every_kind_watches_its_value(void)

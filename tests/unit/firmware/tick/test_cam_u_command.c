@@ -127,6 +127,46 @@ static void test_command_through_faults_at_any_angle_keeps_the_limits_of_u(void)
     }
 }
 
+/// Stop in each tick of half a turn, the tick before it late or not.
+/// @return [nm] how far into the work U's command moves at most
+static int32_t deepest_nm(int32_t friction_nm, uint32_t late_percent)
+{
+    static bench_t bench;
+    start(&courses[0]);
+    set(cam_param_u_friction_nm, friction_nm);
+    set(cam_param_spindle_mrpm, (int32_t)cam_machine_highest_mrpm(&rig.machine));
+    bring(cam_state_cutting);
+    fixture_rig_ticks(&rig, 2400);
+    keep(&bench);
+    int32_t deepest_nm = 0;
+    for (uint32_t at = 0; at < 240u; at++) {
+        go_back(&bench);
+        fixture_rig_ticks(&rig, at);
+        hal_host_fault_late(late_percent);
+        fixture_rig_tick(&rig);
+        const int32_t last_nm = hal_host.out.axis[hal_axis_u].pos_nm;
+        hal_host_fault_estop(true);
+        for (int i = 0; i < 80; i++) {
+            fixture_rig_tick(&rig);
+            const int32_t deep_nm = hal_host.out.axis[hal_axis_u].pos_nm - last_nm;
+            deepest_nm = deep_nm > deepest_nm ? deep_nm : deepest_nm;
+        }
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
+    }
+    return deepest_nm;
+}
+
+/// Neither the reversal of friction nor a tick off its time is taken for a speed of U.
+static void test_no_single_step_of_the_command_throws_u_into_the_work(void)
+{
+    static const int32_t frictions_nm[] = {300, 20000};
+    const int32_t usual_nm = deepest_nm(0, 0);
+    for (size_t i = 0; i < sizeof frictions_nm / sizeof frictions_nm[0]; i++) {
+        TEST_ASSERT_INT32_WITHIN(50, usual_nm, deepest_nm(frictions_nm[i], 0));
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT32(usual_nm * 8 / 5, deepest_nm(0, 40));
+}
+
 /// While off an axis is found half a millimetre from where the cut begins.
 static void move_from_its_begin(hal_axis_t axis)
 {
