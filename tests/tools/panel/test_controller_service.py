@@ -82,6 +82,15 @@ def test_everything_tried_is_in_the_log(seat: Seat) -> None:
     assert last(seat) == ("other", "lose", True) and seat.commander.holder is None
 
 
+def test_an_order_just_after_command_was_given_back_reaches_the_controller(seat: Seat) -> None:
+    """Whoever takes it again need not wait until the service tries to take it the next time."""
+    for _ in range(3):
+        seat.commander.release(seat.boss)
+        until(lambda: not seat.service.snapshot().has_command, "command given back")
+        seat.commander.take(seat.boss)
+        assert "refused: state off" in seat.refused("start")
+
+
 @pytest.mark.parametrize(
     ("name", "words", "why"),
     [

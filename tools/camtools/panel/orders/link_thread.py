@@ -266,6 +266,7 @@ class LinkThread:
             if job.is_urgent:
                 link.rights.may = May.TAKE_OVER  # who stops asks nobody
             else:
+                self._take_again_s = 0.0  # who commands waits for no next try
                 self._look_after_command(link)
             outcome = Outcome(True, ACTIONS[job.name](link, job.arguments, self._say))
         except (Refused, CamtoolsError) as error:
