@@ -186,6 +186,31 @@ static inline int64_t cam_abs_i64(int64_t v)
     return v < 0 ? -v : v;
 }
 
+/// @return the smaller of two
+static inline int64_t cam_smaller_i64(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
+/// @return the greater of two
+static inline uint64_t cam_greater_u64(uint64_t a, uint64_t b)
+{
+    return a > b ? a : b;
+}
+
+/// @return a / b, rounded up. Context: slow side.
+static inline uint64_t cam_divided_up_u64(uint64_t a, uint64_t b)
+{
+    return (a + b - 1u) / b;
+}
+
+/// @return a * b / c, rounded up, saturated. Context: slow side.
+static inline uint64_t cam_scaled_up_u64(uint64_t a, uint64_t b, uint64_t c)
+{
+    return a == 0u || b < (uint64_t)INT64_MAX / a ? cam_divided_up_u64(a * b, c)
+                                                  : (uint64_t)INT64_MAX;
+}
+
 /// @return square root of any v, rounded down. Context: slow side.
 //@ assigns \result \from v;
 static inline uint64_t cam_root_u64(uint64_t v)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_build_inner.h"
 #include "cam_fix.h"      // CAM_TURN_Q32, cam_clamp_i64, cam_root_u64
-#include "cam_feasible.h" // cam_cut_smaller, cam_derived_limits_approach_share
+#include "cam_feasible.h" // cam_derived_limits_approach_share
 #include "cam_motion.h"   // cam_jerk_filter_most_q10
 
 /// [nm / 1024 per tick or plan] limit of speeds and accelerations, so that their sum fits a word
@@ -70,7 +70,7 @@ static int32_t reversal_counts(const cam_config_t *c, const cam_params_t *p, uin
                                               (int64_t)tick_hz * tick_hz);
     const int64_t ahead_q1 = (c->play.xz_plan_q16 >> 15) + 1; // rounded up, like the acceleration
     const int64_t turn_q32 =
-        cam_cut_smaller(ahead_q1 * ahead_q1 * (alpha_q32 + 1) >> 2, INT64_C(1) << 32);
+        cam_smaller_i64(ahead_q1 * ahead_q1 * (alpha_q32 + 1) >> 2, INT64_C(1) << 32);
     return (int32_t)((turn_q32 * c->spindle.counts_per_turn) >> 32) + 1;
 }
 
@@ -83,7 +83,7 @@ static int32_t prediction_counts(const cam_config_t *c, const cam_params_t *p, u
     const int64_t ahead_q47 = (int64_t)c->spindle.kp_q31 * c->play.xz_plan_q16; // kp = 2 w T
     const int32_t observed = 1 + (int32_t)(ahead_q47 >> 49);
     const int32_t seen = observed > c->spindle.jump_window ? observed : c->spindle.jump_window;
-    return (int32_t)cam_cut_smaller((int64_t)seen + reversal_counts(c, p, tick_hz),
+    return (int32_t)cam_smaller_i64((int64_t)seen + reversal_counts(c, p, tick_hz),
                                     c->spindle.counts_per_turn / 4);
 }
 
@@ -95,7 +95,7 @@ static void build_command(cam_config_t *c, const cam_params_t *p, uint32_t tick_
 {
     const int32_t ticks = c->play.plan_ticks;
     const int64_t noise = prediction_counts(c, p, tick_hz);
-    const int64_t ramp_q32 = cam_cut_smaller(c->play.engage_q32, c->play.disengage_q32);
+    const int64_t ramp_q32 = cam_smaller_i64(c->play.engage_q32, c->play.disengage_q32);
     const int64_t clearing_nm =
         (int64_t)c->play.x_clearance_nm * 15 / (8 * (ramp_q32 / CAM_TURN_Q32));
     cam_axis_command_config_t *t = &c->command;

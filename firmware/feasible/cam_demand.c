@@ -68,7 +68,7 @@ static cam_demand_t stroke_demand(const cam_cut_t *c)
 {
     const double in_nm = cam_cut_at_amplitude(c, c->t->u_max_nm);
     return (cam_demand_t){cam_err_u_stroke, cam_demand_half_stroke_nm(c->t, c->p),
-                          cam_cut_greater(cam_cut_up(in_nm), outwards_nm(c))};
+                          cam_greater_u64(cam_cut_up(in_nm), outwards_nm(c))};
 }
 
 /// A retract that was set counts from the outermost position of U in the cut. The default goes as
@@ -84,7 +84,7 @@ static cam_demand_t retract_demand(const cam_cut_t *c)
 /// @return turns of the shorter of the two ramps of the depth
 static double depth_turns(const cam_cut_t *c)
 {
-    return (double)cam_cut_smaller(c->p->engage_turns, c->p->disengage_turns);
+    return (double)cam_smaller_i64(c->p->engage_turns, c->p->disengage_turns);
 }
 
 /// Bound a sum while the envelope e, a smooth step, rises over so many turns. It is evaluated at
@@ -145,7 +145,7 @@ static cam_z_coupling_peaks_t u_peaks(const cam_table_t *t)
 /// U moves with u' omega, in um/s, plus the effect of the feed.
 static cam_demand_t u_speed_demand(const cam_cut_t *c)
 {
-    const int64_t limit = cam_cut_smaller(c->p->u_speed_um_per_s, c->t->limit_u_speed_um_per_s);
+    const int64_t limit = cam_smaller_i64(c->p->u_speed_um_per_s, c->t->limit_u_speed_um_per_s);
     const cam_z_coupling_peaks_t u = u_peaks(c->t);
     const double um_per_s = cam_cut_um_per_s(c, most_speed(c, &u)) + u_drift(c).speed;
     return (cam_demand_t){cam_err_u_speed, limit, cam_cut_up(cam_cut_at_amplitude(c, um_per_s))};
@@ -156,7 +156,7 @@ static cam_demand_t u_acceleration_demand(const cam_cut_t *c)
 {
     const cam_table_t *t = c->t;
     const int64_t limit =
-        cam_cut_smaller(c->p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_per_s2);
+        cam_smaller_i64(c->p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_per_s2);
     const cam_z_coupling_peaks_t u = u_peaks(t);
     const uint32_t plan_ticks = (uint32_t)cam_plan_ticks(c->tick_hz);
     const double most = most_acceleration(c, &u, plan_ticks);
@@ -182,7 +182,7 @@ static cam_demand_t u_force_demand(const cam_cut_t *c)
         share * cam_cut_um_per_s(c, c->t->u1_peak_nm_per_rad) * p->servo_drag_mn_s_per_m * 1e-6;
     const double by_friction = p->servo_friction_mn;
     return (cam_demand_t){
-        cam_err_servo_continuous, cam_cut_smaller(p->servo_continuous_mn, p->servo_force_limit_mn),
+        cam_err_servo_continuous, cam_smaller_i64(p->servo_continuous_mn, p->servo_force_limit_mn),
         cam_cut_up(cam_root(by_mass * by_mass + by_drag * by_drag + by_friction * by_friction))};
 }
 
@@ -234,7 +234,7 @@ int32_t cam_demand_clearance_nm(const cam_table_t *t, const cam_params_t *p)
     if (t == NULL) {
         return p->x_clearance_nm;
     }
-    const int64_t stock_nm = cam_cut_smaller(t->depth_nm, most_stock_nm);
+    const int64_t stock_nm = cam_smaller_i64(t->depth_nm, most_stock_nm);
     const int64_t clear_nm = p->x_clearance_nm > stock_nm ? p->x_clearance_nm : stock_nm;
     return (int32_t)clear_nm + cam_table_rise_nm(t);
 }
@@ -268,7 +268,7 @@ static cam_demand_t x_acceleration_demand(const cam_cut_t *c)
 int32_t cam_demand_half_stroke_nm(const cam_table_t *t, const cam_params_t *p)
 {
     const int64_t made_for_nm = t != NULL ? t->limit_u_stroke_nm : INT32_MAX;
-    return (int32_t)(cam_cut_smaller(p->u_stroke_nm, made_for_nm) / 2);
+    return (int32_t)(cam_smaller_i64(p->u_stroke_nm, made_for_nm) / 2);
 }
 
 cam_demands_t cam_demand_all(const cam_cut_t *c)
@@ -294,7 +294,7 @@ cam_demands_t cam_demand_all(const cam_cut_t *c)
         {cam_err_swing_speed, p->swing_speed_mdeg_per_s, t->is_swung ? swing_speed(c) : 0u},
         {cam_err_swing_acceleration, p->swing_acceleration_deg_per_s2,
          t->is_swung ? swing_acceleration(c) : 0u},
-        {cam_err_spindle_speed, cam_cut_smaller(p->spindle_limit_mrpm, t->limit_spindle_mrpm),
+        {cam_err_spindle_speed, cam_smaller_i64(p->spindle_limit_mrpm, t->limit_spindle_mrpm),
          c->peak_mrpm},
         stroke_demand(c),
         retract_demand(c),

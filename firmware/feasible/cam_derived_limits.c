@@ -24,12 +24,12 @@ int32_t cam_derived_limits_jump_counts(const cam_params_t *params, uint32_t tick
     const uint64_t n = (uint64_t)p->counts_per_turn;
     const uint64_t alpha = (uint64_t)p->spindle_acceleration_mrad_per_s2;
     const uint64_t lag =
-        cam_cut_divided_up(n * alpha * 100u, 987u * (uint64_t)p->observer_bandwidth_mHz * tick_hz);
+        cam_divided_up_u64(n * alpha * 100u, 987u * (uint64_t)p->observer_bandwidth_mHz * tick_hz);
     // Twice a hundredth of the travel per tick at the highest speed.
     const uint64_t ripple =
-        cam_cut_divided_up(n * (uint64_t)p->spindle_limit_mrpm, UINT64_C(3000000) * tick_hz);
-    const uint64_t window = cam_cut_greater(lag + ripple + quantisation_counts, least_jump_counts);
-    return (int32_t)cam_cut_smaller((int64_t)window + p->index_tolerance_counts, most_jump_counts);
+        cam_divided_up_u64(n * (uint64_t)p->spindle_limit_mrpm, UINT64_C(3000000) * tick_hz);
+    const uint64_t window = cam_greater_u64(lag + ripple + quantisation_counts, least_jump_counts);
+    return (int32_t)cam_smaller_i64((int64_t)window + p->index_tolerance_counts, most_jump_counts);
 }
 
 int32_t cam_derived_limits_following_nm(const cam_params_t *params, const cam_table_t *table)
@@ -71,22 +71,22 @@ int32_t cam_derived_limits_most(cam_param_id_t id, uint32_t tick_hz)
     int64_t most = info != NULL ? info->max : 0;
     switch (id) {
     case cam_param_observer_bandwidth_mHz:
-        most = cam_cut_smaller(most, hz * 80); // MATHS.md (188)
+        most = cam_smaller_i64(most, hz * 80); // MATHS.md (188)
         break;
     case cam_param_lead_ns: // less than the history by 2^-16 tick
-        most = cam_cut_smaller(most, ((cam_guard_history - 2) * INT64_C(1000000000) - 15259) / hz);
+        most = cam_smaller_i64(most, ((cam_guard_history - 2) * INT64_C(1000000000) - 15259) / hz);
         break;
     case cam_param_k1_ns:
-        most = cam_cut_smaller(most, INT64_C(32766) * 1000000000 / hz);
+        most = cam_smaller_i64(most, INT64_C(32766) * 1000000000 / hz);
         break;
     case cam_param_k2_us2:
-        most = cam_cut_smaller(most, INT64_C(32766) * 1000000000000 / (hz * hz));
+        most = cam_smaller_i64(most, INT64_C(32766) * 1000000000000 / (hz * hz));
         break;
     case cam_param_x_speed_um_per_s:
     case cam_param_z_speed_um_per_s: {
         const hal_axis_t axis = id == cam_param_x_speed_um_per_s ? hal_axis_x : hal_axis_z;
         const int32_t output_um_per_s = hal_axis_scale(axis).most_um_per_s; // 0: no limit
-        most = output_um_per_s > 0 ? cam_cut_smaller(most, output_um_per_s) : most;
+        most = output_um_per_s > 0 ? cam_smaller_i64(most, output_um_per_s) : most;
         break;
     }
     default:
@@ -153,7 +153,7 @@ uint32_t cam_derived_limits_averaging_mrpm(const cam_params_t *params, uint32_t 
     const int64_t observer_mhz = params->observer_bandwidth_mHz;
     const int64_t apart_mhz =
         observer_mhz * beat_bandwidths +
-        cam_cut_smaller(counts_mhz / beat_ripple, observer_mhz * beat_ripple_bandwidths);
+        cam_smaller_i64(counts_mhz / beat_ripple, observer_mhz * beat_ripple_bandwidths);
     const int64_t rpm = (whole_mhz - apart_mhz) * 60 / counts / 1000;
     const bool is_averaging = cam_abs_i64(counts_mhz - whole_mhz) >= apart_mhz;
     const bool is_possible = apart_mhz < tick_mhz / 2 && whole_mhz > 0 && !hal_has_edge_time();

@@ -10,7 +10,7 @@ enum { speed_bits = 26, feed_bits = 24 };
 
 uint32_t cam_feasible_peak_mrpm(const cam_table_t *table, uint32_t mean_mrpm)
 {
-    const uint64_t peak = cam_cut_divided_up((uint64_t)mean_mrpm * table->ratio_max_q20,
+    const uint64_t peak = cam_divided_up_u64((uint64_t)mean_mrpm * table->ratio_max_q20,
                                              (uint32_t)CAM_TABLE_RATIO_ONE);
     return peak < UINT32_MAX ? (uint32_t)peak : UINT32_MAX;
 }
@@ -26,7 +26,7 @@ static void set_speed(cam_cut_t *c, uint32_t mrpm)
 static void set_feed(cam_cut_t *c, uint64_t feed_nm)
 {
     c->programmed_nm = feed_nm;
-    c->feed_nm = cam_cut_divided_up(feed_nm * (uint64_t)cam_changes_feed_ppm(c->p), 1000000);
+    c->feed_nm = cam_divided_up_u64(feed_nm * (uint64_t)cam_changes_feed_ppm(c->p), 1000000);
 }
 
 /// @return the cut that table and parameters describe, at a mean speed
@@ -44,7 +44,7 @@ static cam_cut_t cut_of(const cam_table_t *table, const cam_params_t *params, ui
 static cam_demand_t turns_demand(const cam_cut_t *c)
 {
     const uint64_t per_feed = c->t->is_ring_helix ? 2u : 1u; // a ring follows each turn of feed
-    const uint64_t fed = per_feed * cam_cut_divided_up(cam_cut_span_nm(c), c->programmed_nm);
+    const uint64_t fed = per_feed * cam_divided_up_u64(cam_cut_span_nm(c), c->programmed_nm);
     return (cam_demand_t){cam_err_turns, most_turns, fed + (uint64_t)c->p->feed_ramp_turns};
 }
 

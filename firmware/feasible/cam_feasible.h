@@ -191,28 +191,4 @@ int32_t cam_changes_feed_ppm(const cam_params_t *params);
 /// @param c  complete except for the operator's changes, which are filled in
 void cam_changes_build(cam_play_config_t *c, const cam_params_t *params, uint32_t tick_hz);
 
-/// Integer arithmetic of limits, to the end of this file; build and machine use it, too.
-static inline int64_t cam_cut_smaller(int64_t a, int64_t b)
-{
-    return a < b ? a : b;
-}
-
-static inline uint64_t cam_cut_greater(uint64_t a, uint64_t b)
-{
-    return a > b ? a : b;
-}
-
-/// @return a / b, rounded up
-static inline uint64_t cam_cut_divided_up(uint64_t a, uint64_t b)
-{
-    return (a + b - 1u) / b;
-}
-
-/// @return a * b / c, rounded up, saturated
-static inline uint64_t cam_cut_scaled_up(uint64_t a, uint64_t b, uint64_t c)
-{
-    return a == 0u || b < (uint64_t)INT64_MAX / a ? cam_cut_divided_up(a * b, c)
-                                                  : (uint64_t)INT64_MAX;
-}
-
 #endif

@@ -96,7 +96,7 @@ static inline cam_cut_step_t cam_cut_step(double s)
 /// @return [nm] how far U travels from the middle of its stroke, without feed-forward
 static inline uint64_t cam_cut_largest_nm(const cam_table_t *t)
 {
-    return cam_cut_greater((uint64_t)cam_abs_i64(t->u_min_nm), (uint64_t)cam_abs_i64(t->u_max_nm));
+    return cam_greater_u64((uint64_t)cam_abs_i64(t->u_min_nm), (uint64_t)cam_abs_i64(t->u_max_nm));
 }
 
 /// @return [nm] height of the part, over which Z feeds

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_feasible.h"
+#include "cam_fix.h"    // cam_divided_up_u64, cam_greater_u64
 #include "cam_motion.h" // cam_jerk_filter_most_log2
 #include "cam_plan.h"   // cam_plan_ticks
 #include <stdbool.h>    // bool
@@ -28,15 +29,15 @@ static uint64_t window_ns(const cam_params_t *p, hal_axis_t axis, uint32_t tick_
     const uint64_t a = (uint64_t)cam_param_get(p, accelerations[axis]);
     const int32_t jerk = cam_param_get(p, jerks[axis]);
     if (jerk > 0) {
-        return cam_cut_divided_up(a * 2000000u, (uint64_t)jerk);
+        return cam_divided_up_u64(a * 2000000u, (uint64_t)jerk);
     }
     if (axis != hal_axis_u) {
         return least_xz_ns;
     }
     const uint64_t by_k2 =
-        cam_cut_divided_up(4u * a * (uint64_t)p->k2_us2, (uint64_t)p->u_speed_um_per_s);
-    const uint64_t least = cam_cut_greater(least_u_ns, 2u * step_ns(axis, tick_hz));
-    return cam_cut_greater(least, cam_cut_greater((uint64_t)p->k1_ns, by_k2));
+        cam_divided_up_u64(4u * a * (uint64_t)p->k2_us2, (uint64_t)p->u_speed_um_per_s);
+    const uint64_t least = cam_greater_u64(least_u_ns, 2u * step_ns(axis, tick_hz));
+    return cam_greater_u64(least, cam_greater_u64((uint64_t)p->k1_ns, by_k2));
 }
 
 uint32_t cam_gains_log2_window(const cam_params_t *params, hal_axis_t axis, uint32_t tick_hz)
@@ -70,7 +71,7 @@ int64_t cam_gains_bound(const cam_params_t *params, cam_param_id_t id, uint32_t 
                                                               : hal_axis_u;
     const uint64_t most_ns = step_ns(axis, tick_hz) << cam_jerk_filter_most_log2;
     const uint64_t twice_a = (uint64_t)cam_param_get(params, accelerations[axis]) * 2000000u;
-    return (int64_t)cam_cut_divided_up(twice_a, most_ns);
+    return (int64_t)cam_divided_up_u64(twice_a, most_ns);
 }
 
 cam_refusal_t cam_gains_check(const cam_params_t *params, uint32_t tick_hz)

@@ -222,7 +222,7 @@ static spare_t spare_of(const cam_machine_t *m, const cam_ilc_setup_t *setup, ui
     spare_t spare = {.stroke_nm = m->params.u_stroke_nm / 2};
     for (uint32_t i = 0; i < (uint32_t)cam_n_demands; i++) {
         const cam_demand_t *u = &axes.of[i];
-        const int64_t needed = (int64_t)cam_cut_smaller((int64_t)u->needed, INT32_MAX);
+        const int64_t needed = (int64_t)cam_smaller_i64((int64_t)u->needed, INT32_MAX);
         if (u->err == cam_err_u_acceleration) {
             const int64_t left = u->limit - needed;
             spare.acceleration_mm_per_s2 = (uint64_t)(u->limit / 16 + (left > 0 ? left : 0));
@@ -269,7 +269,7 @@ static int32_t angle_step_q23(const cam_machine_t *m, uint64_t spare_mm_per_s2)
 {
     const uint64_t hz = m->tick_hz;
     const uint64_t slope_nm =
-        cam_cut_scaled_up(m->table.u1_peak_nm_per_rad, (uint64_t)m->params.amplitude_ppm, 1000000) +
+        cam_scaled_up_u64(m->table.u1_peak_nm_per_rad, (uint64_t)m->params.amplitude_ppm, 1000000) +
         1u;
     // a radian is 2^23 / 2 pi units, of which the factor is half
     const uint64_t step = spare_mm_per_s2 * 667544u / hz * 1000000u / hz / slope_nm;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_machine_inner.h"
-#include "cam_feasible.h" // cam_cut_smaller, cam_demand_clearance_nm
-#include "cam_fix.h"      // cam_sat_i32
+#include "cam_feasible.h" // cam_demand_clearance_nm
+#include "cam_fix.h"      // cam_sat_i32, cam_smaller_i64
 #include "cam_build.h"    // cam_units_scale
 #include <stddef.h>       // NULL
 
@@ -158,8 +158,8 @@ cam_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t nm)
 /// @return [mN / 64] force with which U searches its stop; a hot motor has it as well
 static int32_t press_q6(const cam_params_t *p)
 {
-    const int64_t most_mn = cam_cut_smaller(p->servo_continuous_mn, p->servo_force_limit_mn);
-    return 64 * (int32_t)cam_cut_smaller(p->u_home_force_mn, most_mn);
+    const int64_t most_mn = cam_smaller_i64(p->servo_continuous_mn, p->servo_force_limit_mn);
+    return 64 * (int32_t)cam_smaller_i64(p->u_home_force_mn, most_mn);
 }
 
 /// @return [plans] in 20 ms, at least 1

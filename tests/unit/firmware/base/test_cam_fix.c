@@ -136,6 +136,25 @@ static void test_limits_are_kept_and_reached(void)
     TEST_ASSERT_EQUAL_INT32(INT32_MIN, cam_sat_i32(-(INT64_C(1) << 32)));
 }
 
+static void test_quotients_are_rounded_up(void)
+{
+    static const uint64_t fifths[] = {0, 1, 1, 1, 1, 1, 2};
+    for (uint64_t a = 0; a < 7u; a++) {
+        TEST_ASSERT_EQUAL_UINT64(fifths[a], cam_divided_up_u64(a, 5));
+        TEST_ASSERT_EQUAL_UINT64(fifths[a], cam_scaled_up_u64(a, 2, 10));
+    }
+    TEST_ASSERT_EQUAL_UINT64(0, cam_scaled_up_u64(0, UINT64_MAX, 1));
+    TEST_ASSERT_EQUAL_UINT64(INT64_MAX, cam_scaled_up_u64(UINT64_C(1) << 32, UINT64_C(1) << 32, 9));
+}
+
+static void test_smaller_and_greater_of_two(void)
+{
+    TEST_ASSERT_EQUAL_INT64(-2, cam_smaller_i64(-2, 1));
+    TEST_ASSERT_EQUAL_INT64(-2, cam_smaller_i64(1, -2));
+    TEST_ASSERT_EQUAL_UINT64(7, cam_greater_u64(7, 3));
+    TEST_ASSERT_EQUAL_UINT64(7, cam_greater_u64(3, 7));
+}
+
 static void test_root_is_rounded_down(void)
 {
     for (uint64_t r = 0; r < 70u; r++) {

@@ -46,16 +46,8 @@ static double speed(uint64_t feed_nm, uint32_t mrpm)
     return cam_z_coupling_z_um_per_s(&cut);
 }
 
-static void test_quotients_are_rounded_up(void)
+static void test_quantities_of_a_cut(void)
 {
-    static const uint64_t fifths[] = {0, 1, 1, 1, 1, 1, 2};
-    for (uint64_t a = 0; a < 7u; a++) {
-        TEST_ASSERT_EQUAL_UINT64(fifths[a], cam_cut_divided_up(a, 5));
-    }
-    TEST_ASSERT_EQUAL_INT64(-2, cam_cut_smaller(-2, 1));
-    TEST_ASSERT_EQUAL_INT64(-2, cam_cut_smaller(1, -2));
-    TEST_ASSERT_EQUAL_UINT64(7, cam_cut_greater(7, 3));
-    TEST_ASSERT_EQUAL_UINT64(7, cam_cut_greater(3, 7));
     expect(62.83185307179586, cam_cut_omega(600000));
     table.z_first_nm = -2000000000;
     table.z_last_nm = 2000000000;
