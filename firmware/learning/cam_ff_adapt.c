@@ -3,7 +3,7 @@
 #include "cam_doubles.h" // cam_limit, cam_nearest
 #include <stdbool.h>     // bool
 
-/// [1] largest share of an error that a revolution changes
+/// [1] largest share of an error that a turn changes
 #define MOST_SHARE 0.25
 
 cam_gain_t cam_drive_gain(uint32_t k, int32_t speed_q32, int32_t k1_q16, int32_t k2_q16)

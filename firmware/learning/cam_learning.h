@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_learning: iterative learning control of U, and learning of the spindle's ripple.
 ///
-///     revolution closed by the interrupt -> harmonics -> probing, layers 1 and 2, ripple -> target
+///     turn closed by the interrupt -> harmonics -> probing, layers 1 and 2, ripple -> target
 ///     -> blending in
 ///
 /// A rehearsal settles, learns the drive's constants (layer 1), probes U's response at every
@@ -143,7 +143,7 @@ typedef struct {
     cam_complex_t eccentricity; ///< [turn / 2^32] order 1 of the encoder's own error
 } cam_ilc_setup_t;
 
-/// Sums of layer 1 over the harmonics of a revolution.
+/// Sums of layer 1 over the harmonics of a turn.
 typedef struct {
     double error1, weight1, error2, weight2;
     double error0, weight0;   ///< of the chip's force

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_learning_inner: the steps of learning, private to this room.
 ///
-/// From the bottom up: complex numbers, harmonics of a revolution, the update of the drive's
+/// From the bottom up: complex numbers, harmonics of a turn, the update of the drive's
 /// constants (layer 1), of the correction at each harmonic (layer 2), of the chip's force and of
-/// the ripple; then the update of a revolution, which uses all of them. Context of all functions:
+/// the ripple; then the update of a turn, which uses all of them. Context of all functions:
 /// slow side.
 #ifndef CAM_LEARNING_INNER_H
 #define CAM_LEARNING_INNER_H
@@ -75,7 +75,7 @@ static inline cam_gain_t cam_gain_ratio(cam_complex_t a, cam_complex_t b)
                             (double)cam_complex_square(b));
 }
 
-/// Harmonics of the bins of a revolution, and points of a revolution from harmonics.
+/// Harmonics of the bins of a turn, and points of a turn from harmonics.
 ///
 ///     c_k  = (2 / 128) sum m_i e^(-jk theta_i)   theta_i the middle of bin i; c_0 is the mean
 ///     f(i) = Re sum c_k e^(jk 2 pi i / 256)      i = 0 .. 256, c_0 real
@@ -95,7 +95,7 @@ int32_t cam_sin_q24(uint32_t step);
 /// @return        in the unit of the means, rounded, saturated
 cam_complex_t cam_harmonics_of(const int32_t *mean, uint32_t stride, uint32_t k);
 
-/// Move the points of a revolution towards a sum of harmonics, each by at most one step.
+/// Move the points of a turn towards a sum of harmonics, each by at most one step.
 /// @param point  258 of them, changed in place, the last two equal to the first two
 /// @param c      harmonics 0 .. 16, parts within +-2^23, the sum of their magnitudes below 2^24
 /// @param down   1 .. 24; a point is the sum / 2^down, within +-32767
@@ -103,7 +103,7 @@ cam_complex_t cam_harmonics_of(const int32_t *mean, uint32_t stride, uint32_t k)
 /// @return       whether all points have reached their targets
 bool cam_harmonics_slew(int16_t *point, const cam_complex_t *c, uint32_t down, int32_t most);
 
-/// Layer 1: update of the drive's constants from the error of a revolution. With the error E_k and
+/// Layer 1: update of the drive's constants from the error of a turn. With the error E_k and
 /// the set-point U_k of harmonic k, and U's response G_k to a correction according to the
 /// constants:
 ///     E_k / (U_k G_k) = j w_k dk1 - w_k^2 dk2, weighted least squares over all k
@@ -128,7 +128,7 @@ static inline double cam_drive_omega(uint32_t k, int32_t speed_q32)
 /// @param k1_q16, k2_q16  [ticks], [ticks^2]
 cam_gain_t cam_drive_gain(uint32_t k, int32_t speed_q32, int32_t k1_q16, int32_t k2_q16);
 
-/// Add a harmonic to the sums of a revolution.
+/// Add a harmonic to the sums of a turn.
 /// @param error, set  [nm / 64] error and set-point of harmonic k, 1 .. 16, within +-2^31
 void cam_drive_add(cam_drive_sums_t *sums, uint32_t k, cam_complex_t error, cam_complex_t set,
                    cam_gain_t gain);
@@ -139,7 +139,7 @@ void cam_drive_add(cam_drive_sums_t *sums, uint32_t k, cam_complex_t error, cam_
 void cam_friction_add(cam_drive_sums_t *sums, cam_complex_t error_q6, cam_complex_t sense_q20,
                       cam_gain_t gain);
 
-/// @return change of the constants that removes the error of the revolution in a linear drive
+/// @return change of the constants that removes the error of the turn in a linear drive
 cam_drive_change_t cam_drive_solve(const cam_drive_sums_t *sums, int32_t speed_q32);
 
 /// Layer 2: correction of U's command over the spindle's angle, one harmonic at a time.
@@ -164,13 +164,13 @@ void cam_harmonic_correction_restart_guard(cam_harmonic_correction_t *s);
 void cam_harmonic_correction_set_probe(cam_harmonic_correction_t *s, int32_t size_q6, uint32_t n,
                                        uint32_t which);
 
-/// Evaluate the error of a revolution while probing.
+/// Evaluate the error of a turn while probing.
 /// @param stage  0: no probe, 1: first probe, 2: second probe, which masks; later ones unmask
 /// @param error_q6  [nm / 64] of harmonic k at full amplitude
 void cam_harmonic_correction_probe(cam_harmonic_correction_t *s, uint32_t stage, uint32_t k,
                                    cam_complex_t error_q6);
 
-/// Update the correction at harmonic k from the error of a revolution.
+/// Update the correction at harmonic k from the error of a turn.
 /// @param error_q6  [nm / 64] at full amplitude
 /// @param floor_q6  [nm / 64] noise floor of the scale
 /// @param mu_q16    learning gain, 0 .. 2^16
@@ -239,8 +239,8 @@ bool cam_ilc_chip_blend(cam_ilc_t *t, int32_t depth_nm, int32_t most_nm, cam_lea
 
 /// Ripple: deviation of the spindle from uniform rotation, learned over its angle.
 ///
-/// The deviation of a revolution is the measured angle minus that of a uniform rotation of the same
-/// duration, by the ticks in each bin. The mean over several revolutions is the ripple that the
+/// The deviation of a turn is the measured angle minus that of a uniform rotation of the same
+/// duration, by the ticks in each bin. The mean over several turns is the ripple that the
 /// encoder shows, its own eccentricity included, which is a parameter. Nothing is fed back.
 /// Source: MATHS.md (146).
 
@@ -250,7 +250,7 @@ enum { cam_ripple_down = 9 };
 /// [turn / 2^23] limit of the sum of the orders' sizes: 12 mrad.
 enum { cam_ripple_most = INT16_MAX / 2 };
 
-/// Convert the sums of angle of a revolution to the deviation from uniform rotation, in place.
+/// Convert the sums of angle of a turn to the deviation from uniform rotation, in place.
 /// @param bin  128 bins of a turn, each with its sum of angle_q24 and n; angle becomes the
 ///             deviation in turn / 2^32, less a constant
 /// @return     [turn / 2^36 per tick] mean speed; 0 where a bin is empty or the deviation is too
@@ -277,7 +277,7 @@ cam_complex_t cam_ripple_order(const cam_ripple_t *r, uint32_t k);
 ///         before they act
 uint32_t cam_ripple_sum(const cam_ripple_t *r);
 
-/// Update of one revolution, harmonic by harmonic.
+/// Update of one turn, harmonic by harmonic.
 
 /// @return whether U is learned: completely, or with lobes the drive's constants
 static inline bool cam_ilc_is_asked(const cam_ilc_setup_t *setup)

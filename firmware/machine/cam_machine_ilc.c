@@ -109,8 +109,8 @@ static range_t k2_range(const cam_machine_t *m)
     return range_of(k2_q16, ticks2_q16(m, bound_us2), k2_q16 + spare_ticks2_q16 + mass_q16);
 }
 
-/// @return revolutions averaged for the ripple, at least two: the blend to a new mean takes one
-///         revolution, so that with one it would never end
+/// @return turns averaged for the ripple, at least two: the blend to a new mean takes one
+///         turn, so that with one it would never end
 static uint32_t ripple_turns(const cam_machine_t *m)
 {
     const bool is_asked = m->has_table && m->table.speed.knots == NULL;
