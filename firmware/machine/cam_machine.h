@@ -466,8 +466,9 @@ CAM_MUST_USE cam_err_t cam_machine_wave_end(cam_machine_t *m, uint32_t crc);
 /// @param n_periods   at full gain, at least 1; fade and periods take a minute at most
 /// @param fade_ticks  [ticks] of the rise, and of the fall, 16 .. 65535
 /// @return            cam_ok, cam_err_state, _busy, _wave_none, _scope_memory, _scope_unread,
-///                    or a verdict of cam_wave_judge(), cam_wave_judge_force();
-///                    cam_err_wave_clear with the required X [nm]
+///                    or with the demand: cam_err_wave_stroke [nm], _wave_speed [um/s],
+///                    _wave_acceleration [mm/s2], _wave_force [mN], _wave_clear with the required
+///                    X [nm]
 cam_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint32_t fade_ticks);
 
 /// One step of learning: take a turn from the interrupt, process one harmonic, or blend the values
