@@ -47,6 +47,7 @@ static void start(int32_t counts_per_turn, int32_t sense, uint32_t base)
 static void observe(int32_t alpha_q40)
 {
     cam_spindle_step_isr(&spindle, &config.spindle, &in, alpha_q40, &angle);
+    TEST_ASSERT_TRUE(spindle.in_turn >= 0 && spindle.in_turn < config.spindle.counts_per_turn);
     faults |= angle.faults;
     n_ticks++;
     if (n_ticks % 8u == 0u) {
