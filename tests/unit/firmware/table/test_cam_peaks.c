@@ -332,17 +332,10 @@ static void test_set_point_of_the_spindle_is_bounded_at_any_lag(void)
     }
 }
 
-static void level(double z_nm, double x[3])
-{
-    x[0] = 46e6 + 0.0 * z_nm;
-    x[1] = 0.0;
-    x[2] = 0.0;
-}
-
 /// A profile that falls by 1.5 um from one slice to the next and is level at both.
 static void step(double z_nm, double x[3])
 {
-    level(z_nm, x);
+    fixture_cylinder(z_nm, x);
     x[0] -= z_nm > 375000.0 ? 1500.0 : 0.0;
 }
 
@@ -356,7 +349,7 @@ static void test_slope_and_bend_of_x_are_those_of_the_profile(void)
         uint32_t frac_bits, slope_ppm, bend_ppm_per_m;
     } rows[] = {{part.x, 8, 24000, 40000000},
                 {part.x, 4, 24000, 40000000},
-                {level, 8, 0, 0},
+                {fixture_cylinder, 8, 0, 0},
                 {step, 4, 11250, 135000000}};
     for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         part.x = rows[i].x;

@@ -38,16 +38,6 @@ static void test_u_with_lead_is_read_at_the_angle_to_come(void)
     }
 }
 
-/// @return [nm] Z of the short part with its ramps of two turns, in doubles
-static double height(double turns)
-{
-    const double in = turns < 0.0 ? 0.0 : turns > 12.0 ? 12.0 : turns;
-    const double fed = in < 2.0    ? in * in / 4.0
-                       : in < 10.0 ? in - 1.0
-                                   : 10.0 - (12.0 - in) * (12.0 - in) / 4.0;
-    return 100000.0 * fed;
-}
-
 /// Between two plans the envelope is straight: 8 ticks of 480 a turn below the smooth step, whose
 /// second derivative is at most 5.774.
 static double sagitta(int32_t turns)
@@ -85,7 +75,7 @@ static void test_xz_with_lag_are_read_ahead(void)
             const double z_nm = nm(f.axis, hal_axis_z);
             // whole nanometres, and the sagitta of the ramps: 0.22 nm per tick^2
             TEST_ASSERT_DOUBLE_WITHIN(1.0 + 0.22 * FIXTURE_PLAN_TICKS * FIXTURE_PLAN_TICKS / 8.0,
-                                      height(turns), z_nm);
+                                      1e5 * eased(turns, 2.0, 10.0), z_nm);
             TEST_ASSERT_DOUBLE_WITHIN(0.05 + 2e6 * sagitta(10),
                                       fixture_play_x_nm(&f, z_nm) + 1e6 * (1.0 - envelope),
                                       nm(f.axis, hal_axis_x));

@@ -5,22 +5,6 @@
 #include "play_bench.h"
 #include <math.h>
 
-static void plain_profile(double z_nm, double x[3])
-{
-    (void)z_nm;
-    x[0] = 46e6;
-    x[1] = 0.0;
-    x[2] = 0.0;
-}
-
-/// @return [turn] fed: ramps of r turns, `fed` turns in all
-static double eased(double turns, double r, double fed)
-{
-    const double in = turns < 0.0 ? 0.0 : turns > fed + r ? fed + r : turns;
-    const double left = fed + r - in;
-    return in < r ? in * in / 2.0 / r : left < r ? fed - left * left / 2.0 / r : in - r / 2.0;
-}
-
 static void test_feed_of_62000_turns_is_exact_to_a_nanometre(void)
 {
     part.n_slices = 130;
@@ -32,7 +16,7 @@ static void test_feed_of_62000_turns_is_exact_to_a_nanometre(void)
     part.z_last_nm = 984000063;
     part.feed_nm = 32001;
     part.u = fixture_ellipse;
-    part.x = plain_profile;
+    part.x = fixture_cylinder;
     fixture_play_init(&f, &part);
     TEST_ASSERT_NOT_NULL(f.config.play.table);
     engage();
@@ -77,25 +61,6 @@ static void start_at(int32_t z_nm)
 {
     fixture_play_init(&f, &part);
     cut_at(z_nm);
-}
-
-/// The offset moves X as a whole, in the approach as in the cut.
-static void test_x_offset_moves_every_place_of_x(void)
-{
-    const int32_t offset_nm[] = {-1000000, 0, 123457, 1000000};
-    for (size_t i = 0; i < sizeof offset_nm / sizeof offset_nm[0]; i++) {
-        fixture_play_init(&f, &part);
-        f.params.x_trim_nm = offset_nm[i];
-        fixture_play_configure(&f);
-        engage();
-        const double clear_nm = fixture_play_x_nm(&f, part.z_first_nm) + f.params.x_clearance_nm;
-        TEST_ASSERT_DOUBLE_WITHIN(1.0, clear_nm + offset_nm[i],
-                                  (double)f.axis[hal_axis_x].pos_q10 / 1024.0);
-        for (double turns = 0.0; turns < 9.0; turns += 0.37) {
-            const double x_nm = fixture_play_x_nm(&f, z_at(turns)) + offset_nm[i];
-            TEST_ASSERT_DOUBLE_WITHIN(1.5, x_nm, (double)f.axis[hal_axis_x].pos_q10 / 1024.0);
-        }
-    }
 }
 
 static void test_measured_z_is_what_is_played(void)

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tick of a whole controller: from power-on every record of a session replays to the bit, the
-// command of U in the cut is the control law in doubles, and a position beyond +-2^30 nm is limited
-// and its drive counts as not ready.
+// The tick of a whole controller: from power-on every record of a session replays to the bit, and a
+// position beyond +-2^30 nm is limited and its drive counts as not ready.
 #include "cam_machine_inner.h" // cam_machine_home_axis, cam_machine_jog, cam_machine_jog_poll
-#include "fixture_reference.h"
 #include "fixture_rig.h"
 #include "hal_host.h"
 #include "unity.h"
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -161,31 +158,6 @@ static void test_session_with_changes_stop_fault_and_reset_replays_bit_for_bit(v
     expect_replay();
 }
 
-/// The speed of the spindle goes twice per turn from 0.7 to 1.4 of 2000 r/min.
-static void test_session_with_a_modulated_spindle_replays_bit_for_bit(void)
-{
-    part = fixture_part_modulated();
-    part.spindle_mrpm = 2000000;
-    rig.lathe.ramp_rpm = 50.0;
-    fixture_rig_ticks(&rig, 3);
-    set(cam_param_spindle_acceleration_mrad_per_s2, 2000000000);
-    set(cam_param_spindle_lag_us, 100);
-    prepare();
-    cut_with_changes();
-    int32_t least = INT32_MAX;
-    int32_t most = 0;
-    for (int i = 0; i < 600; i++) {
-        fixture_rig_tick(&rig);
-        least = rig.last.want.spindle_mrpm < least ? rig.last.want.spindle_mrpm : least;
-        most = rig.last.want.spindle_mrpm > most ? rig.last.want.spindle_mrpm : most;
-    }
-    TEST_ASSERT_INT32_WITHIN(60000, 2850000, most);
-    TEST_ASSERT_INT32_WITHIN(60000, 1350000, least);
-    TEST_ASSERT_LESS_THAN_UINT32(20000, fixture_rig_until(&rig, cam_state_ready, 20000));
-    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
-    expect_replay();
-}
-
 /// With homes, a datum and a cut.
 static void test_session_by_hand_replays_bit_for_bit(void)
 {
@@ -222,51 +194,6 @@ static void test_session_by_hand_replays_bit_for_bit(void)
     TEST_ASSERT_EQUAL_INT(cam_state_engaging, rig.last.want.state);
     TEST_ASSERT_EQUAL_HEX32(3u, fixture_rig_status(&rig).jog.homed); // U and X
     expect_replay();
-}
-
-/// Value and derivatives by time [nm, nm/s, nm/s2] at the angle of a record, read ahead.
-static void expected(const cam_tick_record_t *r, double u[3])
-{
-    const cam_channel_t *ch = &rig.machine.table.u;
-    const double ahead = (double)r->angle.pos_q32 + 2.5 * r->angle.speed_q32;
-    const uint32_t theta_q32 = (uint32_t)(uint64_t)(int64_t)floor(ahead);
-    const fixture_value_t v = fixture_reference_surface_at(ch, theta_q32, r->want.z_nm);
-    const double knots_per_s = ldexp(r->angle.speed_q32, (int)ch->log2_knots - 32) * tick_hz;
-    const double nm = ldexp(1.0, -(int)ch->frac_bits);
-    u[0] = (double)v.y * nm + ch->value_offset;
-    u[1] = (double)v.d1 * nm * knots_per_s;
-    u[2] = (double)v.d2 * nm * knots_per_s * knots_per_s;
-}
-
-static void test_command_in_the_cut_is_the_control_law(void)
-{
-    prepare();
-    set(cam_param_lead_ns, 125000);
-    set(cam_param_k1_ns, 742723);
-    set(cam_param_k2_us2, 281448);
-    set(cam_param_following_limit_nm, 10000000);
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
-    rig.n_log = 0;
-    fixture_rig_ticks(&rig, 5000);
-    TEST_ASSERT_EQUAL_UINT32(5000, rig.n_log);
-    const double um_per_s = tick_hz / 1024e3;
-    const double mm_per_s2 = (double)tick_hz * tick_hz / 1024e6;
-    double largest_nm = 0.0;
-    for (uint32_t i = 10; i < rig.n_log; i++) {
-        double u[3];
-        const cam_tick_record_t *r = &records[i];
-        expected(r, u);
-        const hal_setpoint_t *out = &r->out[hal_axis_u];
-        TEST_ASSERT_EQUAL_INT(cam_state_cutting, r->want.state);
-        // U's height is linear between two plans, the expected one is not where the feed rises.
-        TEST_ASSERT_DOUBLE_WITHIN(2.5, u[0], r->want.u_set_q6 / 64.0);
-        TEST_ASSERT_DOUBLE_WITHIN(4.0, u[1] * 1e-3, out->vel_q10 * um_per_s);  // of 40 000 um/s
-        TEST_ASSERT_DOUBLE_WITHIN(6.0, u[2] * 1e-6, out->acc_q10 * mm_per_s2); // of 20 000 mm/s2
-        const double forward_nm = 742723e-9 * u[1] + 281448e-12 * u[2];
-        TEST_ASSERT_DOUBLE_WITHIN(8.0, u[0] + forward_nm, out->pos_nm);
-        largest_nm = fabs(forward_nm) > largest_nm ? fabs(forward_nm) : largest_nm;
-    }
-    TEST_ASSERT_TRUE(largest_nm > 20000.0); // the feed-forward is large enough to be judged
 }
 
 static hal_axis_t far_axis; ///< axis whose position far_isr() replaces

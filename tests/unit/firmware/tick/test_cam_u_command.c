@@ -11,33 +11,17 @@ static cam_config_t *in_force(void)
     return &g_cam.config.half[g_cam.config.offered == &g_cam.config.half[0] ? 0 : 1];
 }
 
-typedef struct {
-    int32_t at_nm, step_nm;
-    int32_t most_step_nm, most_change_nm;
-} command_t;
-
-static void tick(command_t *t)
-{
-    fixture_rig_tick(&rig);
-    const int32_t at_nm = hal_host.out.axis[hal_axis_u].pos_nm;
-    const int32_t step_nm = at_nm - t->at_nm;
-    const int32_t change_nm = abs(step_nm - t->step_nm);
-    t->most_step_nm = abs(step_nm) > t->most_step_nm ? abs(step_nm) : t->most_step_nm;
-    t->most_change_nm = change_nm > t->most_change_nm ? change_nm : t->most_change_nm;
-    t->at_nm = at_nm;
-    t->step_nm = step_nm;
-}
-
 /// Press the emergency stop: it must be the only fault. @return U's command of n ticks
-static command_t retract(int n)
+static motion_t retract(int n)
 {
-    command_t t = {.at_nm = hal_host.out.axis[hal_axis_u].pos_nm};
-    tick(&t);
-    tick(&t); // now the step and its change are known
-    t.most_step_nm = t.most_change_nm = 0;
-    hal_host_fault_estop(true);
-    for (int i = 0; i < n; i++) {
-        tick(&t);
+    motion_t t = motion_of(hal_axis_u);
+    for (int i = -2; i < n; i++) { // after two ticks the step and its change are known
+        if (i == 0) {
+            t.most_step_nm = t.most_change_nm = 0;
+            hal_host_fault_estop(true);
+        }
+        fixture_rig_tick(&rig);
+        watch(&t, hal_axis_u);
     }
     TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
     return t;
@@ -118,7 +102,7 @@ static void test_command_through_faults_at_any_angle_keeps_the_limits_of_u(void)
         for (uint32_t at = 0; at < c->n_places; at++) {
             go_back(&bench);
             fixture_rig_ticks(&rig, c->apart * at);
-            const command_t t = retract(600);
+            const motion_t t = retract(600);
             TEST_ASSERT_LESS_OR_EQUAL_INT32(c->most_step_nm, t.most_step_nm);
             TEST_ASSERT_LESS_OR_EQUAL_INT32(in_force()->guard.u.acceleration_q10 / 1024 + 2,
                                             t.most_change_nm);
@@ -262,9 +246,9 @@ static void test_counts_of_the_encoder_move_x_off_a_wide_clearance_without_a_fau
 /// [nm] positions and steps of the axes as they are written.
 typedef struct {
     double at[hal_n_axes], step[hal_n_axes];
-} motion_t;
+} axes_t;
 
-static void observe(motion_t *m)
+static void observe(axes_t *m)
 {
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         const double at =
@@ -279,11 +263,11 @@ enum { plan_ticks = 8 };        ///< from plan to plan at 20 kHz: X and Z change
 
 /// One tick in which no axis may exceed its limits, full ones: the defaults at 20 kHz. X and Z have
 /// one speed from plan to plan, so theirs may change by that of a plan.
-static void tick_within_limits(motion_t *m)
+static void tick_within_limits(axes_t *m)
 {
     static const double speed[hal_n_axes] = {20000.0, 5000.0, 10000.0};
     static const double acceleration[hal_n_axes] = {625.0, 5.0, 5.0};
-    const motion_t before = *m;
+    const axes_t before = *m;
     fixture_rig_tick(&rig);
     observe(m);
     for (uint32_t i = 0; i < hal_n_axes; i++) {
@@ -295,9 +279,9 @@ static void tick_within_limits(motion_t *m)
 }
 
 /// Press the emergency stop and follow the retract to its end.
-static void expect_retract(motion_t *m)
+static void expect_retract(axes_t *m)
 {
-    const motion_t first = *m;
+    const axes_t first = *m;
     hal_host_fault_estop(true);
     tick_within_limits(m);
     TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.want.state);
@@ -331,7 +315,7 @@ static void test_reaction_in_every_enabled_state_retracts_within_limits(void)
         setUp();
         bring(enabled[i]);
         fixture_rig_ticks(&rig, 100);
-        motion_t m = {.at = {0}};
+        axes_t m = {.at = {0}};
         observe(&m);
         fixture_rig_tick(&rig);
         observe(&m);
