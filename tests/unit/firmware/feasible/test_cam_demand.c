@@ -124,6 +124,33 @@ static void test_swing_has_the_same_terms(void)
     const cam_refusal_t slow = judge();
     TEST_ASSERT_EQUAL_INT(cam_err_swing_speed, slow.err);
     TEST_ASSERT_DOUBLE_WITHIN(3.0 * omega, (first + 2.0) * omega, (double)slow.needed);
+    f.table.swing.first_mdeg_per_rad = 0; // the speed is that of the rise, 15/8 of its mean
+    f.params.engage_turns = 1;
+    expect_needed(cam_err_swing_speed, 1.03 * 15.0 / 8.0 * f.table.swing.most_mdeg * 40.0);
+}
+
+/// What a part does not have demands nothing; nor does a Z that another controller moves.
+static void test_what_is_not_there_demands_nothing(void)
+{
+    static const cam_err_t errs[] = {
+        cam_err_cam_amplitude,     cam_err_swing_axis,           cam_err_z_stations,
+        cam_err_override_measured, cam_err_override_rings,       cam_err_swing_range,
+        cam_err_swing_speed,       cam_err_swing_acceleration,   cam_err_u_retract,
+        cam_err_servo_continuous,  cam_err_spindle_acceleration, cam_err_spindle_loop,
+        cam_err_spindle_set_point, cam_err_feed,                 cam_err_z_acceleration};
+    enum { n_errs = sizeof errs / sizeof errs[0], n_of_z = 2 };
+    fixture_play_init(&f, &part);
+    for (int32_t is_measured = 0; is_measured <= 1; is_measured++) {
+        f.params.z_is_measured = is_measured;
+        cam_demands_t axes;
+        (void)cam_feasible_demands(&f.table, &f.params, 2400000, FIXTURE_PLAY_HZ, &axes);
+        int n_none = 0;
+        for (int i = 0; i < n_errs * cam_n_demands; i++) {
+            const cam_demand_t *demand = &axes.of[i / n_errs];
+            n_none += demand->err == errs[i % n_errs] && demand->needed == 0u ? 1 : 0;
+        }
+        TEST_ASSERT_EQUAL_INT(is_measured ? n_errs : n_errs - n_of_z, n_none);
+    }
 }
 
 /// The ovality steps by 20 um between two slices.

@@ -123,6 +123,21 @@ static void test_refusals_carry_the_limit(void)
     expect_jog(cam_err_hand_axis, hal_axis_z, 100);
 }
 
+/// To the end itself U may go, and not a nanometre further.
+static void test_step_reaches_the_end_of_the_travel(void)
+{
+    to_manual();
+    for (int32_t sense = -1; sense <= 1; sense += 2) {
+        const cam_verdict_t beyond = cam_machine_step(machine(), hal_axis_u, sense * 2 * mm);
+        TEST_ASSERT_EQUAL_INT(cam_err_travel, beyond.err);
+        const int32_t room_nm = beyond.value - port_nm(hal_axis_u);
+        expect_step(cam_err_travel, hal_axis_u, room_nm + sense);
+        expect_step(cam_ok, hal_axis_u, room_nm);
+        TEST_ASSERT_EQUAL_INT(cam_jog_done, until_rest());
+        TEST_ASSERT_EQUAL_INT32(beyond.value, port_nm(hal_axis_u));
+    }
+}
+
 /// A drive that can hardly brake is not jogged faster than it brakes within what is looked ahead.
 static void test_jog_is_no_faster_than_the_axis_can_brake(void)
 {
@@ -205,6 +220,10 @@ static void test_work_out_of_the_travel_of_x_is_refused(void)
     set(cam_param_x_low_nm, 45980000);
     set(cam_param_rehearse_turns, 3);
     TEST_ASSERT_EQUAL_INT(cam_err_travel, cam_machine_enable(machine()));
+    const cam_status_t status = fixture_rig_status(&rig);
+    machine()->table.speed.knots = machine()->table.u.knots; // a modulated speed is not rehearsed
+    TEST_ASSERT_TRUE(cam_machine_is_x_in_travel(machine(), &status, 0));
+    machine()->table.speed.knots = NULL;
     set(cam_param_rehearse_turns, 0);
     hal_host.in.axis_nm[hal_axis_x] = 46500000;
     bring(cam_state_cutting);

@@ -59,6 +59,7 @@ static void test_read_a_damaged_text_leaves_the_parameters(void)
         memset(text, i == 0 ? 0xFF : '\n', 300);
         TEST_ASSERT_EQUAL_INT(cam_err_params_damaged, read_text(300).err);
     }
+    TEST_ASSERT_EQUAL_INT(cam_err_params_damaged, read_lines("x").err); // xcrc32
     cam_params_t other = params;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&other, cam_param_lead_ns, 12345));
     const uint32_t n = cam_param_store_write(text, &other, 3);
