@@ -124,20 +124,37 @@ static void test_swing_has_the_same_terms(void)
     const cam_refusal_t slow = judge();
     TEST_ASSERT_EQUAL_INT(cam_err_swing_speed, slow.err);
     TEST_ASSERT_DOUBLE_WITHIN(3.0 * omega, (first + 2.0) * omega, (double)slow.needed);
+    f.table.ratio_max_q20 = 2u << 20; // now the spindle turns twice as fast as in the mean
+    f.params.engage_turns = 100;
+    f.params.disengage_turns = 100;
+    expect_needed(cam_err_swing_speed, 2.0 * first * omega);
+    f.params.swing_speed_mdeg_per_s = 100000000;
+    f.table.spindle_peak_ppm_per_rad = 700000;
+    expect_needed(cam_err_swing_acceleration, 4.0 * turning + 0.7 * first * 1e-3 * omega * omega);
+    f.params.swing_speed_mdeg_per_s = 1000;
     f.table.swing.first_mdeg_per_rad = 0; // the speed is that of the rise, 15/8 of its mean
     f.params.engage_turns = 1;
-    expect_needed(cam_err_swing_speed, 1.03 * 15.0 / 8.0 * f.table.swing.most_mdeg * 40.0);
+    expect_needed(cam_err_swing_speed, 2.0 * 1.03 * 15.0 / 8.0 * f.table.swing.most_mdeg * 40.0);
 }
 
 /// What a part does not have demands nothing; nor does a Z that another controller moves.
 static void test_what_is_not_there_demands_nothing(void)
 {
-    static const cam_err_t errs[] = {
-        cam_err_cam_amplitude,     cam_err_swing_axis,           cam_err_z_stations,
-        cam_err_override_measured, cam_err_override_rings,       cam_err_swing_range,
-        cam_err_swing_speed,       cam_err_swing_acceleration,   cam_err_u_retract,
-        cam_err_servo_continuous,  cam_err_spindle_acceleration, cam_err_spindle_loop,
-        cam_err_spindle_set_point, cam_err_feed,                 cam_err_z_acceleration};
+    static const cam_err_t errs[] = {cam_err_cam_amplitude,
+                                     cam_err_swing_axis,
+                                     cam_err_z_stations,
+                                     cam_err_override_measured,
+                                     cam_err_override_rings,
+                                     cam_err_swing_range,
+                                     cam_err_swing_speed,
+                                     cam_err_swing_acceleration,
+                                     cam_err_u_retract,
+                                     cam_err_servo_continuous,
+                                     cam_err_spindle_acceleration,
+                                     cam_err_spindle_loop,
+                                     cam_err_spindle_set_point,
+                                     cam_err_feed,
+                                     cam_err_z_acceleration};
     enum { n_errs = sizeof errs / sizeof errs[0], n_of_z = 2 };
     fixture_play_init(&f, &part);
     for (int32_t is_measured = 0; is_measured <= 1; is_measured++) {

@@ -166,6 +166,22 @@ static void test_the_guard_brings_the_best_back_four_times(void)
     TEST_ASSERT_NOT_EQUAL(best_q16, t.k1_q16);
 }
 
+/// The best counts as four noise floors at least, each 1 nm here; worse is 1.5 times as much.
+static void test_the_guard_ignores_what_is_within_the_noise(void)
+{
+    settle();
+    s.reason = cam_ilc_lobes;
+    error_nm = 0.0;
+    play();
+    TEST_ASSERT_EQUAL_UINT32(64, t.floor_q6);
+    error_nm = 5.0;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(0, t.n_halved);
+    error_nm = 10.0;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(1, t.n_halved);
+}
+
 /// Behind the probe the motion is another one: what layer 1 compared with before does not hold.
 static void test_the_end_of_the_probe_lets_the_guard_begin_anew(void)
 {
@@ -208,7 +224,11 @@ static void test_the_drive_is_learned_while_the_amplitude_rises(void)
     how.scale_q30 = 1 << 28;
     play_turns(8);
     TEST_ASSERT_EQUAL_UINT8(cam_ilc_drive, t.phase);
-    TEST_ASSERT_NOT_EQUAL(0, t.k1_q16);
+    const int32_t first_q16 = t.k1_q16;
+    TEST_ASSERT_NOT_EQUAL(0, first_q16);
+    how.scale_q30 = 1 << 29;
+    play();
+    TEST_ASSERT_NOT_EQUAL(first_q16, t.k1_q16);
     how.is_level = true;
     how.scale_q30 = 1 << 30;
     play_turns(5);

@@ -144,9 +144,14 @@ static void test_jog_is_no_faster_than_the_axis_can_brake(void)
     set(cam_param_x_acceleration_mm_per_s2, 10);
     set(cam_param_x_jog_um_per_s, 100000);
     to_manual();
-    const cam_verdict_t verdict = cam_machine_jog(machine(), hal_axis_x, 100000);
-    TEST_ASSERT_EQUAL_INT(cam_err_hand_speed, verdict.err);
-    TEST_ASSERT_INT32_WITHIN(50, 3385, verdict.value); // root of 2 * 2.73 mm/s2 * 2.097 mm
+    set(cam_param_u_acceleration_mm_per_s2, 100);
+    set(cam_param_u_jog_um_per_s, 100000);
+    for (hal_axis_t axis = hal_axis_u; axis <= hal_axis_x; axis++) {
+        const cam_verdict_t verdict = cam_machine_jog(machine(), axis, 100000);
+        TEST_ASSERT_EQUAL_INT(cam_err_hand_speed, verdict.err);
+        // roots of 2 * 25.4 and 2 * 2.73 mm/s2 * 2.097 mm
+        TEST_ASSERT_INT32_WITHIN(50, axis == hal_axis_u ? 10310 : 3385, verdict.value);
+    }
 }
 
 /// An order waits for what is posted and for a stop to be taken, not for the axis to rest.

@@ -53,12 +53,15 @@ static void test_move_takes_the_highest_speed_from_which_it_can_brake(void)
 {
     enum { a = 64000, v = 10 * a, same_needs = 55 * a, faster_needs = 66 * a };
     static const struct {
-        int32_t distance, vel;
-    } cases[] = {
-        {faster_needs, v + a}, {faster_needs - 1, v}, {same_needs, v}, {same_needs - 1, v - a}};
+        int32_t distance, from, vel;
+    } cases[] = {{faster_needs, v, v + a},
+                 {faster_needs - 1, v, v},
+                 {same_needs, v, v},
+                 {same_needs - 1, v, v - a},
+                 {a + 1, a + 1, 1}};
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-            cam_axis_motion_t m = {.pos_q10 = 77, .vel_q10 = sign * v};
+            cam_axis_motion_t m = {.pos_q10 = 77, .vel_q10 = sign * cases[i].from};
             const int64_t target_q10 = 77 + (int64_t)sign * cases[i].distance;
             TEST_ASSERT_FALSE(cam_move_profile_to_isr(&m, &limits, target_q10));
             TEST_ASSERT_EQUAL_INT32(sign * cases[i].vel, m.vel_q10);

@@ -198,6 +198,12 @@ static void test_frozen_scale_is_found_when_the_force_must_move_u(void)
         const uint32_t n = until_fault(CAM_FAULT_BIT(u_runaway), 200);
         TEST_ASSERT_EQUAL_UINT32(cases[i].is_found ? 11 : 201, n);
     }
+    setUp();
+    pos_nm = 100.0;
+    (void)tick(0); // where it stands when the force is switched on
+    m.axis[hal_axis_u].acc_q10 = (int32_t)(80.0 / MASS_KG * 1e9 * TICK_S * TICK_S * 1024.0);
+    is_on = is_blocked = true;
+    TEST_ASSERT_EQUAL_UINT32(11, until_fault(CAM_FAULT_BIT(u_runaway), 200));
 }
 
 /// Under 20 N U moves by a micrometre and back in 0.77 ms.
