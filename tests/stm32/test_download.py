@@ -110,6 +110,7 @@ def test_power_lost_in_the_record_leaves_the_old_table(started: Session, table: 
     assert restart(started) == "third"
 
 
+@pytest.mark.long
 def test_table_in_the_old_place_1_is_refused_with_the_remedy(
     started: Session, table: bytes
 ) -> None:
@@ -128,6 +129,7 @@ def test_table_in_the_old_place_1_is_refused_with_the_remedy(
     assert "older firmware" not in "".join(remote.lines())
 
 
+@pytest.mark.long
 def test_programmer_takes_the_place_back(started: Session, table: bytes) -> None:
     """After downloads, what tools/flash writes is in use: the table, and its record in the log."""
     started.remote.use(named(table, "second"))

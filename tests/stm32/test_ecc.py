@@ -75,6 +75,7 @@ def test_power_on_writes_all_ram_with_64_bit_stores_first() -> None:
     assert start.doubles >= words_of(RAMS)
 
 
+@pytest.mark.long
 def test_software_reset_spares_the_text_of_a_halt(started: Session) -> None:
     """All RAM but the place of the text, which is whole from before."""
     started.chip.reset("software")
@@ -170,7 +171,8 @@ def expect_halt(session: Session, at: int, address: int) -> None:
     assert "enable 1" not in [event.what for event in board.events if event.at > at]
 
 
-@pytest.mark.parametrize("is_fault", [pytest.param(False, marks=pytest.mark.long), True])
+@pytest.mark.long
+@pytest.mark.parametrize("is_fault", [False, True])
 def test_double_error_in_the_cut_halts_with_its_address(ready: Session, is_fault: bool) -> None:
     """Whether the load raises a bus fault too, or the monitor's interrupt alone."""
     chip = ready.chip

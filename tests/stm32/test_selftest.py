@@ -89,6 +89,7 @@ def test_flash_being_written_refuses_it(started: Session) -> None:
     assert "self-test: refused while flash is written: ask again" in started.remote.lines()
 
 
+@pytest.mark.long
 def test_bad_parts_are_named(started: Session) -> None:
     """All but clocks, timers and tick.
 

@@ -2,6 +2,7 @@
 // The Linux port's configuration file: the example, and everything that is refused.
 #include "lin_setup.h" // lin_check_load, lin_check_warn
 #include "unity.h"
+#include <stddef.h> // offsetof
 #include <stdio.h>  // fopen
 #include <stdlib.h> // mkstemp
 #include <string.h> // strstr
@@ -59,6 +60,17 @@ static void load_port_file(const char *file_path)
     TEST_ASSERT_TRUE_MESSAGE(lin_check_load(&config, file_path, &error), error.text);
 }
 
+#define SPAN(first, last)                                                                          \
+    offsetof(lin_config_t, first), offsetof(lin_config_t, last) + sizeof config.last
+
+/// The members of a configuration, without the padding between them.
+static const struct {
+    size_t begin, end;
+} spans[] = {{SPAN(thread, can.is_fd)},
+             {SPAN(can.data_bitrate, encoder.index)},
+             {SPAN(encoder.index_counts, table_file)},
+             {SPAN(table_max_bytes, has_retired)}};
+
 /// The example must name every field: loaded over zeros it gives the defaults, and loaded over
 /// other values those that are 0, too.
 static void test_example_file_names_every_default(void)
@@ -67,7 +79,11 @@ static void test_example_file_names_every_default(void)
     (void)strcpy(expected.can.remote, "can0");
     memset(&config, 0, sizeof config);
     load_port_file(HAL_LINUX_DIR "/camturn.toml");
-    TEST_ASSERT_EQUAL_MEMORY(&expected, &config, sizeof config);
+    for (size_t i = 0; i < sizeof spans / sizeof spans[0]; i++) {
+        const size_t begin = spans[i].begin;
+        TEST_ASSERT_EQUAL_MEMORY((const char *)&expected + begin, (const char *)&config + begin,
+                                 spans[i].end - begin);
+    }
     memset(&config, 0x5a, sizeof config);
     load_port_file(HAL_LINUX_DIR "/camturn.toml");
     TEST_ASSERT_TRUE(config.can.is_fd == expected.can.is_fd);
