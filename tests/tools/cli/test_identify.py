@@ -233,6 +233,7 @@ def test_state_must_be_ready(bench: Bench, capsys: pytest.CaptureFixture[str]) -
     assert "the state is off, U is excited in ready only; enable and home" in said
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("undrawn")
 def test_excitation_over_the_bus(bench: Bench, capsys: pytest.CaptureFixture[str]) -> None:
     """U of the bench does at once what it is told: excited and recorded, but no drive to be set."""

@@ -107,6 +107,7 @@ def look_at_ticks(folder: Path) -> None:
     assert len(rows.read_text("ascii").splitlines()) > 50
 
 
+@pytest.mark.long
 def test_a_session_as_an_operator_has_it(
     live: Live, tmp_path: Path, table_of: Callable[[str], Path]
 ) -> None:

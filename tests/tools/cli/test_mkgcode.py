@@ -173,6 +173,7 @@ def test_papers_table_of_equal_parts(tmp_path: Path) -> None:
     np.testing.assert_allclose(c[:30], printed, atol=1e-5)
 
 
+@pytest.mark.long
 def test_profile_program_by_linuxcnc(tmp_path: Path, linuxcnc: Interpreter) -> None:
     """LinuxCNC's interpreter accepts the X/Z program and goes where our reading goes."""
     program = made(tmp_path, PERKINS)

@@ -144,6 +144,7 @@ def test_tokens_are_not_to_be_guessed() -> None:
     assert len(tokens) == 1000 and {len(token) for token in tokens} == {32}
 
 
+@pytest.mark.long
 def test_a_report_runs_its_scripts_in_no_origin(tmp_path: Path) -> None:
     """It reaches no network, only pages of the panel frame it, and nothing else is served."""
     store = RunStore(tmp_path / "runs", tmp_path / "run")

@@ -144,6 +144,7 @@ async def process_that_dies_is_replaced(engine: Engine) -> None:
     assert (await page.done())["stage"] == "done"
 
 
+@pytest.mark.long
 def test_one_process_serves_every_page() -> None:
     """The newest change wins, pages take turns, no edit is dropped, and what dies is replaced."""
     acts = (newest_change_wins, waiting_page_is_served_between, edits_are_done_one_after_the_other)

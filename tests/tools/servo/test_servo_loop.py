@@ -299,6 +299,7 @@ def test_pulses_give_sign_and_mass(sign: int) -> None:
     assert found.mass_sigma_kg < 0.03
 
 
+@pytest.mark.long
 def test_record_is_fitted_and_tuned_in_one_go(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
