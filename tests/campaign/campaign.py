@@ -40,7 +40,7 @@ def hours_of(objects: Sequence[Figures]) -> Figures:
 def main(words: Sequence[str] | None = None) -> int:
     """Run the campaign; return 0 when nothing was found."""
     parser = argparse.ArgumentParser(prog="tests/campaign/run", description=__doc__)
-    parser.add_argument("--hours", type=float, default=24.0, help="of machine time (24)")
+    parser.add_argument("--hours", type=float, default=12.0, help="of machine time (12)")
     parser.add_argument("--seed", type=int, default=1, help="of all that happens at random (1)")
     parser.add_argument("--jobs", type=int, default=2, help="programs at a time (2)")
     asked = parser.parse_args(words)

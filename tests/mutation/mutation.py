@@ -85,7 +85,7 @@ class Verdicts:
 def main(words: list[str] | None = None) -> int:
     """Run the campaign; return 0 when enough mutants are noticed."""
     parser = argparse.ArgumentParser(prog="tests/mutation/run", description=__doc__)
-    parser.add_argument("--count", type=int, default=100, help="of mutants that count (100)")
+    parser.add_argument("--count", type=int, default=60, help="of mutants that count (60)")
     parser.add_argument("--seed", type=int, default=44, help="of the draw (44)")
     parser.add_argument("--jobs", type=int, default=2, help="mutants at a time (2)")
     parser.add_argument("--files", nargs="+", help="draw from these files only")

@@ -41,6 +41,7 @@ WP = {
     "plan": ("cam_plan.c", ("ramped",)),
 }
 MACHINES = {"32": "gcc_x86_32", "64": "gcc_x86_64"}
+ONLY_32 = ("tick",)  # as long as all others together; its parts are analysed for both
 # Drivers of Eva, and the functions whose contracts they show instead of taking them for granted.
 # The longest come first, so that none is left alone at the end.
 EVA = {
@@ -164,7 +165,7 @@ def main(words: Sequence[str] | None = None) -> int:
     chosen = [name.split("-") for name in asked.only or names]
     with ThreadPoolExecutor(asked.jobs) as pool:
         runs = [pool.submit(analyse, name, bits) for kind, name in chosen if kind == "eva"
-                for bits in MACHINES]  # fmt: skip
+                for bits in MACHINES if bits == "32" or name not in ONLY_32]  # fmt: skip
         runs += [pool.submit(prove, name) for kind, name in chosen if kind == "wp"]
         results = [run.result() for run in runs]
     for one in results:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Images built with other settings: the least and the highest tick rate, U by steps or force."""
+"""Images built with other settings: the highest tick rate, U by steps or force."""
 
 import subprocess
 from collections.abc import Iterator
@@ -17,8 +17,9 @@ from tests.stm32.session import Session
 pytestmark = pytest.mark.long  # each builds an image
 CORE_HZ = 480_000_000
 TIM1_CNT, TIM5_CNT = 0x24, 0x40000C24
-UPDATE_S = {5_000: 30e-6, 50_000: 18e-6}
-STOP_S = {5_000: (600e-6, 650e-6), 50_000: (80e-6, 138e-6)}
+TICK_HZ = 50_000
+UPDATE_S = 18e-6
+STOP_S = 80e-6, 138e-6
 HIGH_CYCLES = 240  # 500 ns
 TICK_CYCLES = 24_000
 LATENCY_US = 2.5  # BOARD_FORCE_NS
@@ -33,11 +34,11 @@ OF_FORCE = {
 }
 
 
-@pytest.fixture(scope="module", params=UPDATE_S)
-def session(request: pytest.FixtureRequest) -> Session:
-    """Return a session that is ready, at 5 and at 50 kHz."""
-    image = build_with("BOARD_TICK_HZ", f"{request.param}u")
-    session = Session(image=image, tick_hz=request.param)
+@pytest.fixture(scope="module")
+def session() -> Session:
+    """Return a session that is ready, at 50 kHz."""
+    image = build_with("BOARD_TICK_HZ", f"{TICK_HZ}u")
+    session = Session(image=image, tick_hz=TICK_HZ)
     session.start()
     session.make_ready()
     return session
@@ -53,28 +54,28 @@ def fresh(session: Session) -> Iterator[Session]:
 
 def test_ticks_come_at_the_rate_and_outputs_step_in_them(session: Session) -> None:
     """Periods are exact; all frames arrive before the outputs step, always at the same time."""
-    hz, board = session.board.tick_hz, session.board
-    assert {b - a for a, b in pairwise(board.tick_at)} == {CORE_HZ // hz}
+    board = session.board
+    assert {b - a for a, b in pairwise(board.tick_at)} == {CORE_HZ // TICK_HZ}
     begin, end = board.tick_at[0], board.tick_at[-1]
     since = {"step": set[int](), "frame": set[int]()}
     for event in board.events:
         kind = event.what.split()[0]
         if begin < event.at < end and kind in since:
-            since[kind].add((event.at - begin) % (CORE_HZ // hz))
-    due = round(UPDATE_S[hz] * CORE_HZ)
+            since[kind].add((event.at - begin) % (CORE_HZ // TICK_HZ))
+    due = round(UPDATE_S * CORE_HZ)
     assert since["step"] <= {due, due + 1}
     assert max(since["frame"]) < due
     for stepper in board.steppers.values():
         assert min(stepper.shortest.high, stepper.shortest.low) >= HIGH_CYCLES
-        assert stepper.shortest.setup >= CORE_HZ // hz
+        assert stepper.shortest.setup >= CORE_HZ // TICK_HZ
     assert session.chip.resets == ["power_on"]
     assert not [line for line in session.remote.lines() if "not ready" in line]
 
 
 def test_a_late_tick_locks_without_a_reset(fresh: Session) -> None:
     """An overrun is a fault; the watchdog waits for the next tick on time."""
-    chip, hz = fresh.chip, fresh.board.tick_hz
-    chip.stall(TIM5_CNT, chip.seconds(1.2 / hz))
+    chip = fresh.chip
+    chip.stall(TIM5_CNT, chip.seconds(1.2 / TICK_HZ))
     chip.run(chip.seconds(0.02))
     assert chip.resets[-1] == "pin"
     assert any("a tick overran" in line for line in fresh.remote.lines())
@@ -86,10 +87,10 @@ def test_window_watchdog_ends_ticks_that_stop(fresh: Session) -> None:
     fresh.remote.do(ENABLE)
     revive = fresh.hang(in_tick=True)
     at = chip.clock.now
-    least_s, most_s = STOP_S[fresh.board.tick_hz]
+    least_s, most_s = STOP_S
     assert chip.run_until(lambda: chip.resets[-1] == "window", chip.seconds(most_s))
     revive()
-    assert (chip.clock.now - at) / CORE_HZ > least_s - 2 / fresh.board.tick_hz
+    assert (chip.clock.now - at) / CORE_HZ > least_s - 2 / TICK_HZ
     assert chip.gpio.level("PE13") == 0
 
 
@@ -102,12 +103,12 @@ def test_window_watchdog_ends_ticks_at_twice_the_rate(fresh: Session) -> None:
 
 def test_self_test_passes(fresh: Session) -> None:
     """Ticks, window and the cycles of a tick are judged by the rate."""
-    chip, hz = fresh.chip, fresh.board.tick_hz
+    chip = fresh.chip
     chip.naps = 0  # it counts ticks by the main loop
     chip.usart3.sent.clear()
     chip.usart3.receive(b"t")
     assert chip.run_until(lambda: b"self-test: passed;" in chip.usart3.sent, chip.seconds(0.3))
-    assert f" of {CORE_HZ // hz}, faults of the port 0x0" in chip.usart3.sent.decode()
+    assert f" of {CORE_HZ // TICK_HZ}, faults of the port 0x0" in chip.usart3.sent.decode()
 
 
 @pytest.mark.parametrize("hz", [4_000, 60_000])
