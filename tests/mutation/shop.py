@@ -20,6 +20,7 @@ _OPTIONS = ("CMAKE_C_COMPILER=gcc", "CMAKE_BUILD_TYPE=Debug", "CMAKE_C_FLAGS_DEB
 _CONFIGURE = ["cmake", "-S.", "-Bbuild/host", "-GNinja", "-DCAM_TEST_OPTIONS=-O0"]
 _CTEST = ["ctest", "--test-dir", "build/host", "-L", "^firmware$", "--show-only=json-v1"]
 _PYTEST = [sys.executable, "-m", "pytest", "-c", "tools/pyproject.toml", "--rootdir=.", "-q", "-x"]
+_QUIET = ["-p", "no:cacheprovider", "-m", "not long"]  # as tools/test runs the scenarios
 _SPARE = 5  # a mutant may compute for so many times as long as the firmware does
 
 
@@ -102,7 +103,7 @@ class Shop:
         """Return the first failure of a program's tests or "", and the processor time [s]."""
         words = ["stdbuf", "-oL", str(self._build / program)]
         if program == SCENARIOS:
-            words = [*_PYTEST, "-p", "no:cacheprovider", "tests/scenarios"]
+            words = [*_PYTEST, *_QUIET, "tests/scenarios"]
         paths = {"CAMTURN_BUILD": self._build, "PYTHONPATH": f"{self._tree}/tools:{self._tree}"}
         env = os.environ | {key: str(value) for key, value in paths.items()}
         limit_s, failure = math.ceil(1 + _SPARE * self.times.get(program, 1e4)), ""
