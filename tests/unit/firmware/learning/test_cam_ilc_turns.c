@@ -318,3 +318,48 @@ static void test_a_turn_that_is_taken_too_late_is_dropped(void)
         TEST_ASSERT_EQUAL_INT32(late == 0u ? 78 : 0, t.ripple.sum[15].im);
     }
 }
+
+/// The correction and the constants of the smallest errors come back.
+static void test_a_fault_brings_the_best_back(void)
+{
+    t.correction.c_q6[3] = (cam_complex_t){.re = 640, .im = -64};
+    t.correction.kept[3].re_nm = 5;
+    t.correction.kept[3].im_nm = 7;
+    t.correction.best_q6[3] = 100;
+    t.best_square = 1000;
+    t.best_k1_q16 = 111;
+    t.best_k2_q16 = 222;
+    cam_ilc_poll(&t, &s, cam_state_fault, &g);
+    TEST_ASSERT_EQUAL_INT32(5 * 64, t.correction.c_q6[3].re);
+    TEST_ASSERT_EQUAL_INT32(7 * 64, t.correction.c_q6[3].im);
+    TEST_ASSERT_EQUAL_INT32(111, t.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(222, t.k2_q16);
+    TEST_ASSERT_BITS_HIGH(cam_ilc_blend_drive | cam_ilc_blend_correction, t.blending);
+}
+
+/// What is in force is not yet what is known.
+static void test_a_probe_cut_short_is_walked_away_from(void)
+{
+    t.state = cam_state_rehearsing;
+    t.phase = cam_ilc_probing;
+    t.correction.c_q6[2].re = 64 * 500;
+    t.blending = 0;
+    cam_ilc_poll(&t, &s, cam_state_ready, &g);
+    TEST_ASSERT_EQUAL_INT32(0, t.correction.c_q6[2].re);
+    TEST_ASSERT_BITS_HIGH(cam_ilc_blend_correction, t.blending);
+}
+
+/// Each of the three constants is something that is forgotten, and without one nothing walks.
+static void test_what_is_forgotten_is_walked_away_from(void)
+{
+    for (int i = 0; i < 4; i++) {
+        t.speed_q32 = i == 1 ? 1 : 0;
+        t.k1_q16 = i == 2 ? 1 : 0;
+        t.k2_q16 = i == 3 ? 1 : 0;
+        t.blending = 0;
+        cam_ilc_forget(&t);
+        TEST_ASSERT_EQUAL_HEX8(i == 0 ? 0 : cam_ilc_blend_drive | cam_ilc_blend_correction,
+                               t.blending);
+        TEST_ASSERT_EQUAL_INT32(0, t.speed_q32 | t.k1_q16 | t.k2_q16);
+    }
+}

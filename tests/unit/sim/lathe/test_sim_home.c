@@ -200,54 +200,6 @@ static void test_stop_is_found_by_either_sense_and_a_weak_loop(void)
     }
 }
 
-static void test_without_a_stop_nothing_is_found(void)
-{
-    config.drive[hal_axis_u].stop_units = 5.0;
-    begin(0.2);
-    home(hal_axis_u, cam_jog_no_switch);
-    expect_homed(0);
-}
-
-/// A blocked U looks as if it were on a stop, but does not leave it.
-static void test_blocked_u_is_not_homed(void)
-{
-    begin(0.2);
-    port.lathe.drive[hal_axis_u].is_blocked = true;
-    home(hal_axis_u, cam_jog_no_release);
-    expect_homed(0);
-    expect_limited(force_mn);
-}
-
-/// An order that ends on the stop leaves U there, with the limited force, until the drives are off.
-static void test_force_stays_limited_when_homing_is_stopped_at_the_stop(void)
-{
-    begin(0.64);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&machine, hal_axis_u));
-    ticks(500);
-    TEST_ASSERT_EQUAL_INT(cam_jog_search, cam_machine_status(&machine).jog.phase);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog_stop(&machine));
-    ticks(20000);
-    expect_homed(0);
-    expect_limited(force_mn);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&machine));
-    ticks(100);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(&machine));
-    ticks(100);
-    TEST_ASSERT_EQUAL_INT32(0, g_cam.motion.u_press_q6);
-}
-
-static void test_limit_switch_before_the_stop_stops_u(void)
-{
-    begin(0.2);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&machine, hal_axis_u));
-    ticks(100);
-    hal_host_u_limits(false, true);
-    ticks(2);
-    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(u_travel), cam_machine_status(&machine).faults);
-    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.force_q6);
-    hal_host_u_limits(false, false);
-}
-
 /// Real drives, scales that count from anywhere: the machine's numbers are the truth afterwards, X
 /// and U to what the slow speed covers in a plan and the drive lags behind, and no fault comes.
 static void test_lathe_is_homed_by_its_switches(void)
