@@ -63,6 +63,7 @@ static void start_at(int32_t z_nm)
     cut_at(z_nm);
 }
 
+/// The speed is that of the step before, and half of the acceleration.
 static void test_measured_z_is_what_is_played(void)
 {
     start_at(0);
@@ -71,8 +72,12 @@ static void test_measured_z_is_what_is_played(void)
         fixture_play_ticks(&f, rounds);
         TEST_ASSERT_EQUAL_INT32(z_nm, f.want.z_nm);
         TEST_ASSERT_EQUAL_INT64((int64_t)z_nm * 1024, f.axis[hal_axis_z].pos_q10);
+        const cam_axis_motion_t *u = &f.motion.axis[hal_axis_u];
+        const double step_nm =
+            (double)(f.axis[hal_axis_u].pos_q10 - f.before[hal_axis_u].pos_q10) / 1024.0;
         TEST_ASSERT_DOUBLE_WITHIN(0.03, fixture_play_u_nm(&f, f.angle.pos_q32, z_nm),
                                   (double)f.axis[hal_axis_u].pos_q10 / 1024.0);
+        TEST_ASSERT_DOUBLE_WITHIN(1.0, step_nm + u->acc_q10 / 2048.0, u->vel_q10 / 1024.0);
         TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
     }
     fixture_play_ticks(&f, 20000); // only stop ends the cut
