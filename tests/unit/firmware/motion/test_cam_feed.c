@@ -7,30 +7,12 @@
 
 static const double turn_q32 = 4294967296.0;
 
-/// @return shortest ramp [turn], 1/2 where none is long enough
-static double exact_ramp(double feed_nm, double mrpm, double acceleration)
-{
-    const double per_s = mrpm / 60e3;
-    const double inner = 1.0 - 4.0 * feed_nm * 1e-6 * per_s * per_s / acceleration;
-    return inner > 0.0 ? fmax(0.5 - 0.5 * sqrt(inner), 1.0 / 256.0) : 0.5;
-}
-
 /// @return share of the step that is fed at a share of a helix turn
 static double exact_risen(double share, double r)
 {
     const double near = fmin(share, 1.0 - share);
     const double fed = (near < r ? near * near / (2.0 * r) : near - r / 2.0) / (1.0 - r);
     return share <= 0.5 ? fed : 1.0 - fed;
-}
-
-static void check_ramp(uint32_t feed_nm, uint32_t mrpm, uint32_t acceleration)
-{
-    const double exact = exact_ramp(feed_nm, mrpm, acceleration);
-    const double ramp = cam_feed_ramp_q32(feed_nm, mrpm, acceleration) / turn_q32;
-    TEST_ASSERT_TRUE(ramp > exact - 1e-9); // never too short
-    if (exact < 0.49 && mrpm > 10000u) {
-        TEST_ASSERT_DOUBLE_WITHIN(2e-4 * exact + 6e-8, exact, ramp);
-    }
 }
 
 static void test_ramp_is_the_shortest_that_the_acceleration_allows(void)
@@ -40,10 +22,18 @@ static void test_ramp_is_the_shortest_that_the_acceleration_allows(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0960267, cam_feed_ramp_q32(100000, 2500000, 2000) / turn_q32);
     fixture_random_t random = {.state = 5};
     for (int i = 0; i < 20000 / fixture_rarer; i++) {
-        const uint32_t feed_nm = (uint32_t)fixture_random_range(&random, 4, 10000000);
-        const uint32_t mrpm = (uint32_t)fixture_random_range(&random, 1, 60000000);
-        check_ramp(feed_nm >> (i % 20) | 4u, mrpm >> (i % 17),
-                   (uint32_t)fixture_random_range(&random, 10, 1000000));
+        const uint32_t feed_nm =
+            (uint32_t)fixture_random_range(&random, 4, 10000000) >> (i % 20) | 4u;
+        const uint32_t mrpm = (uint32_t)fixture_random_range(&random, 1, 60000000) >> (i % 17);
+        const uint32_t acceleration = (uint32_t)fixture_random_range(&random, 10, 1000000);
+        const double per_s = mrpm / 60e3;
+        const double inner = 1.0 - 4.0 * feed_nm * 1e-6 * per_s * per_s / acceleration;
+        const double exact = inner > 0.0 ? fmax(0.5 - 0.5 * sqrt(inner), 1.0 / 256.0) : 0.5;
+        const double ramp = cam_feed_ramp_q32(feed_nm, mrpm, acceleration) / turn_q32;
+        TEST_ASSERT_TRUE(ramp > exact - 1e-9); // never too short
+        if (exact < 0.49 && mrpm > 10000u) {
+            TEST_ASSERT_DOUBLE_WITHIN(2e-4 * exact + 6e-8, exact, ramp);
+        }
     }
 }
 

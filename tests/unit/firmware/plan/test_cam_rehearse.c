@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rehearsal plays the first height with X clear of the work, and ends in the cut or, stopped or
-// with a fault, out of the work. The correction that was learned is in the command alone.
+// A rehearsal plays the first height with X clear of the work, and ends in the cut or, stopped, out
+// of the work. The correction that was learned is in the command alone.
 #include "cam_feasible.h"
 #include "cam_machine_inner.h" // cam_machine_offer_copy
-#include "cam_tick_inner.h"    // cam_guard_armed
 #include "rig_bench.h"
 #include <math.h> // ldexp
 
@@ -42,15 +41,6 @@ static cam_state_t rehearse(uint32_t n_most)
     return rig.last.want.state;
 }
 
-static int64_t away_nm(void)
-{
-    const cam_machine_t *m = &rig.machine;
-    double x[3];
-    part.x(part.z_first_nm, x);
-    return (int64_t)x[0] + cam_demand_clearance_nm(&m->table, &m->params) +
-           cam_demand_half_stroke_nm(&m->table, &m->params);
-}
-
 /// Up to a part of the lift, in ticks.
 static void play_up_to(int32_t scale_q30)
 {
@@ -74,7 +64,12 @@ static void test_u_plays_in_full_while_x_is_clear_by_half_the_stroke(void)
         fixture_rig_ticks(&rig, 2);
         first_z_nm = rig.machine.table.z_first_nm;
         TEST_ASSERT_EQUAL_INT(cam_state_engaging, rehearse(200000));
-        TEST_ASSERT_INT_WITHIN(2, away_nm(), least_x_nm);
+        const cam_machine_t *m = &rig.machine;
+        double x[3];
+        part.x(part.z_first_nm, x);
+        const int64_t away_nm = (int64_t)x[0] + cam_demand_clearance_nm(&m->table, &m->params) +
+                                cam_demand_half_stroke_nm(&m->table, &m->params);
+        TEST_ASSERT_INT_WITHIN(2, away_nm, least_x_nm);
         TEST_ASSERT_INT32_WITHIN(64 * 200, 64 * 100000, most_u_q6);
         TEST_ASSERT_INT32_WITHIN(64 * 100, 0, least_u_q6);
         TEST_ASSERT_EQUAL_INT32(first_z_nm, last_z_nm);
@@ -131,23 +126,6 @@ static void test_an_override_in_a_rehearsal_is_for_the_cut(void)
     TEST_ASSERT_EQUAL_INT(cam_state_engaging, rehearse(20000));
     TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, cam_state_cutting, 60000));
     TEST_ASSERT_INT32_WITHIN(1, 966367642, g_cam.plan.feed_motion.requested_q30); // 0.9 of 2^30
-}
-
-/// The guard watches in a rehearsal what it watches in the cut, and X retracts from where it is.
-static void test_a_fault_retracts_as_in_the_cut(void)
-{
-    TEST_ASSERT_EQUAL_HEX32(cam_guard_armed(cam_state_cutting),
-                            cam_guard_armed(cam_state_rehearsing));
-    begin(1000, false);
-    play_up_to(1 << 29);
-    const int32_t x_nm = rig.last.out[hal_axis_x].pos_nm;
-    hal_host_fault_estop(true);
-    TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, cam_state_fault, 60000));
-    for (uint32_t n = 0; !fixture_rig_status(&rig).is_retracted; n++) {
-        TEST_ASSERT_LESS_THAN_UINT32(60000, n);
-        fixture_rig_tick(&rig);
-        TEST_ASSERT_TRUE(rig.last.out[hal_axis_x].pos_nm >= x_nm - 2);
-    }
 }
 
 static void test_a_modulated_table_is_not_rehearsed(void)

@@ -25,14 +25,6 @@ void setUp(void)
     fixture_play_configure(&f);
 }
 
-/// @return [turn] the table's swing by its formula, at a master position
-static double wanted_turn(double pos_turn, double z_nm)
-{
-    double g[3];
-    fixture_gamma(2.0 * PI * (pos_turn - floor(pos_turn)), z_nm, g);
-    return g[0] / (2.0 * PI);
-}
-
 static hal_swing_t line; ///< followed by the drive
 static int32_t n_since;  ///< [ticks] since it began
 
@@ -58,7 +50,9 @@ static double largest_error_turn(uint32_t n_ticks)
         const double scale = f.motion.scale_q30 / 1073741824.0;
         const double set = tick_turn();
         const double pos = ((double)f.angle.pos_q32 + f.angle.speed_q32 * lag_ticks) / TURN;
-        const double off = fabs(set - scale * wanted_turn(pos, f.want.z_nm));
+        double g[3];
+        fixture_gamma(2.0 * PI * (pos - floor(pos)), f.want.z_nm, g);
+        const double off = fabs(set - scale * g[0] / (2.0 * PI));
         most = off > most ? off : most;
     }
     return most;

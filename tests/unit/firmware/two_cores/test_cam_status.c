@@ -83,20 +83,6 @@ static void expect_one_tick(const cam_status_t *s)
     }
 }
 
-/// Everything else that both cores touch: the trace without a gap, and configurations.
-static void use_the_rest(uint32_t *next)
-{
-    cam_tick_record_t record;
-    while (cam_trace_pop(&g_cam.trace, &record)) {
-        const bool has_gap = g_cam.trace.n_missed > 0u;
-        TEST_ASSERT_TRUE(has_gap || *next == 0u || record.tick == *next);
-        *next = record.tick + 1u;
-    }
-    if (cam_config_copy(&g_cam.config) != NULL) {
-        cam_config_offer(&g_cam.config);
-    }
-}
-
 static void test_status_belongs_to_one_tick(void)
 {
     pthread_t core;
@@ -110,7 +96,15 @@ static void test_status_belongs_to_one_tick(void)
             expect_one_tick(&status);
             n_read++;
         }
-        use_the_rest(&next);
+        // Everything else that both cores touch: the trace without a gap, and configurations.
+        for (cam_tick_record_t record; cam_trace_pop(&g_cam.trace, &record);) {
+            const bool has_gap = g_cam.trace.n_missed > 0u;
+            TEST_ASSERT_TRUE(has_gap || next == 0u || record.tick == next);
+            next = record.tick + 1u;
+        }
+        if (cam_config_copy(&g_cam.config) != NULL) {
+            cam_config_offer(&g_cam.config);
+        }
     }
     TEST_ASSERT_EQUAL_INT(0, pthread_join(core, NULL));
     TEST_ASSERT_GREATER_THAN_UINT32(100, n_read);

@@ -13,8 +13,6 @@ static void expect_at(double turn, double part)
     TEST_ASSERT_TRUE(fabsl(sim_cosine(turn) - cosl(angle)) < worst);
 }
 
-void setUp(void) {}
-
 /// 4093 is prime, so that no quarter or eighth of a turn is met but at the ends.
 static void test_sine_and_cosine_agree_with_the_library_all_round(void)
 {
