@@ -42,9 +42,13 @@ static int32_t inverse_q30(int32_t s_q31, int32_t d_q31)
 int32_t cam_envelope_step_q30(int64_t done_q32, int64_t lag_q32, int64_t length_q32,
                               uint32_t per_length_q31)
 {
+    const int64_t led_q32 = cam_wrap_add_i64(done_q32, lag_q32);
+    if (led_q32 <= 0 || done_q32 >= length_q32) { // most of a cut
+        return led_q32 <= 0 ? 0 : ONE_Q30;
+    }
     const int64_t inverted_q32 = cam_clamp_i64(lag_q32, 0, length_q32 / 16);
-    const int64_t at_q32 = cam_wrap_add_i64(done_q32, lag_q32 - inverted_q32);
-    if (at_q32 <= 0 || at_q32 >= length_q32) { // most of a cut
+    const int64_t at_q32 = led_q32 - inverted_q32;
+    if (at_q32 <= 0 || at_q32 >= length_q32) {
         return at_q32 <= 0 ? 0 : ONE_Q30;
     }
     const uint32_t at_q24 = (uint32_t)(at_q32 >> 8); // 100 turns at most

@@ -25,23 +25,37 @@ static int64_t later(int64_t a, int64_t b)
 /// @return a * b / 2^n rounded down, for a quotient below 2^63; exact where b is 2^n
 static int64_t times(int64_t a, int32_t b, uint32_t n)
 {
-    const int64_t low = a & ((INT64_C(1) << n) - 1);
-    return plus(cam_wrap_times_i64(a >> n, b), cam_wrap_times_i64(low, b) >> n);
-}
-
-/// @param per_q31  [1/turn] the reciprocal of r
-/// @return         [turn] feed while the rate rises from 0 over some turns, x^2 / 2r
-static int64_t risen_q32(uint32_t per_q31, int64_t turns_q32)
-{
-    const int64_t turns_q24 = turns_q32 >> 8;
-    const int64_t share_q31 = cam_wrap_times_i64(turns_q24, per_q31) >> 24;
-    return cam_wrap_times_i64(share_q31, turns_q24) >> 24;
+    const int32_t low = (int32_t)(a & ((INT64_C(1) << n) - 1));
+    return plus(cam_wrap_times_i64(a >> n, b), ((int64_t)low * b) >> n);
 }
 
 /// @return [turn] length of a ramp
 static int64_t ramp_q32(const cam_play_config_t *cfg, int32_t by_q30)
 {
     return times(cfg->ramp_q32, by_q30, 30);
+}
+
+/// @param per_q31    [1/turn] change of the rate per turn of a ramp
+/// @param turns_q32  [turn] of that ramp, 0 .. 150
+/// @return           [1] change of the rate over them
+static int32_t change_q30(uint32_t per_q31, int64_t turns_q32)
+{
+    return (int32_t)(((uint64_t)(uint32_t)(turns_q32 >> 8) * per_q31) >> 25);
+}
+
+/// @return [turn] feed over some turns in which the rate changes evenly from a to b
+static int64_t fed_over_q32(int64_t turns_q32, int32_t a_q30, int32_t b_q30)
+{
+    return times(turns_q32, (a_q30 >> 1) + (b_q30 >> 1), 30);
+}
+
+/// @return [1] rate at a position before the end of the change
+static int32_t rate_at_q30(const cam_feed_motion_t *c, const cam_play_config_t *cfg,
+                           int64_t pos_q32)
+{
+    const int64_t done_q32 = minus(pos_q32, c->from_q32);
+    const int32_t by_q30 = done_q32 > 0 ? change_q30(cfg->per_ramp_q31, done_q32) : 0;
+    return c->to_rate_q30 > c->rate_q30 ? c->rate_q30 + by_q30 : c->rate_q30 - by_q30;
 }
 
 /// @return [turn] feed at a position before the brake
@@ -51,15 +65,8 @@ static int64_t fed_before_brake_q32(const cam_feed_motion_t *c, const cam_play_c
     if (pos_q32 >= c->to_q32) {
         return plus(c->fed_to_q32, times(minus(pos_q32, c->to_q32), c->to_rate_q30, 30));
     }
-    const int64_t done_q32 = minus(pos_q32, c->from_q32);
-    if (c->rate_q30 <= c->to_rate_q30 || done_q32 <= 0) {
-        const int64_t more_q32 = done_q32 > 0 ? risen_q32(cfg->per_ramp_q31, done_q32) : 0;
-        return plus(plus(c->fed_q32, times(done_q32, c->rate_q30, 30)), more_q32);
-    }
-    const int64_t left_q32 = minus(c->to_q32, pos_q32);
-    const int64_t less_q32 =
-        plus(times(left_q32, c->to_rate_q30, 30), risen_q32(cfg->per_ramp_q31, left_q32));
-    return minus(c->fed_to_q32, less_q32);
+    const int32_t rate_q30 = rate_at_q30(c, cfg, pos_q32);
+    return plus(c->fed_q32, fed_over_q32(minus(pos_q32, c->from_q32), c->rate_q30, rate_q30));
 }
 
 int32_t cam_feed_motion_fed_nm_isr(const cam_feed_motion_t *c, const cam_play_config_t *cfg,
@@ -72,10 +79,14 @@ int32_t cam_feed_motion_fed_nm_isr(const cam_feed_motion_t *c, const cam_play_co
         return cam_feed_height_nm_isr(&cfg->rings, done_q32,
                                       cam_feed_risen_q30_isr(&cfg->rings, done_q32));
     }
-    const int64_t fed_q32 =
-        pos_q32 < c->brake_q32
-            ? fed_before_brake_q32(c, cfg, pos_q32)
-            : minus(c->fed_end_q32, risen_q32(c->per_brake_q31, later(left_q32, 0)));
+    int64_t fed_q32 = c->fed_end_q32;
+    if (pos_q32 < c->brake_q32) {
+        fed_q32 = fed_before_brake_q32(c, cfg, pos_q32);
+    } else if (left_q32 > 0) {
+        const int32_t rate_q30 = change_q30(c->per_brake_q31, left_q32);
+        fed_q32 = minus(fed_q32, fed_over_q32(left_q32, rate_q30, 0));
+    } else { // at rest
+    }
     return (int32_t)(plus(cam_wrap_times_i64(fed_q32, cfg->feed_nm), INT64_C(1) << 31) >> 32);
 }
 
@@ -107,13 +118,10 @@ static bool schedule_change(cam_feed_motion_t *c, const cam_play_config_t *cfg, 
                             int64_t fed_q32, int32_t rate_q30, int32_t halvings)
 {
     const int32_t to_rate_q30 = cfg->feed_rate_q30 >> halvings;
-    const bool is_rising = to_rate_q30 > rate_q30;
-    const int32_t by_q30 = is_rising ? to_rate_q30 - rate_q30 : rate_q30 - to_rate_q30;
-    const int32_t slower_q30 = is_rising ? rate_q30 : to_rate_q30;
+    const int32_t by_q30 = to_rate_q30 > rate_q30 ? to_rate_q30 - rate_q30 : rate_q30 - to_rate_q30;
     const int64_t turns_q32 = ramp_q32(cfg, by_q30);
-    const int64_t more_q32 =
-        plus(times(turns_q32, slower_q30, 30), times(turns_q32, by_q30, 30) / 2);
-    const int64_t braked_q32 = times(ramp_q32(cfg, to_rate_q30), to_rate_q30, 30) / 2;
+    const int64_t more_q32 = fed_over_q32(turns_q32, rate_q30, to_rate_q30);
+    const int64_t braked_q32 = fed_over_q32(ramp_q32(cfg, to_rate_q30), to_rate_q30, 0);
     const int64_t left_q32 =
         minus(minus(cfg->feed_q32 - cfg->ramp_q32, plus(more_q32, braked_q32)), fed_q32);
     if (left_q32 < 0) {
@@ -169,21 +177,6 @@ void cam_feed_motion_begin_isr(cam_feed_motion_t *c, const cam_play_config_t *cf
     }
 }
 
-/// @return [1] rate at a position before the brake
-static int32_t rate_at_q30(const cam_feed_motion_t *c, const cam_play_config_t *cfg,
-                           int64_t pos_q32)
-{
-    const int64_t done_q32 = minus(pos_q32, c->from_q32);
-    if (pos_q32 >= c->to_q32 || done_q32 <= 0) {
-        return done_q32 > 0 ? c->to_rate_q30 : c->rate_q30;
-    }
-    const int64_t share_q31 = cam_wrap_times_i64(done_q32 >> 8, cfg->per_ramp_q31) >> 24;
-    const int32_t by_q30 = (int32_t)(share_q31 >> 1);
-    return c->to_rate_q30 > c->rate_q30
-               ? cam_clamp_i32(cam_wrap_add(c->rate_q30, by_q30), c->rate_q30, c->to_rate_q30)
-               : cam_clamp_i32(cam_wrap_sub(c->rate_q30, by_q30), c->to_rate_q30, c->rate_q30);
-}
-
 /// Bring the brake forward, so that the feed rests at a whole turn. A stop ends a change of the
 /// rate and brakes more steeply. @return whether that is before the end of the part
 static bool brake_early(cam_feed_motion_t *c, const cam_play_config_t *cfg, int64_t next_q32,
@@ -209,9 +202,8 @@ static bool brake_early(cam_feed_motion_t *c, const cam_play_config_t *cfg, int6
     c->brake_q32 = minus(end_q32, braked_q32);
     c->end_q32 = end_q32;
     c->per_brake_q31 = is_stop ? cfg->per_stop_q31 : cfg->per_ramp_q31;
-    const int64_t even_q32 = times(minus(c->brake_q32, to_q32), rate_q30, 30);
-    const int64_t last_q32 = times(braked_q32, rate_q30, 30) / 2;
-    c->fed_end_q32 = plus(plus(c->fed_to_q32, even_q32), last_q32);
+    const int64_t even_q32 = plus(minus(c->brake_q32, to_q32), braked_q32 >> 1);
+    c->fed_end_q32 = plus(c->fed_to_q32, times(even_q32, rate_q30, 30));
     return true;
 }
 

@@ -11,7 +11,7 @@ enum {
     budget_tick_in_cut = 600,      ///< U plays the table, without the plan
     budget_tick_with_force = 980,  ///< ... with the position loop of U and its supervision
     budget_sense_with_force = 490, ///< from the latch of U's scale to the end of its supervision
-    budget_tick = 2700,            ///< any tick, with its plan
+    budget_tick = 2600,            ///< any tick, with its plan
 };
 
 /// The slow side: a piece of learning, which a main loop waits for, all of a turn, 2 ms of a core
