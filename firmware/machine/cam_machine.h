@@ -238,16 +238,12 @@ CAM_MUST_USE cam_err_t cam_machine_revert_params(cam_machine_t *m);
 /// @return whether the parameters in force are kept
 cam_kept_t cam_machine_params_kept(const cam_machine_t *m);
 
-/// Check the feasibility of all passes.
-/// @param speed_mrpm  [r/min / 1000] 0: each pass at its own speed
-/// @return            cam_ok, a feasibility error, cam_err_no_table when none is selected
-CAM_MUST_USE cam_err_t cam_machine_check_speed(const cam_machine_t *m, uint32_t speed_mrpm);
-
 /// @return [r/min / 1000] highest speed feasible for all passes; 0: none
 uint32_t cam_machine_highest_mrpm(const cam_machine_t *m);
 
-/// The same with the details of cam_feasible(), for a message: of the first infeasible pass, or of
-/// the pass that start cuts next.
+/// Check all passes, with the details of cam_feasible() of the first infeasible one; where there is
+/// none, of the pass that start cuts next.
+/// @param speed_mrpm  [r/min / 1000] 0: each pass at its own speed
 /// @return err = cam_err_no_table and only the speed when no table is selected
 cam_refusal_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm);
 

@@ -123,17 +123,6 @@ static cam_verdict_t check_clear(const cam_machine_t *m, const cam_status_t *sta
     return (cam_verdict_t){cam_err_wave_clear, cam_sat_i32(needed_nm)};
 }
 
-static cam_verdict_t check_wave(const cam_machine_t *m, const cam_status_t *status,
-                                const cam_config_t *cfg, const cam_wave_range_t *range,
-                                const cam_motion_limits_t *fade)
-{
-    const int32_t place_nm = m->identify.place_nm;
-    const cam_verdict_t verdict = m->identify.is_force
-                                      ? cam_wave_judge_force(range, place_nm, cfg)
-                                      : cam_wave_judge(range, fade, place_nm, cfg, m->tick_hz);
-    return verdict.err == cam_ok ? check_clear(m, status, cfg, range) : verdict;
-}
-
 /// @return [nm] accepted following error during the wave; a force moves U over its travel
 static int64_t following_nm(const cam_machine_t *m, const cam_config_t *cfg,
                             const cam_wave_range_t *range)
@@ -203,7 +192,8 @@ cam_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint32_t 
         .place_q10 = (int64_t)m->identify.place_nm * 1024,
         .is_force = m->identify.is_force,
     };
-    verdict = check_wave(m, &status, cfg, &range, &fade);
+    verdict = cam_wave_judge(&range, &fade, excite.is_force, m->identify.place_nm, cfg, m->tick_hz);
+    verdict = verdict.err == cam_ok ? check_clear(m, &status, cfg, &range) : verdict;
     if (verdict.err != cam_ok) {
         return verdict;
     }

@@ -7,9 +7,14 @@
 #include "cam_feasible.h" // cam_feasible_demands, cam_gains_bound
 #include "hal/hal.h"      // hal_measures_u
 #include <stddef.h>       // NULL
+#include <string.h>       // memcmp
 
 _Static_assert(sizeof(cam_ilc_t) + sizeof(cam_turn_bins_t) + 2u * sizeof(cam_learned_t) <= 8448u,
                "RAM of learning: state, bins of two turns, and what is in force in two halves");
+
+_Static_assert(sizeof(cam_learned_t) ==
+                   5u * sizeof(int32_t) + 3u * (cam_learned_points + 2u) * sizeof(int16_t),
+               "no padding: compared as bytes");
 
 /// The learned change of a drive constant may reach the configured value plus this.
 enum { spare_ticks_q16 = 4 << 16, spare_ticks2_q16 = 16 << 16 };
@@ -180,18 +185,6 @@ void cam_machine_unlearn(cam_machine_t *m, cam_param_id_t id)
     }
 }
 
-/// @return whether both hold the same values
-static bool is_same(const cam_learned_t *a, const cam_learned_t *b)
-{
-    bool is = a->k1_q16 == b->k1_q16 && a->k2_q16 == b->k2_q16 &&
-              a->friction_q6 == b->friction_q6 && a->chip_q32 == b->chip_q32 &&
-              a->chip_q6 == b->chip_q6;
-    for (uint32_t i = 0; is && i <= (uint32_t)cam_learned_points; i++) {
-        is = a->c[i] == b->c[i] && a->d[i] == b->d[i] && a->dm[i] == b->dm[i];
-    }
-    return is;
-}
-
 /// @return [r/min / 1000] speed of the last turn, the highest one before the first
 static uint64_t turning_mrpm(const cam_machine_t *m)
 {
@@ -297,7 +290,8 @@ void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state, bool is_u_moving)
             setup.angle_step_q23 = angle_step_q23(m, fit_stroke(m, &setup, state));
         }
         cam_ilc_blend(&m->ilc, &setup, at_q8, &copy->learned);
-        if (!is_same(&copy->learned, &cam_machine_newest_config(m)->learned)) {
+        const cam_learned_t *last = &cam_machine_newest_config(m)->learned;
+        if (memcmp(&copy->learned, last, sizeof *last) != 0) {
             cam_machine_offer_copy(m);
         }
     }

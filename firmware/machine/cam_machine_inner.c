@@ -41,19 +41,9 @@ cam_err_t cam_machine_post(cam_machine_t *m, const cam_status_t *status, cam_req
 
 cam_err_t cam_machine_judge(cam_machine_t *m, const cam_params_t *params, const cam_table_t *table)
 {
-    uint32_t pass = 0;
-    const cam_err_t err = cam_pass_check(table, params, 0, m->tick_hz, &pass);
-    if (err != cam_ok) {
-        m->refusal = cam_pass_feasibility(table, params, 0, m->tick_hz, pass);
-    }
-    return err;
-}
-
-cam_err_t cam_machine_check_speed(const cam_machine_t *m, uint32_t speed_mrpm)
-{
-    uint32_t pass = 0;
-    return m->has_table ? cam_pass_check(&m->table, &m->params, speed_mrpm, m->tick_hz, &pass)
-                        : cam_err_no_table;
+    const cam_refusal_t found = cam_pass_check(table, params, 0, m->tick_hz);
+    m->refusal = found.err != cam_ok ? found : m->refusal;
+    return found.err;
 }
 
 uint32_t cam_machine_highest_mrpm(const cam_machine_t *m)
@@ -69,10 +59,10 @@ cam_refusal_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrp
                                .param = cam_n_params,
                                .speed_mrpm = speed_mrpm > 0u ? speed_mrpm : set_mrpm};
     }
-    uint32_t pass = 0;
-    const cam_err_t err = cam_pass_check(&m->table, &m->params, speed_mrpm, m->tick_hz, &pass);
-    return cam_pass_feasibility(&m->table, &m->params, speed_mrpm, m->tick_hz,
-                                err == cam_ok ? m->pass : pass);
+    const cam_refusal_t found = cam_pass_check(&m->table, &m->params, speed_mrpm, m->tick_hz);
+    return found.err != cam_ok
+               ? found
+               : cam_pass_feasibility(&m->table, &m->params, speed_mrpm, m->tick_hz, m->pass);
 }
 
 /// Let a start wait for a steady spindle, and without a rehearsal until a ripple is in force.

@@ -165,11 +165,11 @@ cam_offsets_travel_t cam_offsets_travel(const cam_offsets_t *h, const cam_params
 ///         parameter `pass` is set
 uint32_t cam_pass_next(const cam_params_t *params, const cam_table_t *table, uint32_t i);
 
-/// Find the first infeasible pass.
+/// Check all passes.
 /// @param speed_mrpm  [r/min / 1000] 0: each pass at its own speed
-/// @param i           result: that pass, or the last one where all are feasible
-CAM_MUST_USE cam_err_t cam_pass_check(const cam_table_t *table, const cam_params_t *params,
-                                      uint32_t speed_mrpm, uint32_t tick_hz, uint32_t *i);
+/// @return            no refusal, or that of the first infeasible pass, as cam_pass_feasibility()
+cam_refusal_t cam_pass_check(const cam_table_t *table, const cam_params_t *params,
+                             uint32_t speed_mrpm, uint32_t tick_hz);
 
 /// Check one pass, with the details of cam_feasible(). Parameters as for cam_pass_check().
 cam_refusal_t cam_pass_feasibility(const cam_table_t *table, const cam_params_t *params,
@@ -213,19 +213,15 @@ uint32_t cam_wave_fall_ticks(const cam_motion_limits_t *fade);
 /// @return [nm] largest distance of a sample from 0
 int64_t cam_wave_peak_nm(const cam_wave_range_t *range);
 
-/// Check a wave of force, and that the position of U about which it plays is in the stroke.
-/// @param range     [mN]
-/// @param place_nm  [nm]
-/// @return          cam_ok; cam_err_wave_force with the largest force [mN], cam_err_wave_stroke
-cam_verdict_t cam_wave_judge_force(const cam_wave_range_t *range, int32_t place_nm,
-                                   const cam_config_t *cfg);
-
-/// Check stroke, speed and acceleration of U.
+/// Check stroke, speed and acceleration of U; of a wave of force that force, and U's mean position.
+/// @param is_force  the range is in mN
 /// @param place_nm  [nm] U's mean position
 /// @param cfg       configuration in force
 /// @return          cam_ok, or a demand above its limit: cam_err_wave_stroke with the position [nm]
-///                  farthest from 0, _wave_speed [um/s], _wave_acceleration [mm/s2]
+///                  farthest from 0, _wave_speed [um/s], _wave_acceleration [mm/s2],
+///                  _wave_force [mN]
 cam_verdict_t cam_wave_judge(const cam_wave_range_t *range, const cam_motion_limits_t *fade,
-                             int32_t place_nm, const cam_config_t *cfg, uint32_t tick_hz);
+                             bool is_force, int32_t place_nm, const cam_config_t *cfg,
+                             uint32_t tick_hz);
 
 #endif

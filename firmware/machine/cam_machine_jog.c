@@ -162,14 +162,6 @@ static int32_t press_q6(const cam_params_t *p)
     return 64 * (int32_t)cam_smaller_i64(p->u_home_force_mn, most_mn);
 }
 
-/// @return [plans] in 20 ms, at least 1
-static uint16_t still_plans(const cam_machine_t *m)
-{
-    const uint32_t plan_ticks = (uint32_t)cam_machine_newest_config(m)->play.plan_ticks;
-    const uint32_t n = m->tick_hz / (50u * plan_ticks);
-    return (uint16_t)(n > 0u ? n : 1u);
-}
-
 cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
 {
     const cam_status_t status = cam_machine_status(m);
@@ -183,8 +175,10 @@ cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
     if (a.method == none || (has_stop && !hal_takes_force())) {
         return cam_err_home_none;
     }
-    const cam_jog_config_t *jog = &cam_machine_newest_config(m)->play.jog;
+    const cam_play_config_t *play = &cam_machine_newest_config(m)->play;
+    const cam_jog_config_t *jog = &play->jog;
     const int32_t most_q10 = jog->limits[axis].speed_q10;
+    const uint64_t plans_in_20_ms = m->tick_hz / (50u * (uint32_t)play->plan_ticks);
     const int64_t end_q10 =
         axis == hal_axis_u ? jog->u_end_q10 : (int64_t)CAM_OFFSETS_FAR_NM * 1024;
     cam_jog_order_t order = {
@@ -199,7 +193,7 @@ cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
         .distance_q10 = (int64_t)a.way_nm * 1024,
         .home_nm = a.home_nm,
         .press_q6 = has_stop ? press_q6(&m->params) : 0,
-        .still_plans = still_plans(m),
+        .still_plans = (uint16_t)cam_greater_u64(plans_in_20_ms, 1),
     };
     err = give_order(m, &status, &order);
     const bool is_search = axis == hal_axis_u && order.begin == cam_jog_search;

@@ -51,18 +51,6 @@ static uint32_t speed_mrpm_of(const cam_params_t *params, const cam_table_t *tab
     return asked_mrpm > 0u ? asked_mrpm : (uint32_t)own;
 }
 
-cam_err_t cam_pass_check(const cam_table_t *table, const cam_params_t *params, uint32_t speed_mrpm,
-                         uint32_t tick_hz, uint32_t *i)
-{
-    cam_err_t err = cam_ok;
-    for (uint32_t k = 0; k < cam_pass_count(table) && err == cam_ok; k++) {
-        const cam_params_t here = cam_pass_params(params, table, k);
-        err = cam_feasible_check(table, &here, speed_mrpm_of(&here, table, speed_mrpm), tick_hz);
-        *i = k;
-    }
-    return err;
-}
-
 cam_refusal_t cam_pass_feasibility(const cam_table_t *table, const cam_params_t *params,
                                    uint32_t speed_mrpm, uint32_t tick_hz, uint32_t i)
 {
@@ -71,6 +59,19 @@ cam_refusal_t cam_pass_feasibility(const cam_table_t *table, const cam_params_t 
     cam_refusal_t found = cam_feasible(table, &here, mrpm, tick_hz);
     found.pass = table->passes != NULL ? i + 1u : 0u;
     return found;
+}
+
+cam_refusal_t cam_pass_check(const cam_table_t *table, const cam_params_t *params,
+                             uint32_t speed_mrpm, uint32_t tick_hz)
+{
+    for (uint32_t i = 0; i < cam_pass_count(table); i++) {
+        const cam_params_t here = cam_pass_params(params, table, i);
+        const uint32_t mrpm = speed_mrpm_of(&here, table, speed_mrpm);
+        if (cam_feasible_check(table, &here, mrpm, tick_hz) != cam_ok) {
+            return cam_pass_feasibility(table, params, speed_mrpm, tick_hz, i);
+        }
+    }
+    return cam_refusal_none();
 }
 
 uint32_t cam_pass_highest_mrpm(const cam_table_t *table, const cam_params_t *params,

@@ -72,25 +72,20 @@ static cam_verdict_t judge_stroke(int64_t low_nm, int64_t high_nm, const cam_con
     return (cam_verdict_t){.err = cam_ok};
 }
 
-cam_verdict_t cam_wave_judge_force(const cam_wave_range_t *range, int32_t place_nm,
-                                   const cam_config_t *cfg)
-{
-    const int64_t peak_mn = cam_wave_peak_nm(range);
-    if (peak_mn * 64 > cfg->force.servo.limit_q6) {
-        return refused(cam_err_wave_force, peak_mn);
-    }
-    return judge_stroke(place_nm, place_nm, cfg);
-}
-
 cam_verdict_t cam_wave_judge(const cam_wave_range_t *range, const cam_motion_limits_t *fade,
-                             int32_t place_nm, const cam_config_t *cfg, uint32_t tick_hz)
+                             bool is_force, int32_t place_nm, const cam_config_t *cfg,
+                             uint32_t tick_hz)
 {
+    const int64_t wave_nm = cam_wave_peak_nm(range);
+    if (is_force && wave_nm * 64 > cfg->force.servo.limit_q6) {
+        return refused(cam_err_wave_force, wave_nm);
+    }
     const cam_verdict_t stroke =
-        judge_stroke(place_nm + range->low_nm, place_nm + range->high_nm, cfg);
-    if (stroke.err != cam_ok) {
+        is_force ? judge_stroke(place_nm, place_nm, cfg)
+                 : judge_stroke(place_nm + range->low_nm, place_nm + range->high_nm, cfg);
+    if (is_force || stroke.err != cam_ok) {
         return stroke;
     }
-    const int64_t wave_nm = cam_wave_peak_nm(range);
     const int64_t speed_q10 = range->step_nm * 1024 + share_q10(wave_nm, fade->speed_q10);
     if (speed_q10 > cfg->guard.u.speed_q10) {
         return refused(cam_err_wave_speed, (speed_q10 * tick_hz + 1023999) / 1024000);

@@ -79,7 +79,8 @@ int64_t cam_feed_turns_q32(const cam_rings_t *rings)
 }
 
 /// Both halves of a helix turn are symmetric, so it is evaluated from the nearer end.
-uint32_t cam_feed_risen_q30_isr(const cam_rings_t *rings, int64_t done_q32)
+/// @return [1 / 2^30] completed share of the step to the next ring, 0 on a ring
+static uint32_t risen_q30_of(const cam_rings_t *rings, int64_t done_q32)
 {
     if (((uint64_t)done_q32 & ONE_Q32) == 0u) {
         return 0;
@@ -96,11 +97,12 @@ uint32_t cam_feed_risen_q30_isr(const cam_rings_t *rings, int64_t done_q32)
     return is_first_half ? fed_q30 : (UINT32_C(1) << 30) - fed_q30;
 }
 
-int32_t cam_feed_height_nm_isr(const cam_rings_t *rings, int64_t done_q32, uint32_t risen_q30)
+int32_t cam_feed_height_nm_isr(const cam_rings_t *rings, int64_t done_q32)
 {
     const int64_t fed_nm = (done_q32 >> 33) * rings->feed_nm;
     const int32_t ring_nm = (int32_t)cam_clamp_i64(fed_nm, 0, rings->span_nm);
     const int32_t step_nm = cam_clamp_i32(rings->span_nm - ring_nm, 0, rings->feed_nm);
-    const uint64_t fed_q30 = (uint64_t)risen_q30 * (uint32_t)step_nm + (UINT32_C(1) << 29);
+    const uint64_t fed_q30 =
+        (uint64_t)risen_q30_of(rings, done_q32) * (uint32_t)step_nm + (UINT32_C(1) << 29);
     return ring_nm + (int32_t)(fed_q30 >> 30);
 }

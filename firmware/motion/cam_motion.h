@@ -32,9 +32,9 @@ typedef struct {
     int32_t acc_q10; ///< [nm / 1024 per tick^2] of the last step
 } cam_axis_motion_t;
 
-/// One tick towards a target. Speed stays within the limit (after braking, if it starts beyond) and
-/// its change within the acceleration. Overshoots by at most acceleration_q10 / 8 unless the
-/// initial speed makes more unavoidable.
+/// One tick towards a target. Speed stays within the limit (after braking, if it starts beyond; the
+/// limit 0 brakes to rest) and its change within the acceleration. Overshoots by at most
+/// acceleration_q10 / 8 unless the initial speed makes more unavoidable.
 /// @return true when the axis rests at the target
 /*@ requires valid: \valid(m) && \valid_read(limits) && \separated(m, limits);
     requires limits: 0 <= limits->speed_q10 <= 0x40000000 &&
@@ -52,22 +52,6 @@ typedef struct {
 */
 bool cam_move_profile_to_isr(cam_axis_motion_t *m, const cam_motion_limits_t *limits,
                              int64_t target_q10);
-
-/// One tick of braking to rest.
-/// @return true when the axis rests
-/*@ requires valid: \valid(m) && \valid_read(limits) && \separated(m, limits);
-    requires limits: 0 <= limits->acceleration_q10 <= 0x40000000;
-    assigns *m, \result \from *m, *limits;
-    ensures slower: \abs(m->vel_q10) ==
-      \max(0, \abs(\old(m->vel_q10)) - limits->acceleration_q10);
-    ensures change: \abs(m->vel_q10 - \old(m->vel_q10)) <= limits->acceleration_q10;
-    ensures acceleration: m->acc_q10 == m->vel_q10 - \old(m->vel_q10);
-    ensures rest: \result <==> m->vel_q10 == 0;
-    behavior usual:
-      assumes \abs(m->pos_q10) <= 0x1000000000000000;
-      ensures step: m->pos_q10 == \old(m->pos_q10) + m->vel_q10;
-*/
-bool cam_move_profile_stop_isr(cam_axis_motion_t *m, const cam_motion_limits_t *limits);
 
 /// Motion within speed, acceleration and jerk. The set-point is the moving average of the last n
 /// set-points of a motion without jerk limit. An average is never faster and never accelerates more
@@ -186,14 +170,9 @@ cam_rings_t cam_feed_rings(uint32_t feed_nm, int32_t span_nm, uint32_t speed_mrp
 /// @return [turn / 2^32] length: 2 m - 1 turns, below 2^62
 int64_t cam_feed_turns_q32(const cam_rings_t *rings);
 
-/// Completed share of the step to the next ring.
 /// @param done_q32  [turn / 2^32] since the first ring began, 0 .. the length
-/// @return          [1 / 2^30] 0 .. 2^30, 0 on a ring; error below 2^-26
-uint32_t cam_feed_risen_q30_isr(const cam_rings_t *rings, int64_t done_q32);
-
-/// @param risen_q30  of the same instant
-/// @return           [nm] Z above the first ring, 0 .. span, rounded to nearest
-int32_t cam_feed_height_nm_isr(const cam_rings_t *rings, int64_t done_q32, uint32_t risen_q30);
+/// @return          [nm] Z above the first ring, 0 .. span, with an error of the step's 2^-26
+int32_t cam_feed_height_nm_isr(const cam_rings_t *rings, int64_t done_q32);
 
 /// A path that ends early still ends with a closed ring: the present one, or that after the helix.
 /// @param done_q32  [turn / 2^32] whole turns, above 0

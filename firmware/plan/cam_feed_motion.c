@@ -76,8 +76,7 @@ int32_t cam_feed_motion_fed_nm_isr(const cam_feed_motion_t *c, const cam_play_co
     if (cfg->rings.is_on) {
         const int64_t until_q32 = left_q32 > 0 ? pos_q32 : c->end_q32;
         const int64_t done_q32 = minus(later(until_q32, c->to_q32), c->from_q32);
-        return cam_feed_height_nm_isr(&cfg->rings, done_q32,
-                                      cam_feed_risen_q30_isr(&cfg->rings, done_q32));
+        return cam_feed_height_nm_isr(&cfg->rings, done_q32);
     }
     int64_t fed_q32 = c->fed_end_q32;
     if (pos_q32 < c->brake_q32) {
@@ -155,6 +154,20 @@ static void schedule_begin(cam_feed_motion_t *c, const cam_play_config_t *cfg, i
     }
 }
 
+/// Begin or continue from rest.
+static void resume(cam_feed_motion_t *c, const cam_play_config_t *cfg, int64_t next_q32)
+{
+    if (cfg->rings.is_on) {
+        const int64_t done_q32 = later(minus(c->end_q32, c->from_q32), 0);
+        c->from_q32 = later(c->from_q32, minus(next_q32, done_q32));
+        c->to_q32 = plus(c->from_q32, done_q32); // Z rests until then
+        c->end_q32 = plus(c->from_q32, cfg->feed_q32);
+        c->is_held = false;
+    } else {
+        schedule_begin(c, cfg, later(c->from_q32, next_q32), c->fed_end_q32);
+    }
+}
+
 void cam_feed_motion_begin_isr(cam_feed_motion_t *c, const cam_play_config_t *cfg, int64_t at_q32)
 {
     c->from_q32 = at_q32; // assigned one by one: an initialiser of the whole would call memset
@@ -169,11 +182,8 @@ void cam_feed_motion_begin_isr(cam_feed_motion_t *c, const cam_play_config_t *cf
     c->per_brake_q31 = cfg->per_ramp_q31;
     c->requested_q30 = cfg->feed_rate_q30;
     c->is_held = cfg->feed_rate_q30 == 0;
-    if (cfg->rings.is_on && !c->is_held) {
-        c->end_q32 = plus(at_q32, cfg->feed_q32);
-    } else if (!c->is_held) {
-        schedule_begin(c, cfg, at_q32, 0);
-    } else { // at rest
+    if (!c->is_held) {
+        resume(c, cfg, at_q32);
     }
 }
 
@@ -222,20 +232,6 @@ static bool rest_rings(cam_feed_motion_t *c, int64_t next_q32, bool is_stop)
     return is_early;
 }
 
-/// Continue from rest.
-static void resume(cam_feed_motion_t *c, const cam_play_config_t *cfg, int64_t next_q32)
-{
-    if (cfg->rings.is_on) {
-        const int64_t done_q32 = later(minus(c->end_q32, c->from_q32), 0);
-        c->from_q32 = later(c->from_q32, minus(next_q32, done_q32));
-        c->to_q32 = plus(c->from_q32, done_q32); // Z rests until then
-        c->end_q32 = plus(c->from_q32, cfg->feed_q32);
-        c->is_held = false;
-    } else {
-        schedule_begin(c, cfg, later(c->from_q32, next_q32), c->fed_end_q32);
-    }
-}
-
 /// Change the rate of a moving feed, or of one that has not begun.
 /// @return false while a ramp is in progress
 static bool change_rate(cam_feed_motion_t *c, const cam_play_config_t *cfg, int64_t now_q32,
@@ -262,9 +258,6 @@ void cam_feed_motion_request_isr(cam_feed_motion_t *c, const cam_play_config_t *
                                  int64_t now_q32, int64_t next_q32)
 {
     const int32_t rate_q30 = cfg->feed_rate_q30;
-    if (rate_q30 == c->requested_q30) {
-        return;
-    }
     bool is_done = true;
     if (rate_q30 == 0) {
         c->is_held = cfg->rings.is_on ? rest_rings(c, next_q32, false)

@@ -175,22 +175,10 @@ static void plan_speed(cam_plan_t *p, const cam_play_config_t *cfg, const cam_an
     m->alpha_u = cam_sat_i32(((int64_t)m->alpha_q40 * m->scale_q30) >> cfg->u.alpha_shift);
 }
 
-/// Move a value towards another by at most a step, without overshoot.
-/// @return the new value
-/*@ requires most >= 0;
-    assigns \result \from value, to, most;
-    ensures between: \min(value, to) <= \result <= \max(value, to);
-    ensures step: \abs(\result - value) <= most;
-    ensures there: \abs(to - value) <= most ==> \result == to;
-*/
+/// @return a value after a step of at most `most` towards another, without overshoot
 static int32_t ramped(int32_t value, int32_t to, int32_t most)
 {
-    if (value < to) {
-        const int32_t more = cam_sat_add(value, most);
-        return more < to ? more : to;
-    }
-    const int32_t less = cam_sat_add(value, -most);
-    return less > to ? less : to;
+    return cam_sat_add(value, cam_clamp_i32(cam_sat_sub(to, value), -most, most));
 }
 
 /// Ramp phase, amplitude, trim and spindle override towards the operator's values.
@@ -289,16 +277,13 @@ static void begin_cut(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tic
     p->engage_at_q32 = cam_angle_next_turn(
         cam_angle_ahead(&r->angle, cfg->commanded_q16 + cfg->plan_ticks * 65536));
     const int64_t risen_q32 = cam_wrap_add_i64(p->engage_at_q32, cfg->engage_q32);
-    p->feed_at_q32 = cam_wrap_add_i64(risen_q32, cfg->settle_q32);
-    cam_feed_motion_begin_isr(&p->feed_motion, cfg, p->feed_at_q32);
-    p->disengage_at_q32 = cfg->is_z_measured ? NEVER_Q32 : end_of_feed_q32(p);
     p->is_stopped = false;
-    p->is_rehearsal = m->state == cam_state_rehearsing;
-    if (p->is_rehearsal) { // without feed: the amplitude rises, stays and falls at the first height
-        p->disengage_at_q32 = cam_wrap_add_i64(risen_q32, cfg->rehearse_q32);
-        p->feed_at_q32 = NEVER_Q32;
-        cam_feed_motion_begin_isr(&p->feed_motion, cfg, NEVER_Q32);
-    }
+    p->is_rehearsal = m->state == cam_state_rehearsing; // at the first height, without feed
+    p->feed_at_q32 = p->is_rehearsal ? NEVER_Q32 : cam_wrap_add_i64(risen_q32, cfg->settle_q32);
+    cam_feed_motion_begin_isr(&p->feed_motion, cfg, p->feed_at_q32);
+    const int64_t fed_q32 = cfg->is_z_measured ? NEVER_Q32 : end_of_feed_q32(p);
+    p->disengage_at_q32 =
+        p->is_rehearsal ? cam_wrap_add_i64(risen_q32, cfg->rehearse_q32) : fed_q32;
     p->amplitude_q30 = cfg->amplitude_q30;
     p->x_trim_q4 = cfg->x_trim_q4;
     p->spindle_rate_q30 = cfg->spindle_rate_q30;

@@ -56,9 +56,6 @@ int32_t cam_shaft_smooth_isr(cam_shaft_t *s, int32_t z_nm)
 
 cam_share_t cam_shaft_plan_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam_motion_t *m)
 {
-    if (t->n_lobes == 0u) {
-        return (cam_share_t){ONE_Q30, ONE_Q30};
-    }
     const uint32_t i = cam_lobes_find(t, z_nm);
     if (i != s->i_lobe && m->scale_q30 == 0) {
         take(s, t, i, m);

@@ -91,7 +91,7 @@ static cam_outcome_t explained(const cam_can_t *r, cam_err_t err)
     if (err == cam_err_no_table) {
         return cam_outcome(r->store.err);
     }
-    const bool is_infeasible = err != cam_ok && err == cam_machine_check_speed(r->machine, 0);
+    const bool is_infeasible = err != cam_ok && err == cam_machine_feasibility(r->machine, 0).err;
     return (cam_outcome_t){
         .err = err,
         .value = is_infeasible ? cam_sat_i32(cam_machine_highest_mrpm(r->machine)) : 0,

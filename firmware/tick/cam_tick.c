@@ -40,20 +40,15 @@ static void force_u(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
     cam_force_step_isr(&c->force, &cfg->force, r, is_on, &c->motion);
 }
 
-/// Supervise U. Its faults take effect in this tick.
-static void watch_u(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
-{
-    c->motion.faults |= cam_force_watch_isr(&c->force, &cfg->force, r, &c->motion);
-}
-
-/// The force of U leaves before anything else is calculated. Not inlined, so that a tick of a U
+/// The force of U leaves before anything else is calculated; the faults of its supervision take
+/// effect in this tick. Not inlined, so that a tick of a U
 /// that takes positions does not save the registers.
 static __attribute__((noinline)) void servo_isr(cam_t *c, const cam_config_t *cfg,
                                                 cam_tick_record_t *r)
 {
     force_u(c, cfg, r);
     hal_force_write_isr(r->force_q6);
-    watch_u(c, cfg, r);
+    c->motion.faults |= cam_force_watch_isr(&c->force, &cfg->force, r, &c->motion);
 }
 
 /// Observe, play, command, guard.
@@ -125,7 +120,7 @@ void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     if (cfg->force.is_used) {
         force_u(c, cfg, r);
-        watch_u(c, cfg, r);
+        c->motion.faults |= cam_force_watch_isr(&c->force, &cfg->force, r, &c->motion);
     }
     decide_isr(c, cfg, r);
     if (--c->until_plan <= 0) {

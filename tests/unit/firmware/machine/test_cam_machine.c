@@ -200,7 +200,6 @@ static void test_without_a_table_nothing_starts(void)
     fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_INT(cam_err_no_table, cam_machine_enable(m));
     TEST_ASSERT_EQUAL_INT(cam_err_no_table, cam_machine_feasibility(m, 1000).err);
-    TEST_ASSERT_EQUAL_INT(cam_err_no_table, cam_machine_check_speed(m, 1000));
     TEST_ASSERT_EQUAL_UINT32(0, cam_machine_highest_mrpm(m));
     g_cam.request = 1u << 8 | cam_request_enable;
     fixture_rig_tick(&rig);
@@ -349,8 +348,8 @@ static void test_start_beyond_the_limits_is_refused_before_motion(void)
     TEST_ASSERT_EQUAL_INT64(3500000, why.needed);
     TEST_ASSERT_EQUAL_INT64(3000000, why.limit);
     TEST_ASSERT_EQUAL_UINT32(3000000, why.highest_mrpm);
-    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, cam_machine_check_speed(m, 0));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_check_speed(m, why.highest_mrpm));
+    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, cam_machine_feasibility(m, 0).err);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_feasibility(m, why.highest_mrpm).err);
     TEST_ASSERT_EQUAL_UINT32(why.highest_mrpm, cam_machine_highest_mrpm(m));
     fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());

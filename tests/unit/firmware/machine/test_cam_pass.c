@@ -238,7 +238,7 @@ static void test_infeasible_pass_is_refused_with_its_number(void)
     TEST_ASSERT_EQUAL_UINT32(3100000, why.speed_mrpm);
     TEST_ASSERT_EQUAL_UINT32(3000000, cam_machine_highest_mrpm(m));
     set(cam_param_spindle_mrpm, 2500000);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_check_speed(m, 0));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_feasibility(m, 0).err);
 }
 
 /// Where a port has no axis for the swing, its speed is none, whatever the parameter says.

@@ -57,9 +57,8 @@ static void test_fade_takes_its_ticks(void)
 /// The wave is one of positions, or of force where a force has a limit.
 static void expect(cam_err_t err, int32_t value, int32_t place_nm)
 {
-    const cam_verdict_t v = cfg.force.servo.limit_q6 > 0
-                                ? cam_wave_judge_force(&range, place_nm, &cfg)
-                                : cam_wave_judge(&range, &fade, place_nm, &cfg, tick_hz);
+    const bool is_force = cfg.force.servo.limit_q6 > 0;
+    const cam_verdict_t v = cam_wave_judge(&range, &fade, is_force, place_nm, &cfg, tick_hz);
     TEST_ASSERT_EQUAL_INT(err, v.err);
     TEST_ASSERT_EQUAL_INT32(value, v.value);
 }

@@ -98,10 +98,10 @@ static void test_every_end_stays_within_the_bounds(void)
     const cam_motion_limits_t fade = cam_wave_fade(60);
     const cam_wave_range_t range = cam_wave_range(wave_nm, n);
     cfg.guard.range_nm = 10000;
-    const cam_verdict_t fast = cam_wave_judge(&range, &fade, 0, &cfg, tick_hz);
+    const cam_verdict_t fast = cam_wave_judge(&range, &fade, false, 0, &cfg, tick_hz);
     TEST_ASSERT_EQUAL_INT(cam_err_wave_speed, fast.err);
     cfg.guard.u.speed_q10 = INT32_MAX;
-    const cam_verdict_t steep = cam_wave_judge(&range, &fade, 0, &cfg, tick_hz);
+    const cam_verdict_t steep = cam_wave_judge(&range, &fade, false, 0, &cfg, tick_hz);
     TEST_ASSERT_EQUAL_INT(cam_err_wave_acceleration, steep.err);
     const double step_q6 = fast.value * 64e3 / tick_hz;
     const double bend_q6 = (steep.value + 1) * 64e6 / tick_hz / tick_hz;

@@ -49,7 +49,7 @@ static void test_speed_and_acceleration_of_worked_numbers(void)
 static int32_t height_nm(const cam_rings_t *rings, double turns)
 {
     const int64_t done_q32 = (int64_t)(turns * turn_q32 + 0.5);
-    return cam_feed_height_nm_isr(rings, done_q32, cam_feed_risen_q30_isr(rings, done_q32));
+    return cam_feed_height_nm_isr(rings, done_q32);
 }
 
 /// Against the law in double, one rounding to a nanometre.

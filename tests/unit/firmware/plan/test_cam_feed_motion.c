@@ -272,16 +272,6 @@ static void test_feed_of_which_nothing_is_left_ends_where_it_rests(void)
     }
 }
 
-/// Whoever asks once more for the rest that a feed is in finds it there, as often as it is asked.
-static void test_rest_that_is_asked_for_again_stays(void)
-{
-    f.config.play.feed_rate_q30 = 0;
-    for (int64_t turn = 1; turn < 200; turn += 40) {
-        const cam_feed_motion_t c = requested(resting, TURNS(turn));
-        TEST_ASSERT_EQUAL_MEMORY(&resting, &c, sizeof c);
-    }
-}
-
 /// Before its first ring begins a ring-helix rests at once, for a hold and for a stop.
 static void test_rings_that_have_not_begun_rest_at_once(void)
 {

@@ -82,9 +82,6 @@ static void test_table_without_lobes_is_left_alone(void)
     table.n_lobes = 0;
     motion = before;
     cam_shaft_begin_isr(&shaft, &table, 500000, &motion);
-    const cam_share_t share = cam_shaft_plan_isr(&shaft, &table, 300000, &motion);
-    TEST_ASSERT_EQUAL_INT32(ONE, share.lift_q30);
-    TEST_ASSERT_EQUAL_INT32(ONE, share.ratio_q30);
     TEST_ASSERT_EQUAL_INT32(7, motion.phase_q32);
     TEST_ASSERT_EQUAL_INT64(99, motion.height_q32);
     TEST_ASSERT_EQUAL_UINT32(0, shaft.phase_q32);
