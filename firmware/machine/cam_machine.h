@@ -118,7 +118,7 @@ typedef struct {
 
 /// State of the slow side. The room remote may also use rights, scope and strobe, and read
 /// has_table, table, params, staged, version, checksum, pass, n_parts, is_held, tick_hz,
-/// refusal, kept, identify.received and the harmonics of ilc.
+/// refusal, kept, identify.received and ilc.
 typedef struct {
     cam_t *core;                  ///< state of the interrupt
     cam_params_t params;          ///< as last set
@@ -241,11 +241,10 @@ cam_kept_t cam_machine_params_kept(const cam_machine_t *m);
 /// @return [r/min / 1000] highest speed feasible for all passes; 0: none
 uint32_t cam_machine_highest_mrpm(const cam_machine_t *m);
 
-/// Check all passes, with the details of cam_feasible() of the first infeasible one; where there is
-/// none, of the pass that start cuts next.
-/// @param speed_mrpm  [r/min / 1000] 0: each pass at its own speed
+/// Check all passes, each at its own speed, with the details of cam_feasible() of the first
+/// infeasible one; where there is none, of the pass that start cuts next.
 /// @return err = cam_err_no_table and only the speed when no table is selected
-cam_refusal_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm);
+cam_refusal_t cam_machine_feasibility(const cam_machine_t *m);
 
 /// Enable the drives and search the index: off -> homing.
 /// @return cam_ok, cam_err_state, _busy, _no_table, _estop, _drive, _bus, _servo_none, _u_place,
@@ -477,13 +476,7 @@ void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state, bool is_u_moving)
 /// @return status of learning
 cam_ilc_status_t cam_machine_learning(const cam_machine_t *m);
 
-/// Read a learned value, for storage.
-/// @param index  below cam_ilc_n_values
-/// @return       cam_ok, cam_err_param_id
-CAM_MUST_USE cam_err_t cam_machine_get_learned(const cam_machine_t *m, uint32_t index,
-                                               int32_t *value);
-
-/// Restore a learned value, in off and ready. The interrupt gets the change in steps.
+/// Restore a value of cam_ilc_get(), in off and ready. The interrupt gets the change in steps.
 /// @return cam_ok, cam_err_param_id, cam_err_param_range, or cam_err_param_state
 CAM_MUST_USE cam_err_t cam_machine_set_learned(cam_machine_t *m, uint32_t index, int32_t value);
 

@@ -303,12 +303,6 @@ cam_ilc_status_t cam_machine_learning(const cam_machine_t *m)
     return cam_ilc_status(&m->ilc, &setup, m->tick_hz);
 }
 
-cam_err_t cam_machine_get_learned(const cam_machine_t *m, uint32_t index, int32_t *value)
-{
-    *value = cam_ilc_get(&m->ilc, index);
-    return index < cam_ilc_n_values ? cam_ok : cam_err_param_id;
-}
-
 static bool is_in(range_t range, int32_t value)
 {
     return value >= range.least_q16 && value <= range.most_q16;

@@ -41,7 +41,7 @@ cam_err_t cam_machine_post(cam_machine_t *m, const cam_status_t *status, cam_req
 
 cam_err_t cam_machine_judge(cam_machine_t *m, const cam_params_t *params, const cam_table_t *table)
 {
-    const cam_refusal_t found = cam_pass_check(table, params, 0, m->tick_hz);
+    const cam_refusal_t found = cam_pass_check(table, params, m->tick_hz);
     m->refusal = found.err != cam_ok ? found : m->refusal;
     return found.err;
 }
@@ -51,18 +51,16 @@ uint32_t cam_machine_highest_mrpm(const cam_machine_t *m)
     return m->has_table ? cam_pass_highest_mrpm(&m->table, &m->params, m->tick_hz) : 0u;
 }
 
-cam_refusal_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm)
+cam_refusal_t cam_machine_feasibility(const cam_machine_t *m)
 {
     if (!m->has_table) {
-        const uint32_t set_mrpm = (uint32_t)m->params.spindle_mrpm;
         return (cam_refusal_t){.err = cam_err_no_table,
                                .param = cam_n_params,
-                               .speed_mrpm = speed_mrpm > 0u ? speed_mrpm : set_mrpm};
+                               .speed_mrpm = (uint32_t)m->params.spindle_mrpm};
     }
-    const cam_refusal_t found = cam_pass_check(&m->table, &m->params, speed_mrpm, m->tick_hz);
-    return found.err != cam_ok
-               ? found
-               : cam_pass_feasibility(&m->table, &m->params, speed_mrpm, m->tick_hz, m->pass);
+    const cam_refusal_t found = cam_pass_check(&m->table, &m->params, m->tick_hz);
+    return found.err != cam_ok ? found
+                               : cam_pass_feasibility(&m->table, &m->params, m->tick_hz, m->pass);
 }
 
 /// Let a start wait for a steady spindle, and without a rehearsal until a ripple is in force.

@@ -165,15 +165,14 @@ cam_offsets_travel_t cam_offsets_travel(const cam_offsets_t *h, const cam_params
 ///         parameter `pass` is set
 uint32_t cam_pass_next(const cam_params_t *params, const cam_table_t *table, uint32_t i);
 
-/// Check all passes.
-/// @param speed_mrpm  [r/min / 1000] 0: each pass at its own speed
-/// @return            no refusal, or that of the first infeasible pass, as cam_pass_feasibility()
+/// Check all passes, each at its own speed.
+/// @return no refusal, or that of the first infeasible pass, as cam_pass_feasibility()
 cam_refusal_t cam_pass_check(const cam_table_t *table, const cam_params_t *params,
-                             uint32_t speed_mrpm, uint32_t tick_hz);
+                             uint32_t tick_hz);
 
-/// Check one pass, with the details of cam_feasible(). Parameters as for cam_pass_check().
+/// Check pass i, with the details of cam_feasible().
 cam_refusal_t cam_pass_feasibility(const cam_table_t *table, const cam_params_t *params,
-                                   uint32_t speed_mrpm, uint32_t tick_hz, uint32_t i);
+                                   uint32_t tick_hz, uint32_t i);
 
 /// @return [r/min / 1000] highest speed feasible for all passes; 0: none
 uint32_t cam_pass_highest_mrpm(const cam_table_t *table, const cam_params_t *params,

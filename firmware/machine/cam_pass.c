@@ -40,35 +40,31 @@ uint32_t cam_pass_next(const cam_params_t *params, const cam_table_t *table, uin
     return params->pass > 0 || is_last ? cam_pass_first(params, table) : i + 1u;
 }
 
-/// @return [r/min / 1000] asked_mrpm; where it is 0, the speed of the pass with the override,
-///         rounded up. A speed set by the parameter replaces the table's
-static uint32_t speed_mrpm_of(const cam_params_t *params, const cam_table_t *table,
-                              uint32_t asked_mrpm)
+/// @return [r/min / 1000] speed of a pass with the override, rounded up. A speed set by the
+/// parameter
+///         replaces the table's
+static uint32_t speed_mrpm_of(const cam_params_t *params, const cam_table_t *table)
 {
     const uint64_t mrpm =
         params->spindle_mrpm > 0 ? (uint64_t)params->spindle_mrpm : table->spindle_mrpm;
-    const uint64_t own = (mrpm * (uint64_t)params->spindle_override_ppm + 999999u) / 1000000u;
-    return asked_mrpm > 0u ? asked_mrpm : (uint32_t)own;
+    return (uint32_t)((mrpm * (uint64_t)params->spindle_override_ppm + 999999u) / 1000000u);
 }
 
 cam_refusal_t cam_pass_feasibility(const cam_table_t *table, const cam_params_t *params,
-                                   uint32_t speed_mrpm, uint32_t tick_hz, uint32_t i)
+                                   uint32_t tick_hz, uint32_t i)
 {
     const cam_params_t here = cam_pass_params(params, table, i);
-    const uint32_t mrpm = speed_mrpm_of(&here, table, speed_mrpm);
-    cam_refusal_t found = cam_feasible(table, &here, mrpm, tick_hz);
+    cam_refusal_t found = cam_feasible(table, &here, speed_mrpm_of(&here, table), tick_hz);
     found.pass = table->passes != NULL ? i + 1u : 0u;
     return found;
 }
 
-cam_refusal_t cam_pass_check(const cam_table_t *table, const cam_params_t *params,
-                             uint32_t speed_mrpm, uint32_t tick_hz)
+cam_refusal_t cam_pass_check(const cam_table_t *table, const cam_params_t *params, uint32_t tick_hz)
 {
     for (uint32_t i = 0; i < cam_pass_count(table); i++) {
         const cam_params_t here = cam_pass_params(params, table, i);
-        const uint32_t mrpm = speed_mrpm_of(&here, table, speed_mrpm);
-        if (cam_feasible_check(table, &here, mrpm, tick_hz) != cam_ok) {
-            return cam_pass_feasibility(table, params, speed_mrpm, tick_hz, i);
+        if (cam_feasible_check(table, &here, speed_mrpm_of(&here, table), tick_hz) != cam_ok) {
+            return cam_pass_feasibility(table, params, tick_hz, i);
         }
     }
     return cam_refusal_none();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_motion.h"
-#include "cam_fix.h" // CAM_TURN_Q32, cam_root_u64
+#include "cam_fix.h" // CAM_TURN_Q32, cam_greater_u64, cam_root_u64
 
 /// [1 / 2^32] one.
 #define ONE_Q32 (UINT64_C(1) << 32)
@@ -11,14 +11,9 @@
 /// 1 mm/s2 in the unit of feed_speed2(): 10^6 nm/mm (60000 (r/min / 1000) per turn/s)^2 10^-4.
 #define ONE_MM_PER_S2 UINT64_C(360000000000)
 
-static uint64_t at_least(uint64_t v, uint64_t least)
-{
-    return v > least ? v : least;
-}
-
 static uint64_t section_nm(uint32_t feed_nm)
 {
-    return at_least(feed_nm, cam_feed_least_nm);
+    return cam_greater_u64(feed_nm, cam_feed_least_nm);
 }
 
 /// @return [nm * 10^4 (r/min / 1000)^2] feed n^2, rounded up, below 2^62
@@ -40,9 +35,9 @@ uint32_t cam_feed_ramp_q32(uint32_t feed_nm, uint32_t speed_mrpm, uint32_t accel
     if (4u * part >= whole) {
         return (uint32_t)(ONE_Q32 / 2u);
     }
-    const uint64_t inner_q32 = ((whole - at_least(4u * part, 1u)) << 32) / whole;
+    const uint64_t inner_q32 = ((whole - cam_greater_u64(4u * part, 1u)) << 32) / whole;
     const uint64_t ramp_q32 = (ONE_Q32 - cam_root_u64(inner_q32 << 32) + 1u) / 2u;
-    return (uint32_t)at_least(ramp_q32, LEAST_RAMP_Q32);
+    return (uint32_t)cam_greater_u64(ramp_q32, LEAST_RAMP_Q32);
 }
 
 uint64_t cam_feed_speed_um_per_s(uint32_t feed_nm, uint32_t speed_mrpm, uint32_t ramp_q32)

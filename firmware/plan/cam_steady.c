@@ -11,11 +11,21 @@ static bool is_agreeing(const cam_steady_t *s, uint32_t length_q24, uint32_t mos
     return off < (before >> 16) * most_q16;
 }
 
+/// Assigned one by one: an initialiser of the whole would call memset.
+static void forget(cam_steady_t *s)
+{
+    s->ticks = 0;
+    s->last_ticks = 0;
+    s->n_turns = 0;
+    s->n_agreeing = 0;
+    s->waited_ticks = 0;
+}
+
 bool cam_steady_isr(cam_steady_t *s, const cam_play_config_t *cfg, cam_state_t state,
                     int64_t pos_q32, bool is_there)
 {
     if (state != cam_state_engaging && state != cam_state_rehearsing) {
-        *s = (cam_steady_t){0};
+        forget(s);
         return false;
     }
     if (s->ticks == 0u) {
@@ -32,7 +42,7 @@ bool cam_steady_isr(cam_steady_t *s, const cam_play_config_t *cfg, cam_state_t s
         s->ticks = 0;
     }
     if (is_there && s->n_agreeing >= cfg->steady_turns) {
-        *s = (cam_steady_t){0};
+        forget(s);
         return true;
     }
     s->ticks += (uint32_t)cfg->plan_ticks;

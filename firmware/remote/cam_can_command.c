@@ -91,7 +91,7 @@ static cam_outcome_t explained(const cam_can_t *r, cam_err_t err)
     if (err == cam_err_no_table) {
         return cam_outcome(r->store.err);
     }
-    const bool is_infeasible = err != cam_ok && err == cam_machine_feasibility(r->machine, 0).err;
+    const bool is_infeasible = err != cam_ok && err == cam_machine_feasibility(r->machine).err;
     return (cam_outcome_t){
         .err = err,
         .value = is_infeasible ? cam_sat_i32(cam_machine_highest_mrpm(r->machine)) : 0,
@@ -161,9 +161,9 @@ static cam_outcome_t set_scope(const cam_can_t *r, uint32_t field, int32_t value
 /// @return a learned value with the error of setting it, or else of reading it
 static cam_outcome_t get_learned(const cam_can_t *r, uint32_t index, cam_err_t err)
 {
-    int32_t value = 0;
-    const cam_err_t got = cam_machine_get_learned(r->machine, index, &value);
-    return (cam_outcome_t){.err = err != cam_ok ? err : got, .value = value};
+    const cam_err_t got = index < cam_ilc_n_values ? cam_ok : cam_err_param_id;
+    return (cam_outcome_t){.err = err != cam_ok ? err : got,
+                           .value = cam_ilc_get(&r->machine->ilc, index)};
 }
 
 static cam_outcome_t set_learned(const cam_can_t *r, uint32_t index, int32_t value)

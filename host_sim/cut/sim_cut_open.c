@@ -213,7 +213,7 @@ static bool set_up_firmware(sim_cut_t *cut, size_t size, const char *name, commo
         return common_error(e, "%s: refused: %s; make it again with tools/mktables", name,
                             cam_err_text(err));
     }
-    cut->feasibility = cam_machine_feasibility(machine, 0);
+    cut->feasibility = cam_machine_feasibility(machine);
     if (cut->feasibility.err != cam_ok) {
         return infeasible(cut, e);
     }

@@ -178,7 +178,7 @@ void sim_cut_next_pass(sim_cut_t *cut)
 {
     sim_session_t *s = &cut->session;
     cam_machine_poll(&cut->firmware.machine);
-    const cam_refusal_t found = cam_machine_feasibility(&cut->firmware.machine, 0);
+    const cam_refusal_t found = cam_machine_feasibility(&cut->firmware.machine);
     if (found.pass != cut->pass + 2u) {
         return;
     }

@@ -2,7 +2,7 @@
 // Learning as the slow side of the machine sees it: which values it takes back, when it works, what
 // is handed over, and the parameters shown by turns that the test makes: gains, probe, ripple.
 #include "cam_learning_inner.h" // cam_harmonic_correction_sum_q6
-#include "cam_machine_inner.h"  // cam_machine_get_learned, cam_machine_ilc_poll
+#include "cam_machine_inner.h"  // cam_machine_ilc_poll
 #include "rig_bench.h"
 #include <math.h> // cos, lround, sin
 
@@ -19,9 +19,7 @@ static cam_err_t set_learned(uint32_t index, int32_t value)
 
 static int32_t learned(uint32_t index)
 {
-    int32_t value = -1;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_get_learned(m, index, &value));
-    return value;
+    return cam_ilc_get(&m->ilc, index);
 }
 
 /// What was learned of one machine is set where nothing cuts; elsewhere it is refused unchanged.
@@ -35,8 +33,6 @@ static void test_learned_values_are_set_in_off_and_ready_only(void)
     TEST_ASSERT_EQUAL_INT(cam_err_param_state, set_learned(cam_ilc_value_phase, 9));
     TEST_ASSERT_EQUAL_INT32(5678, learned(cam_ilc_value_phase));
     TEST_ASSERT_EQUAL_INT(cam_err_param_id, set_learned(cam_ilc_n_values, 0));
-    int32_t value = 0;
-    TEST_ASSERT_EQUAL_INT(cam_err_param_id, cam_machine_get_learned(m, cam_ilc_n_values, &value));
 }
 
 /// A drive's constant goes as far as learning itself could lead it, in both senses; the limit of

@@ -85,7 +85,7 @@ static void test_gains_and_limits_of_a_jogged_u_wait_until_it_rests(void)
         set(changes[i].id, changes[i].value);
     }
     TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
-    TEST_ASSERT_EQUAL_INT(cam_err_u_speed, cam_machine_feasibility(machine(), 0).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_u_speed, cam_machine_feasibility(machine()).err);
 }
 
 static void test_refusals_carry_the_limit(void)

@@ -232,13 +232,13 @@ static void test_infeasible_pass_is_refused_with_its_number(void)
         {150000, 100000, 1200000, 0}, {20000, 100000, 3100000, 0}, {0, 100000, 2000000, 0}};
     select_passes(fast);
     TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, cam_machine_enable(m));
-    const cam_refusal_t why = cam_machine_feasibility(m, 0);
+    const cam_refusal_t why = cam_machine_feasibility(m);
     TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, why.err);
     TEST_ASSERT_EQUAL_UINT32(2, why.pass);
     TEST_ASSERT_EQUAL_UINT32(3100000, why.speed_mrpm);
     TEST_ASSERT_EQUAL_UINT32(3000000, cam_machine_highest_mrpm(m));
     set(cam_param_spindle_mrpm, 2500000);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_feasibility(m, 0).err);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_feasibility(m).err);
 }
 
 /// Where a port has no axis for the swing, its speed is none, whatever the parameter says.
