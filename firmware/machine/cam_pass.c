@@ -40,9 +40,8 @@ uint32_t cam_pass_next(const cam_params_t *params, const cam_table_t *table, uin
     return params->pass > 0 || is_last ? cam_pass_first(params, table) : i + 1u;
 }
 
-/// @return [r/min / 1000] speed of a pass with the override, rounded up. A speed set by the
-/// parameter
-///         replaces the table's
+/// @return [r/min / 1000] speed of a pass with the override, rounded up; a parameter replaces the
+///         table's
 static uint32_t speed_mrpm_of(const cam_params_t *params, const cam_table_t *table)
 {
     const uint64_t mrpm =

@@ -37,7 +37,7 @@ int32_t cam_feed_motion_fed_nm_isr(const cam_feed_motion_t *c, const cam_play_co
                                    int64_t pos_q32);
 
 /// Apply the rate of the configuration, which differs from c->requested_q30. Called in every plan
-/// until that is so: during a ramp a new rate stays pending.
+/// until it is applied: during a ramp a new rate stays pending.
 /// @param now_q32   [turn] master position; earlier positions are never read again
 /// @param next_q32  [turn] first whole turn that is not yet commanded
 void cam_feed_motion_request_isr(cam_feed_motion_t *c, const cam_play_config_t *cfg,

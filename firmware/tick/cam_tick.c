@@ -41,8 +41,8 @@ static void force_u(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 }
 
 /// The force of U leaves before anything else is calculated; the faults of its supervision take
-/// effect in this tick. Not inlined, so that a tick of a U
-/// that takes positions does not save the registers.
+/// effect in this tick. Not inlined, so that a tick of a U that takes positions does not save the
+/// registers.
 static __attribute__((noinline)) void servo_isr(cam_t *c, const cam_config_t *cfg,
                                                 cam_tick_record_t *r)
 {
