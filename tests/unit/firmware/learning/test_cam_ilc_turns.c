@@ -91,6 +91,20 @@ static void test_a_step_is_the_share_of_the_gain_and_halves_with_each_strike(voi
     }
 }
 
+/// Where in the turn U moves makes no difference.
+static void test_a_step_does_not_depend_on_the_orientation(void)
+{
+    settle();
+    const int32_t first_q16 = t.k1_q16;
+    for (int eighth = 1; eighth < 8; eighth++) {
+        setUp();
+        phase_turn = eighth / 8.0;
+        play_turns(2);
+        TEST_ASSERT_INT32_WITHIN(first_q16 / 1000, first_q16, t.k1_q16);
+        TEST_ASSERT_INT32_WITHIN(1000, 64 * usual_set_nm, t.largest);
+    }
+}
+
 /// Beside the shape layer 1 takes half of its gain, in the cut as well, where it is that of the
 /// first turns, and then the smaller one of the cut.
 static void test_the_two_layers_share_their_gain(void)

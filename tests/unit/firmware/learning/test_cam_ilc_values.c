@@ -125,6 +125,7 @@ static void test_status_is_reported_in_the_units_of_people(void)
     t.correction.c_q6[0] = (cam_complex_t){.re = 64};
     t.ripple.mean[0].re = 300;
     t.ripple.mean[15].im = -400;
+    t.friction_q6 = -130 * 64;
     t.n_turns = 13;
     t.n_orders = 14;
     t.error_nm = 15;
@@ -135,6 +136,7 @@ static void test_status_is_reported_in_the_units_of_people(void)
     TEST_ASSERT_UINT32_WITHIN(1, 3000000, status.speed_mrpm);
     TEST_ASSERT_EQUAL_UINT32(501, status.correction_nm);
     TEST_ASSERT_UINT32_WITHIN(1, 83446, status.ripple_nturn); // 700 / 2^23 turn
+    TEST_ASSERT_EQUAL_INT32(-130, status.friction_nm);
     TEST_ASSERT_EQUAL_UINT32(13, status.n_turns);
     TEST_ASSERT_EQUAL_UINT32(14, status.n_harmonics);
     TEST_ASSERT_EQUAL_UINT32(15, status.error_nm);

@@ -196,13 +196,15 @@ static void test_why_nothing_is_learned_is_known(void)
 
 enum { n_ticks = 400, set_nm = 100000, error_nm = 1000 };
 
-static uint32_t turn; ///< number of the last one
+static uint32_t turn;      ///< number of the last one
+static double ripple_turn; ///< of the encoder, three waves a turn
 
 /// Start anew with a drive of which nothing is known.
 static void begin(void)
 {
     setUp();
     turn = 0;
+    ripple_turn = 0.0;
     hal_host.slow.measures_u = true;
     set(cam_param_k1_ns, 0);
     set(cam_param_k2_us2, 0);
@@ -223,7 +225,8 @@ static void play(cam_state_t state)
         bin->n++;
         bin->u_nm += (int32_t)lround(set_nm * cos(TURN * at));
         bin->error_q6 -= (int32_t)lround(64.0 * error_nm * sin(TURN * at));
-        bin->angle_q24 += (int32_t)lround((at - (double)b / cam_turn_bins_n) * 16777216.0);
+        const double angle = at + ripple_turn * sin(3.0 * TURN * at);
+        bin->angle_q24 += (int32_t)lround((angle - (double)b / cam_turn_bins_n) * 16777216.0);
     }
     g->closed[bank] = (cam_turn_t){.turn = turn,
                                    .is_steady = true,
@@ -308,5 +311,18 @@ static void test_turns_of_the_ripple_are_those_that_are_set(void)
         m->has_table = !cases[i].has_no_table;
         play_turns(6, cam_state_ready);
         TEST_ASSERT_EQUAL_UINT32(cases[i].n_mean, m->ilc.ripple.n_mean);
+    }
+}
+
+/// Counts imitate a ripple of up to a quarter of a count.
+static void test_a_ripple_that_counts_may_imitate_is_not_learned(void)
+{
+    for (int i = 0; i < 2; i++) {
+        begin();
+        set(cam_param_ripple_turns, 2);
+        ripple_turn = (i == 0 ? 0.23 : 0.27) / m->params.counts_per_turn;
+        play_turns(6, cam_state_ready);
+        TEST_ASSERT_EQUAL_UINT32(2, m->ilc.ripple.n_mean);
+        TEST_ASSERT_EQUAL(i > 0, cam_ripple_sum(&m->ilc.ripple) > 0u);
     }
 }

@@ -52,6 +52,8 @@ static void test_fade_takes_its_ticks(void)
         TEST_ASSERT_TRUE(n <= ticks[i] + 1u && n >= ticks[i] * 3u / 4u - 1u);
         TEST_ASSERT_TRUE(n + 3u >= ticks[i] || ticks[i] > 1000u);
     }
+    const cam_motion_limits_t to_the_end = cam_wave_fade(2049); // to 2^-30 it takes a tick more
+    TEST_ASSERT_EQUAL_UINT32(2047, cam_wave_fall_ticks(&to_the_end));
 }
 
 /// The wave is one of positions, or of force where a force has a limit.

@@ -104,6 +104,11 @@ static void test_home_here_is_the_number_that_was_ordered(void)
     TEST_ASSERT_EQUAL_INT32(0, order(cam_jog_here, hal_axis_u));
     TEST_ASSERT_EQUAL_INT(cam_jog_no_stroke, h.end);
     TEST_ASSERT_EQUAL_UINT32(2, h.n_found);
+    m.axis[hal_axis_u].pos_q10 = (int64_t)(end_nm + 1) * 1024; // it need not move its numbers
+    cfg.jog.order.home_nm = r.in.actual_nm[hal_axis_u];
+    TEST_ASSERT_EQUAL_INT32(0, order(cam_jog_here, hal_axis_u));
+    TEST_ASSERT_EQUAL_INT(cam_jog_done, h.end);
+    TEST_ASSERT_EQUAL_UINT32(3, h.n_found);
 }
 
 /// Its search begins at the end of its stroke that leaves the whole of it before the axis.
