@@ -149,6 +149,19 @@ static void test_what_is_played_is_bounded(void)
     TEST_ASSERT_EQUAL_INT32(1 << 29, t.chip_most_q32);
 }
 
+/// A share of a 64th at a quarter of a millimetre, which a feed of 0.2 mm reaches with the reserve
+/// of a quarter; an eighth of the depth at most.
+static void test_room_is_wanted_for_a_feed_that_is_a_quarter_larger(void)
+{
+    t.feed_now_nm = 200000;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        t.chip_q32 = sign * (1 << 26);
+        TEST_ASSERT_EQUAL_INT64(10001, cam_ilc_wanted_nm(&t, 640000));
+        t.chip_q32 = sign * (1 << 30);
+        TEST_ASSERT_EQUAL_INT64(80001, cam_ilc_wanted_nm(&t, 640000));
+    }
+}
+
 /// Small changes of the feed are not followed, nor any while nothing is learned.
 static void test_small_changes_of_the_feed_are_not_followed(void)
 {

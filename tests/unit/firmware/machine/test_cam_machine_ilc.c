@@ -326,3 +326,34 @@ static void test_a_ripple_that_counts_may_imitate_is_not_learned(void)
         TEST_ASSERT_EQUAL(i > 0, cam_ripple_sum(&m->ilc.ripple) > 0u);
     }
 }
+
+/// The depth of cut counts from the largest radius of the part and from U's outermost position.
+static void test_mean_force_of_the_chip_has_the_whole_depth(void)
+{
+    cam_table_t *table = &m->table;
+    const struct {
+        uint32_t *of;
+        int32_t by_nm, deeper_nm;
+    } cases[] = {{&table->depth_nm, 64000, 64000},
+                 {(uint32_t *)&table->u_min_nm, -64000, 64000},
+                 {(uint32_t *)&table->x_max_nm, 64000, 64000},
+                 {(uint32_t *)&table->x.value_offset, 64000, -64000}};
+    int32_t before_q6 = 0;
+    for (uint32_t i = 0; i < 5u; i++) {
+        begin();
+        play_turns(2, cam_state_cutting);
+        table->depth_nm = 1000000;
+        *cases[i > 0u ? i - 1u : 0u].of += i > 0u ? (uint32_t)cases[i - 1u].by_nm : 0u;
+        m->ilc.chip_q32 = m->ilc.chip_mean_q32 = 1 << 26; // a 64th
+        for (int k = 0; k < 400; k++) {
+            m->core->bins.z_vel_q10 = (int32_t)(250000.0 * 1024.0 * 10737418.0 / 4294967296.0);
+            m->ilc.blending = cam_ilc_blend_drive;
+            poll(cam_state_cutting);
+            fixture_rig_ticks(&rig, 2);
+        }
+        const int32_t q6 = offered()->chip_q6;
+        TEST_ASSERT_NOT_EQUAL_INT32(0, q6);
+        before_q6 = i == 0u ? q6 : before_q6;
+        TEST_ASSERT_INT32_WITHIN(8, i > 0u ? cases[i - 1u].deeper_nm : 0, q6 - before_q6);
+    }
+}

@@ -225,6 +225,13 @@ static void test_refusal_has_demand_and_limit(void)
     TEST_ASSERT_EQUAL_INT64(900, last->limit);
     TEST_ASSERT_GREATER_THAN_INT64(900, last->needed);
     TEST_ASSERT_GREATER_THAN_UINT32(0, last->highest_mrpm);
+    TEST_ASSERT_EQUAL_INT64(900, cam_machine_refusal(m, cam_err_u_acceleration).limit);
+    const cam_refusal_t other =
+        cam_machine_refusal(m, cam_err_u_speed); // of which no number is kept
+    TEST_ASSERT_EQUAL_INT(cam_err_u_speed, other.err);
+    TEST_ASSERT_EQUAL_INT(cam_n_params, other.param);
+    TEST_ASSERT_EQUAL_INT64(0, other.needed);
+    TEST_ASSERT_EQUAL_INT64(0, other.limit);
 }
 
 /// A port with steps begins with what they pass on, and a higher speed is refused with that number.
