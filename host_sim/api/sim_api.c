@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): strdup
 #include "sim_api.h"
 #include "camsim.h"          // camsim_options_read
+#include "sim_config.h"      // sim_config_keys
 #include "sim_cut_pass.h"    // sim_cut_planned_s
 #include "sim_cut_summary.h" // sim_cut_summary
 #include "hal/version.h"     // CAMTURN_VERSION
@@ -57,6 +58,11 @@ void sim_api_close(sim_api_t *s)
 const char *sim_api_version(void)
 {
     return CAMTURN_VERSION;
+}
+
+const char *sim_api_machine_keys(void)
+{
+    return sim_config_keys();
 }
 
 const char *sim_api_error(const sim_api_t *s)

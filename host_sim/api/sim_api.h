@@ -42,6 +42,9 @@ void sim_api_close(sim_api_t *s);
 /// @return version of the simulator, as in its summaries
 const char *sim_api_version(void);
 
+/// @return the keys of machine files, as sim_config_keys()
+const char *sim_api_machine_keys(void);
+
 /// @return the line that says what was wrong with the last call that failed, as `camsim` prints it
 ///         after its name; valid until the next call
 const char *sim_api_error(const sim_api_t *s);

@@ -9,26 +9,45 @@
 
 #define REMEDY SIM_JSON_REMEDY
 
-static double law_mm(sim_law_t law, double parameter, double a_mm, double g_mm, double s2)
+static double ellipse_mm(double parameter, double a_mm, double g_mm, double s2)
 {
-    switch (law) {
-    case sim_law_power:
-        return 0.5 * g_mm * pow(s2, 0.5 * parameter);
-    case sim_law_double_ellipse:
-        return sim_design_delta_mm(sim_shape_double_ellipse, parameter, a_mm, g_mm, s2);
-    case sim_law_cosine:
-        return sim_design_delta_mm(sim_shape_cosine, 0.0, a_mm, g_mm, s2);
-    default:
-        return sim_design_delta_mm(sim_shape_ellipse, 0.0, a_mm, g_mm, s2);
-    }
+    (void)parameter;
+    return sim_design_delta_mm(sim_shape_ellipse, 0.0, a_mm, g_mm, s2);
 }
+
+static double cosine_mm(double parameter, double a_mm, double g_mm, double s2)
+{
+    (void)parameter;
+    return sim_design_delta_mm(sim_shape_cosine, 0.0, a_mm, g_mm, s2);
+}
+
+static double double_ellipse_mm(double parameter, double a_mm, double g_mm, double s2)
+{
+    return sim_design_delta_mm(sim_shape_double_ellipse, parameter, a_mm, g_mm, s2);
+}
+
+static double power_mm(double parameter, double a_mm, double g_mm, double s2)
+{
+    (void)a_mm;
+    return 0.5 * g_mm * pow(s2, 0.5 * parameter);
+}
+
+static const struct {
+    const char *name; ///< in NAME.json
+    sim_law_t law_mm;
+} laws[] = {
+    {"ellipse", ellipse_mm},
+    {"cosine", cosine_mm},
+    {"double-ellipse", double_ellipse_mm},
+    {"power", power_mm},
+};
 
 static double side_mm(sim_side_t *s, double a_mm, double phi_rad, double z_mm)
 {
     const double drop_mm = sim_cubics_at(&s->drop_mm, z_mm);
     const double sine = sim_sine((phi_rad - sim_cubics_at(&s->phase_rad, z_mm)) / SIM_TWO_PI);
-    return drop_mm + law_mm(s->law, sim_cubics_at(&s->parameter, z_mm), a_mm - drop_mm,
-                            sim_cubics_at(&s->ovality_mm, z_mm), sine * sine);
+    return drop_mm + s->law_mm(sim_cubics_at(&s->parameter, z_mm), a_mm - drop_mm,
+                               sim_cubics_at(&s->ovality_mm, z_mm), sine * sine);
 }
 
 /// @return share of the second side at an angle
@@ -51,12 +70,11 @@ double sim_sides_delta_mm(sim_sides_t *s, double a_mm, double phi_rad, double z_
 static bool read_law(sim_law_t *law, const cJSON *side, const char *where, const char *path,
                      common_error_t *e)
 {
-    static const char *const name[sim_n_laws] = {"ellipse", "cosine", "double-ellipse", "power"};
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(side, "law");
     const char *text = cJSON_IsString(item) ? item->valuestring : "?";
-    for (int i = 0; i < sim_n_laws; i++) {
-        if (strcmp(text, name[i]) == 0) {
-            *law = (sim_law_t)i;
+    for (size_t i = 0; i < sizeof laws / sizeof laws[0]; i++) {
+        if (strcmp(text, laws[i].name) == 0) {
+            *law = laws[i].law_mm;
             return true;
         }
     }
@@ -68,7 +86,7 @@ static bool read_law(sim_law_t *law, const cJSON *side, const char *where, const
 static bool read_side(sim_side_t *s, const cJSON *side, const char *where, const char *path,
                       common_error_t *e)
 {
-    return read_law(&s->law, side, where, path, e) &&
+    return read_law(&s->law_mm, side, where, path, e) &&
            sim_json_cubics(&s->ovality_mm, side, where, "ovality_mm", path, e) &&
            sim_json_cubics(&s->drop_mm, side, where, "drop_mm", path, e) &&
            sim_json_cubics(&s->parameter, side, where, "parameter", path, e) &&

@@ -30,17 +30,14 @@
 // plays a polynomial instead near the long axis, and what that costs counts as form error.
 // MATHS.md (75) .. (77), independent of the generator's code. Error: rounding.
 
-/// The law of one side, in the order of their names in NAME.json.
-typedef enum {
-    sim_law_ellipse,
-    sim_law_cosine,
-    sim_law_double_ellipse,
-    sim_law_power,
-    sim_n_laws,
-} sim_law_t;
+/// The law of a side.
+/// @param parameter  beta or exponent, of a law that has one
+/// @param s2         square of the sine of the angle from the long axis
+/// @return           [mm] reduction of the radius
+typedef double (*sim_law_t)(double parameter, double a_mm, double g_mm, double s2);
 
 typedef struct {
-    sim_law_t law;
+    sim_law_t law_mm;
     sim_cubics_t ovality_mm, drop_mm, parameter, phase_rad; ///< over height
 } sim_side_t;
 

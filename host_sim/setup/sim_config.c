@@ -113,6 +113,32 @@ static const common_setting_t fields[] = {
 enum { n_fields = sizeof fields / sizeof fields[0] };
 _Static_assert((int)n_fields <= (int)common_settings_max, "one flag for each key");
 
+const char *sim_config_keys(void)
+{
+    static char text[16384]; // filled once
+    static const char *const kinds[] = {[common_setting_real] = "number",
+                                        [common_setting_count] = "whole",
+                                        [common_setting_sign] = "sign",
+                                        [common_setting_choice] = "choice"};
+    const sim_lathe_config_t defaults = sim_lathe_defaults();
+    size_t n = strlen(text);
+    for (size_t i = n == 0u ? 0u : n_fields; i < n_fields && n < sizeof text; i++) {
+        const common_setting_t *f = &fields[i];
+        const char *at = (const char *)&defaults + f->offset;
+        uint32_t chosen;
+        double value;
+        memcpy(&chosen, at, sizeof chosen);
+        memcpy(&value, at, sizeof value);
+        if (f->kind == common_setting_choice) {
+            value = chosen;
+        }
+        n += (size_t)snprintf(text + n, sizeof text - n, "%s\t%s\t%s\t%.17g\t%.17g\t%.17g\t%s\n",
+                              f->section, f->key, kinds[f->kind], f->min, f->max, value,
+                              f->choices != NULL ? f->choices : "");
+    }
+    return text;
+}
+
 static const char believed_prefix[] = "believed.";
 enum { prefix_length = sizeof believed_prefix - 1, section_size = 40 };
 

@@ -9,13 +9,14 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.project_paths import ROOT
 from camtools.link.messages import DATABASE
 from camtools.link.parameters import INFOS
-from checks import dbc, lookup
+from checks import dbc, lookup, partfile
 
 
 def test_pages_are_what_the_sources_give() -> None:
-    """After a change of parameters, messages or cantools they are written anew."""
-    for name, text in lookup.pages().items():
-        assert (ROOT / name).read_text("utf-8") == text, f"{name}: checks.lookup --write"
+    """After a change of parameters, messages, keys or cantools they are written anew."""
+    for module in (lookup, partfile):
+        for name, text in module.pages().items():
+            assert (ROOT / name).read_text("utf-8") == text, f"{name}: {module.__name__} --write"
 
 
 def test_no_parameter_and_no_message_is_missing() -> None:

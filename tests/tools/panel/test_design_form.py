@@ -9,25 +9,30 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from camtools.base.errors import CamtoolsError
-from camtools.panel.design.document import edited
+from camtools.panel.design.document import edited, lines_of
 from camtools.panel.design.draft import Draft
-from camtools.panel.design.fields import FormField, form_of, typed
-from camtools.panel.design.key_lines import line_of, lines_of, path_of
-from camtools.panel.design.values import values_of
-from camtools.panel.pages.design_form import shown_text
-from camtools.pipeline.registry import kind_of
+from camtools.panel.design.fields import shown_text, typed
+from camtools.part.schema import Key
+from camtools.pipeline.registry import keys_of, kind_of
 from tests.tools.cases.preview_cases import PARTS, text_of
 
 NAMES = sorted(path.stem for path in PARTS.glob("*.toml"))
 
 
-def fields_of(text: str) -> list[FormField]:
+def fields_of(text: str) -> list[Key]:
     """Return all fields of the form of a text."""
     tree = tomllib.loads(text)
-    kind = kind_of(tree)
-    return [
-        field for table in form_of(kind.name, kind.model, values_of(tree)) for field in table.fields
-    ]
+    return [key for table in keys_of(kind_of(tree).name).tables(tree) for key in table.keys]
+
+
+def values_of(node: object, path: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Return all values of a text by dotted names."""
+    if isinstance(node, list) and node and isinstance(node[0], dict):
+        node = dict(enumerate(node))
+    if not isinstance(node, dict):
+        return {".".join(path): node}
+    inner = (values_of(one, (*path, str(name))) for name, one in node.items())
+    return {name: value for found in inner for name, value in found.items()}
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -48,7 +53,7 @@ def test_what_is_shown_is_what_it_means(name: str) -> None:
 
 
 @st.composite
-def changes(draw: st.DrawFn) -> tuple[str, FormField, Any]:
+def changes(draw: st.DrawFn) -> tuple[str, Key, Any]:
     """Draw an example, one of its fields, and a value for it."""
     text = text_of(draw(st.sampled_from(NAMES)))
     field = draw(st.sampled_from([one for one in fields_of(text) if one.sort != "other"]))
@@ -67,10 +72,10 @@ def changes(draw: st.DrawFn) -> tuple[str, FormField, Any]:
     return text, field, draw(values[field.sort])
 
 
-def without_line(text: str, field: FormField) -> tuple[str, str]:
-    """Return the text before the line of a key, and behind its value's last line."""
+def without_line(text: str, field: Key) -> tuple[str, str]:
+    """Return the text before the line of a key, and after its value's last line."""
     lines = text.splitlines(keepends=True)
-    begin = lines_of(text)[field.path] - 1
+    begin = lines_of(text, [field.dotted])[field.dotted] - 1
     for end in range(begin + 1, len(lines) + 1):
         try:
             tomllib.loads("".join(lines[begin:end]))
@@ -88,8 +93,8 @@ def same(one: object, other: object) -> bool:
 @pytest.mark.long
 @settings(max_examples=120, suppress_health_check=[HealthCheck.too_slow])
 @given(changes())
-def test_a_change_keeps_the_rest_byte_for_byte(change: tuple[str, FormField, Any]) -> None:
-    """Lines before and behind the key are as they were; of its own line the comment stays."""
+def test_a_change_keeps_the_rest_byte_for_byte(change: tuple[str, Key, Any]) -> None:
+    """Lines before and after the key are as they were; of its own line the comment stays."""
     text, field, value = change
     changed = edited(text, field.path, value)
     values = values_of(tomllib.loads(changed))
@@ -101,20 +106,21 @@ def test_a_change_keeps_the_rest_byte_for_byte(change: tuple[str, FormField, Any
         assert [line for line in text.splitlines() if line not in changed.splitlines()] == []
         return
     assert without_line(changed, field) == without_line(text, field)
-    line = text.splitlines()[lines_of(text)[field.path] - 1]
+    line = text.splitlines()[lines_of(text, [field.dotted])[field.dotted] - 1]
     if "  #" in line and "[" not in line:
         comment = line[line.index("  #") :].strip()
-        assert comment in changed.splitlines()[lines_of(changed)[field.path] - 1]
+        number = lines_of(changed, [field.dotted])[field.dotted]
+        assert comment in changed.splitlines()[number - 1]
 
 
 @settings(max_examples=6, suppress_health_check=[HealthCheck.too_slow])
 @given(changes())
-def test_there_and_back_is_the_same_text(change: tuple[str, FormField, Any]) -> None:
+def test_there_and_back_is_the_same_text(change: tuple[str, Key, Any]) -> None:
     """The old value, set again, gives a text of the same values; a key that was added goes."""
     text, field, value = change
     back = edited(edited(text, field.path, value), field.path, field.value)
-    before, behind = (values_of(tomllib.loads(one)) for one in (text, back))
-    assert same(behind, before)
+    before, after = (values_of(tomllib.loads(one)) for one in (text, back))
+    assert same(after, before)
 
 
 def test_entries_of_a_list_that_stay_keep_their_digits() -> None:
@@ -137,23 +143,48 @@ def test_a_text_that_is_no_toml_is_left_alone() -> None:
 def test_lines_are_those_of_the_keys(name: str) -> None:
     """Each line that is told for a key begins with its name."""
     text = text_of(name)
-    places = lines_of(text)
-    lines = text.splitlines()
-    for dotted in values_of(tomllib.loads(text)):
-        path = path_of(dotted)
-        line = line_of(places, path)
-        assert line is not None
-        assert lines[line - 1].lstrip().startswith(str(path[-1])), dotted
+    lines, fields = text.splitlines(), values_of(tomllib.loads(text))
+    places = lines_of(text, fields)
+    shown = {field: lines[places[field] - 1].lstrip().split(" ")[0] for field in fields}
+    assert shown == {field: field.rsplit(".", 1)[-1] for field in fields}
 
 
-def test_strings_and_comments_hold_no_keys() -> None:
+ODD = """a = '''
+[process]
+feed_mm = 1
+'''
+# [tool]
+b = "[x]" # c = 1
+[process]
+feed_mm = 2
+d.e = [
+  1]
+f = {g = 1}
+[cam]
+[[cam.lobe]]
+[tool]
+[[cam.lobe]]
+z_mm = 1
+"""
+
+
+@pytest.mark.parametrize(
+    ("field", "line"),
+    [
+        ("process.feed_mm", 8),
+        ("process.d.e", 9),
+        ("process.f.g", 11),
+        ("process.missing", 7),
+        ("tool.c", 14),
+        ("cam.lobe.1.z_mm", 16),
+        ("cam.lobe.0.z_mm", 13),
+        ("process.f.missing", 11),
+        ("missing.too", None),
+    ],
+)
+def test_line_of_a_field_or_of_its_table(field: str, line: int | None) -> None:
     """What looks like a table inside a string or a comment is none."""
-    text = 'a = """\n[process]\nfeed_mm = 1\n"""\n# [tool]\nb = "[x]" # c = 1\n'
-    text += "[process]\nfeed_mm = 2\n"
-    places = lines_of(text)
-    assert places[("process", "feed_mm")] == 8
-    assert ("tool",) not in places
-    assert ("c",) not in places
+    assert lines_of(ODD, [field]).get(field) == line
 
 
 @given(st.lists(st.text(max_size=3), max_size=20))

@@ -7,7 +7,8 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.panel.design.part_library import EXAMPLE, OWN, PartLibrary
-from camtools.panel.design_service import files_named, is_confined_tree
+from camtools.part.file import files_named
+from camtools.part.model import is_inside
 from tests.tools.cases.preview_cases import PARTS, answers, problems, text_of
 
 LEAVING = ("/etc/passwd", "../secret.csv", "sub/../../secret.csv", "link.csv", "dir/secret.csv")
@@ -36,7 +37,7 @@ def test_a_path_that_leaves_the_folder_is_refused(path: str, folder: Path) -> No
     assert line.startswith("piston.section.csv")
     assert "leads out of the folder" in line
     assert "4711" not in str(found)
-    assert not is_confined_tree({"piston": {"section": {"csv": path}}}, folder)
+    assert not is_inside(path, folder)
 
 
 def test_a_whole_path_into_the_folder_is_refused(folder: Path) -> None:
@@ -44,7 +45,7 @@ def test_a_whole_path_into_the_folder_is_refused(folder: Path) -> None:
     path = str(folder / "scan90.csv")
     [line] = problems(answers(text_of("scan90").replace('"scan90.csv"', f'"{path}"'), folder))
     assert "leads out of the folder" in line
-    assert not is_confined_tree({"csv": path}, folder)
+    assert not is_inside(path, folder)
 
 
 def test_a_nul_in_a_path_is_refused(folder: Path) -> None:
@@ -69,8 +70,8 @@ def test_a_file_beside_the_part_is_read(folder: Path) -> None:
     """What lies in the folder is no foreign file, and goes along with a run."""
     assert problems(answers(text_of("scan90"), folder)) == []
     tree = {"piston": {"section": {"csv": "scan90.csv"}}}
-    assert is_confined_tree(tree, folder)
-    assert list(files_named(tree, folder)) == ["scan90.csv"]
+    assert files_named(tree) == ["scan90.csv"]
+    assert is_inside("scan90.csv", folder)
 
 
 @pytest.mark.parametrize(

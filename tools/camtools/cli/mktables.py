@@ -16,6 +16,7 @@ from camtools.base.output import write_all
 from camtools.pipeline.correct_options import add_measured, correction_for
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import make
+from camtools.pipeline.registry import schemas
 from camtools.table.export import FORMS, Export, export_files
 from camtools.table.header import check_tolerance
 from camtools.table.image import Table
@@ -25,7 +26,7 @@ MIN_POINTS, MAX_POINTS = 4, 100_000
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = Parser(prog="mktables", description="Make the cam table of a part.")
-    parser.add_argument("part", type=Path, metavar="PART.toml", help="part file")
+    parser.add_argument("part", type=Path, nargs="?", metavar="PART.toml", help="part file")
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the results"
     )
@@ -35,6 +36,11 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         metavar="T",
         help="largest error of u and x in nm (default: 1; u of a refitted section 5, of a cam 10, "
         "of a polygon 1, 3 or 10)",
+    )
+    parser.add_argument(
+        "--schema",
+        action="store_true",
+        help="write the JSON schemas of part and machine files into DIR, for editors, and no table",
     )
     add_measured(parser)
     parser.add_argument("--plot", action="store_true", help="also draw PNG plots")
@@ -58,7 +64,10 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         help=f"points per turn, {MIN_POINTS} .. {MAX_POINTS} (default: the knots for xyva, 360 for "
         "text)",
     )
-    return parser.parse_args(argv)
+    arguments = parser.parse_args(argv)
+    if arguments.part is None and not arguments.schema:
+        parser.error("the following arguments are required: PART.toml")
+    return arguments
 
 
 def _exported(arguments: argparse.Namespace, table: Table) -> dict[str, bytes]:
@@ -83,6 +92,9 @@ def _exported(arguments: argparse.Namespace, table: Table) -> dict[str, bytes]:
 
 
 def _run(arguments: argparse.Namespace) -> int:
+    if arguments.schema:
+        write_all(arguments.output, {name: text.encode() for name, text in schemas().items()})
+        return 0
     if arguments.tolerance_nm is not None:
         check_tolerance(arguments.tolerance_nm)
     loaded = load(arguments.part)

@@ -13,8 +13,8 @@ from typing import Any, Protocol, Self, TypeVar
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
 from camtools.cut.feasibility import HighestSpeed
-from camtools.part.common import PartFile, Process, check_feed
-from camtools.part.passes import Pass
+from camtools.part.common import PartFile, check_feed
+from camtools.part.passes import Pass, SectionProcess
 from camtools.part.tool import Tool, check_tracks
 from camtools.table.header import check_tolerance
 from camtools.table.image import Table
@@ -23,22 +23,11 @@ from camtools.table.passes import PassRecord
 _NM_PER_UM = 1000.0
 
 
-class PassedProcess(Process, Protocol):
-    """[process] of a kind that may be cut in several passes."""
-
-    @property
-    def passes(self) -> list[Pass]:
-        """The passes in the order of cutting, none of a part that is cut in one."""
-
-    def model_copy(self, *, update: Mapping[str, Any] | None = None) -> Self:
-        """Return a copy with other values."""
-
-
 class PassedPart(PartFile, Protocol):
     """A part that may be cut in several passes."""
 
     @property
-    def process(self) -> PassedProcess:
+    def process(self) -> SectionProcess:
         """How it is cut."""
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None) -> Self:

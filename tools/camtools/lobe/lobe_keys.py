@@ -11,9 +11,18 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, StringConstraints, Tag, ValidationInfo, field_validator, model_validator
+from pydantic import Field, Tag, ValidationInfo, field_validator, model_validator
 
-from camtools.part.model import LIST_OR_ONE, HeightMm, TomlTable, beside_the_part, rising, wrong
+from camtools.part.model import (
+    LIST_OR_ONE,
+    FilePath,
+    HeightMm,
+    Only,
+    TomlTable,
+    beside_the_part,
+    rising,
+    wrong,
+)
 from camtools.part.smoothing import SmoothUm
 
 MAX_LIFT_MM = 15.0
@@ -52,32 +61,27 @@ Lifts = Annotated[
 ]
 
 RISES = (*("poly345", "cycloidal", "modified-sine", "modified-trapezoid", "harmonic"), "polydyne")
-_BELONGS_TO = {
-    "lift_mm": (*RISES, "list"),
-    **dict.fromkeys(("rise_deg", "dwell_deg", "fall_deg", "half_angle_deg"), RISES),
-    **dict.fromkeys(("design_rpm", "natural_hz"), ("polydyne",)),
-    "disc_radius_mm": ("disc",),
-    "offset_mm": ("disc",),
-    "angle_deg": ("list",),
-    "csv": ("list",),
-    **dict.fromkeys(("degrees_of", "lift_unit", "largest_lift_mm"), ("list",)),
-    **dict.fromkeys(("smooth_um", "ramp_height_mm", "ramp_um_per_deg"), ("list",)),
-}
-_NEEDED = dict.fromkeys(RISES, ("lift_mm", "half_angle_deg")) | {
-    "polydyne": ("lift_mm", "half_angle_deg", "design_rpm", "natural_hz"),
-    "disc": ("disc_radius_mm", "offset_mm"),
-}
+_ANGLES = "of a flank, instead of `half_angle_deg`, 360 together; 0 is the middle of the nose"
+_RAMP = "up to this lift the curve opens and closes at most this fast, per degree of the cam"
+_FLANK = Only("law", RISES)
+_POLYDYNE = Only("law", ("polydyne",), ("polydyne",))
+_DISC = Only("law", ("disc",), ("disc",))
+_LIST = Only("law", ("list",))
 
 
 class Lobe(TomlTable):
-    """[[cam.lobe]]: one lobe, where it sits on the shaft, and its law of lift.
+    """[[cam.lobe]]: upwards, 0.2 mm apart, at most 64 with 42 profiles of 2048 knots per turn.
 
-    The angle of a law is counted from the middle of its nose, from its largest radius (disc) or
-    from the zero of the list, in the sense in which the follower runs round the cam.
+    Lobes that differ in place and phase alone share a profile. The angle of a law is counted from
+    the middle of its nose, from its largest radius (disc) or from the zero of the list, in the
+    sense in which the follower runs round the cam.
     """
 
-    z_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=2)]
-    phase_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
+    z_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=2)] = Field(
+        description="from, to, at least 1 mm long; between two lobes the follower goes down to the "
+        "base circle"
+    )
+    phase_deg: float = Field(0.0, ge=-360, le=360, description="drawing's angle of the law's zero")
     law: Literal[
         "cycloidal",
         "modified-sine",
@@ -87,46 +91,74 @@ class Lobe(TomlTable):
         "poly345",
         "disc",
         "list",
-    ]
-    lift_mm: Annotated[Lifts | None, Field(validate_default=True)] = None
-    rise_deg: FlankDeg | None = None
-    dwell_deg: Annotated[float, Field(ge=0, le=355)] | None = None
-    fall_deg: FlankDeg | None = None
-    half_angle_deg: Annotated[
-        Annotated[float, Field(ge=5, le=180)] | None, Field(validate_default=True)
-    ] = None
-    design_rpm: Annotated[
-        Annotated[float, Field(gt=0, le=60_000)] | None, Field(validate_default=True)
-    ] = None
-    natural_hz: Annotated[
-        Annotated[float, Field(gt=0, le=100_000)] | None, Field(validate_default=True)
-    ] = None
-    disc_radius_mm: Annotated[RadiusMm | None, Field(validate_default=True)] = None
-    offset_mm: Annotated[LiftMm | None, Field(validate_default=True)] = None
-    degrees_of: Literal["cam", "crank"] = "cam"
-    angle_deg: Annotated[list[PointDeg] | None, _LONG] = None
-    csv: Annotated[str, StringConstraints(min_length=1, max_length=1000)] | None = None
-    lift_unit: Literal["mm", "inch"] = "mm"
-    largest_lift_mm: LiftMm | None = None
-    smooth_um: SmoothUm | None = None
-    ramp_height_mm: LiftMm | None = None
-    ramp_um_per_deg: Annotated[float, Field(ge=0.1, le=1000)] | None = None
+    ] = Field(description="[flanks](CAMS.md#laws-of-the-flanks), a disc, points")
+    lift_mm: Annotated[Lifts | None, Only("law", (*RISES, "list"), RISES)] = Field(
+        None, description="of a flank: the lift at the nose; of a list: one per angle"
+    )
+    rise_deg: Annotated[FlankDeg | None, _FLANK] = Field(None, description=_ANGLES)
+    dwell_deg: Annotated[float | None, _FLANK] = Field(
+        None, ge=0, le=355, description=f"{_ANGLES}; without it 0"
+    )
+    fall_deg: Annotated[FlankDeg | None, _FLANK] = Field(None, description=_ANGLES)
+    half_angle_deg: Annotated[float | None, _FLANK] = Field(
+        None,
+        ge=5,
+        le=180,
+        description="of a flank: from the nose to the base circle, on both sides",
+    )
+    design_rpm: Annotated[float | None, _POLYDYNE] = Field(
+        None, gt=0, le=60_000, description="speed of the cam in the engine"
+    )
+    natural_hz: Annotated[float | None, _POLYDYNE] = Field(
+        None, gt=0, le=100_000, description="natural frequency of the valve train"
+    )
+    disc_radius_mm: Annotated[RadiusMm | None, _DISC] = Field(
+        None, description="less `offset_mm` the base circle's radius"
+    )
+    offset_mm: Annotated[LiftMm | None, _DISC] = Field(
+        None, description="of the centre of the disc"
+    )
+    degrees_of: Annotated[Literal["cam", "crank"], _LIST] = Field(
+        "cam",
+        validate_default=False,
+        description="the angles are degrees of the cam, or of the crank, which turns twice as far",
+    )
+    angle_deg: Annotated[Annotated[list[PointDeg], _LONG] | None, _LIST] = Field(
+        None,
+        description="rising angles of one turn, its end repeated or at least 0.01 degrees away; "
+        "[periodic quintic spline](CAMS.md#tables-of-rounded-lifts), refused if it leaves 0 .. the "
+        "largest lift by more than 1 um",
+    )
+    csv: Annotated[FilePath | None, _LIST] = Field(
+        None,
+        description="path relative to the part file: `angle_deg,lift_mm` instead, or [points of "
+        "another system](TABLES.md#export-and-import)",
+    )
+    lift_unit: Annotated[Literal["mm", "inch"], _LIST] = Field(
+        "mm",
+        validate_default=False,
+        description="of the lifts of a csv whose header names none",
+    )
+    largest_lift_mm: Annotated[LiftMm | None, _LIST] = Field(
+        None, description="the lifts of the csv are shares 0 .. 1 of it"
+    )
+    smooth_um: Annotated[SmoothUm | None, _LIST] = Field(
+        None,
+        description="the smoothest curve within this of every point; points of zero lift stay 0",
+    )
+    ramp_height_mm: Annotated[LiftMm | None, _LIST] = Field(None, description=_RAMP)
+    ramp_um_per_deg: Annotated[float | None, _LIST] = Field(
+        None, ge=0.1, le=1000, description=_RAMP
+    )
 
     _check_z = field_validator("z_mm")(rising)
 
-    @field_validator(*_BELONGS_TO)
+    @field_validator("half_angle_deg")
     @classmethod
-    def _check_key(cls, value: object, info: ValidationInfo) -> object:
-        law, key = info.data.get("law"), str(info.field_name)
-        owners = _BELONGS_TO[key]
-        if law is None:
-            return value
-        if value is not None and law not in owners:
-            problem = f'{key} has no meaning for law = "{law}"'
-            raise wrong("foreign", problem, f'remove it, or set law = "{owners[0]}"')
-        if key == "half_angle_deg" and (info.data.get("rise_deg") or info.data.get("fall_deg")):
-            return value
-        if value is None and key in _NEEDED.get(law, ()):
+    def _check_half(cls, value: float | None, info: ValidationInfo) -> float | None:
+        law = info.data.get("law")
+        is_given = value or info.data.get("rise_deg") or info.data.get("fall_deg")
+        if law in RISES and not is_given:
             raise wrong("needed", f'is missing for law = "{law}"', "add it")
         return value
 

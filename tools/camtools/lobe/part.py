@@ -14,24 +14,33 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from camtools.base.quantities import NM_PER_MM
 from camtools.lobe.lobe_keys import Lobe, RadiusMm
-from camtools.part.common import PartInfo, SwingLimits
-from camtools.part.model import TomlTable, no_truth, wrong
+from camtools.part.common import FeedMm, Machine, PartInfo, Process, SwingLimits
+from camtools.part.model import TomlTable, wrong
 from camtools.part.tool import SwungTool
 
 MIN_GAP_MM = 0.2
 MAX_LOBES = 64  # of a part file; fewer where the bytes of a channel do not last
 MAX_CENTRE_MM = 2000.0  # places in a table: firmware/table/cam_table.c, max_height_nm
 MIN_RPM, MAX_RPM = 1.0, 60_000.0
+_PLUNGE = "plunge grinding, needed there"
 
 
 class Camshaft(TomlTable):
     """[cam]: the shaft's base circle, the follower, the wheel, and the lobes."""
 
-    base_radius_mm: RadiusMm
-    roller_radius_mm: RadiusMm
-    wheel_radius_mm: RadiusMm | None = None
-    wheel_width_mm: Annotated[float, Field(ge=0.1, le=500)] | None = None
-    follower: Literal["roller", "flat"] = "roller"
+    base_radius_mm: RadiusMm = Field(
+        description="r; r + r1 (ground: r + Rw) + the largest lift up to 2000 mm"
+    )
+    roller_radius_mm: RadiusMm = Field(description="r1")
+    wheel_radius_mm: RadiusMm | None = Field(None, description="Rw; needed for grinding")
+    wheel_width_mm: float | None = Field(
+        None, ge=0.1, le=500, description="of plunge grinding, needed there"
+    )
+    follower: Literal["roller", "flat"] = Field(
+        "roller",
+        description="whose lift the laws give ([flat faces](CAMS.md#laws-of-the-flanks)); with "
+        '`"flat"` r1 is the radius of the circle on which the tip of a swung tool runs',
+    )
     lobe: Annotated[list[Lobe], Field(min_length=1)]
 
     @field_validator("lobe")
@@ -76,22 +85,26 @@ class Camshaft(TomlTable):
         return value
 
 
-class LobeProcess(TomlTable):
+class LobeProcess(Process):
     """[process]: turned with a swinging tool, or ground by a wheel."""
 
+    feed_mm: FeedMm = Field(0.1, description="per turn; not of plunge grinding")
+    depth_mm: float = Field(0.1, ge=0, le=100, description="cutting depth; not of plunge grinding")
     operation: Literal["turning", "grinding", "plunge-grinding"]
     speed: Literal["uniform", "constant-surface"] = "uniform"
-    spindle_rpm: Annotated[float, Field(ge=MIN_RPM, le=MAX_RPM)]
-    feed_mm: Annotated[float, Field(ge=0.000_1, le=10)] = 0.1
-    depth_mm: Annotated[float, Field(ge=0, le=100)] = 0.1
-    direction: Literal[1, -1] = 1
-    infeed_um: Annotated[float, Field(ge=0.1, le=1000)] | None = None
-    stock_um: Annotated[float, Field(ge=1, le=10_000)] | None = None
-    spark_out_turns: Annotated[int, Field(ge=0, le=100)] = 3
-    wheel_wear_um_per_lobe: Annotated[float, Field(ge=0, le=1000)] = 0.0
-    form_error_um: Annotated[float, Field(ge=0.01, le=1000)] = 1.0
-
-    _check_direction = field_validator("direction", mode="before")(no_truth)
+    infeed_um: float | None = Field(None, ge=0.1, le=1000, description=f"{_PLUNGE}: of X per turn")
+    stock_um: float | None = Field(None, ge=1, le=10_000, description=f"{_PLUNGE}: on the radius")
+    spark_out_turns: int = Field(3, ge=0, le=100, description="plunge grinding: without infeed")
+    wheel_wear_um_per_lobe: float = Field(
+        0.0, ge=0, le=1000, description="plunge grinding: radius that the wheel loses by each lobe"
+    )
+    form_error_um: float = Field(
+        1.0,
+        ge=0.01,
+        le=1000,
+        description="accepted form error of the cut against the drawing, along the normals of the "
+        "profile",
+    )
 
     @property
     def is_plunge(self) -> bool:
@@ -118,7 +131,7 @@ class LobeProcess(TomlTable):
         return self
 
 
-class LobeMachine(TomlTable):
+class LobeMachine(Machine):
     """[machine]: the machine for which the table is made."""
 
     limits: SwingLimits = Field(default_factory=SwingLimits)

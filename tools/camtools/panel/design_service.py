@@ -26,7 +26,8 @@ from camtools.panel.orders.visitor import Visitor
 from camtools.panel.runs.options import RunOptions
 from camtools.panel.runs.run_queue import RunQueue
 from camtools.panel.runs.store import DONE, OWN, REPORT, RunStore
-from camtools.part.file import read_tree
+from camtools.part.file import files_named, read_tree
+from camtools.part.model import is_inside
 from camtools.pipeline.job import RUNS
 from camtools.pipeline.load import parse
 from camtools.sim.machines import machine_path, names
@@ -90,8 +91,8 @@ class DesignService:
         """Put the files that the text of an example names beside one's own parts, unless there."""
         folder = self.library.folder(EXAMPLE)
         try:
-            tree = read_tree(text.encode("utf-8", "replace"), "part.toml")
-            found = files_named(tree, folder) if is_confined_tree(tree, folder) else {}
+            names = files_named(read_tree(text.encode("utf-8", "replace"), "part.toml"))
+            found = _files(names, folder) if all(is_inside(name, folder) for name in names) else {}
         except CamtoolsError:
             return  # the text is no part yet, which is shown beside it
         for name, data in found.items():
@@ -148,30 +149,11 @@ class DesignService:
 def _checked(data: bytes, folder: Path) -> tuple[str, dict[str, bytes]]:
     """Return the name of a part and the files that it names."""
     name: str = parse(data, "part.toml", folder, is_confined=True).part.part.name
-    return name, files_named(read_tree(data, "part.toml"), folder)
+    return name, _files(files_named(read_tree(data, "part.toml")), folder)
 
 
-def is_confined_tree(tree: object, folder: Path) -> bool:
-    """Return whether all files that a part names lie in a folder, by whatever links."""
-    if isinstance(tree, dict):
-        for key, value in tree.items():
-            if key == "csv" and isinstance(value, str):
-                try:
-                    place = (folder / value).resolve()
-                except (OSError, ValueError, RuntimeError):
-                    return False
-                is_plain = not Path(value).is_absolute() and ".." not in Path(value).parts
-                if not is_plain or not place.is_relative_to(folder.resolve()):
-                    return False
-            elif not is_confined_tree(value, folder):
-                return False
-    elif isinstance(tree, list):
-        return all(is_confined_tree(one, folder) for one in tree)
-    return True
-
-
-def files_named(tree: object, folder: Path) -> dict[str, bytes]:
-    """Return the files that a part names, by their place seen from it; it was checked before.
+def _files(names: list[str], folder: Path) -> dict[str, bytes]:
+    """Return the content of files beside a part by their names.
 
     Raises
     ------
@@ -179,20 +161,13 @@ def files_named(tree: object, folder: Path) -> dict[str, bytes]:
         One cannot be read.
     """
     found: dict[str, bytes] = {}
-    if isinstance(tree, dict):
-        for key, value in tree.items():
-            if key == "csv" and isinstance(value, str):
-                try:
-                    with (folder / value).open("rb") as stream:
-                        found[value] = stream.read(_MAX_FILE_BYTES)
-                except (OSError, ValueError) as error:
-                    reason = getattr(error, "strerror", None) or str(error)
-                    raise CamtoolsError([f"csv = {value!r}: cannot be read: {reason}"]) from error
-            else:
-                found |= files_named(value, folder)
-    elif isinstance(tree, list):
-        for one in tree:
-            found |= files_named(one, folder)
+    for name in names:
+        try:
+            with (folder / name).open("rb") as stream:
+                found[name] = stream.read(_MAX_FILE_BYTES)
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            raise CamtoolsError([f"csv = {name!r}: cannot be read: {reason}"]) from error
     return found
 
 

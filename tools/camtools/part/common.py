@@ -6,24 +6,31 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Protocol, Self
+from typing import Annotated, Literal, Protocol, Self
 
 from pydantic import Field, StringConstraints, ValidationInfo, field_validator, model_validator
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
-from camtools.part.model import TomlTable, wrong
+from camtools.part.model import TomlTable, no_truth, wrong
 
 DEFAULT_ALPHA_RAD_S2 = 500.0  # 50 Nm on 0.1 kg m2
+_OF_Z = "of a ring-helix, whose ramps of Z follow from it, and of the simulated machine"
+_QUOTIENT = "instead of `spindle_acceleration_rad_s2`: torque over inertia"
+FeedMm = Annotated[float, Field(ge=0.000_1, le=10)]
+SpindleRpm = Annotated[float, Field(ge=1, le=60_000)]
 PartName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,30}\z")]
 
 
 class PartInfo(TomlTable):
     """[part]: which part this is."""
 
-    name: PartName
+    name: PartName = Field(
+        description="names the files and the table: 1 to 31 of `A-Z a-z 0-9 _ -`, a letter or "
+        "digit first"
+    )
     kind: str
-    source: Annotated[str, StringConstraints(min_length=1, max_length=1000)]
+    source: str = Field(min_length=1, max_length=1000, description="origin of the numbers")
 
     @field_validator("kind", mode="before")
     @classmethod
@@ -39,18 +46,39 @@ class PartInfo(TomlTable):
 class MachineLimits(TomlTable):
     """[machine.limits]: what the machine can do; feasibility is judged against it."""
 
-    u_stroke_mm: Annotated[float, Field(ge=0.001, le=30)] = 1.2
-    u_speed_mm_s: Annotated[float, Field(ge=0.001, le=100_000)] = 400.0
-    u_acceleration_mm_s2: Annotated[float, Field(ge=1, le=1_000_000_000)] = 250_000.0
-    z_speed_mm_s: Annotated[float, Field(ge=0.1, le=10_000)] = 200.0
-    z_acceleration_mm_s2: Annotated[float, Field(ge=10, le=1_000_000)] = 2000.0
-    spindle_rpm: Annotated[float, Field(ge=1, le=60_000)] = 3000.0
-    tick_hz: Annotated[int, Field(ge=500, le=100_000)] = 20_000
-    spindle_torque_nm: Annotated[float, Field(gt=0, le=100_000)] | None = None
-    spindle_inertia_kgm2: Annotated[float, Field(gt=0, le=10_000)] | None = None
-    spindle_acceleration_rad_s2: Annotated[float, Field(ge=1, le=1_000_000)] | None = None
-    spindle_bandwidth_rad_s: Annotated[float, Field(ge=0.1, le=1000)] = 40.0
-    spindle_ripple: Annotated[float, Field(ge=0, le=0.1)] = 0.002
+    u_stroke_mm: float = Field(
+        1.2,
+        ge=0.001,
+        le=30,
+        description="travel peak to peak, centred on U = 0; usable: the inner half, with "
+        '`u_zero = "mean"` all of it',
+    )
+    u_speed_mm_s: float = Field(400.0, ge=0.001, le=100_000)
+    u_acceleration_mm_s2: float = Field(250_000.0, ge=1, le=1_000_000_000)
+    z_speed_mm_s: float = Field(200.0, ge=0.1, le=10_000, description=_OF_Z)
+    z_acceleration_mm_s2: float = Field(2000.0, ge=10, le=1_000_000, description=_OF_Z)
+    spindle_rpm: float = Field(3000.0, ge=1, le=60_000)
+    tick_hz: int = Field(
+        20_000, ge=500, le=100_000, description="rate of the controller's interrupt"
+    )
+    spindle_torque_nm: float | None = Field(None, gt=0, le=100_000, description=_QUOTIENT)
+    spindle_inertia_kgm2: float | None = Field(None, gt=0, le=10_000, description=_QUOTIENT)
+    spindle_acceleration_rad_s2: float | None = Field(
+        None,
+        ge=1,
+        le=1_000_000,
+        description="for equal-volume turning; without it and the quotient 500",
+    )
+    spindle_bandwidth_rad_s: float = Field(
+        40.0,
+        ge=0.1,
+        le=1000,
+        description="of the spindle's speed loop: a modulated speed falls by at most this "
+        "fraction per second",
+    )
+    spindle_ripple: float = Field(
+        0.002, ge=0, le=0.1, description="amplitude of the spindle's own speed ripple / speed"
+    )
 
     @model_validator(mode="after")
     def _check_spindle(self) -> Self:
@@ -74,38 +102,38 @@ class MachineLimits(TomlTable):
 class SwingLimits(MachineLimits):
     """[machine.limits]: a lathe or grinder for lobes, whose stroke is that of a lift."""
 
-    u_stroke_mm: Annotated[float, Field(ge=0.001, le=30)] = 30.0
-    swing_deg: Annotated[float, Field(ge=0.1, le=80)] = 30.0
-    swing_speed_deg_s: Annotated[float, Field(ge=0.1, le=1e6)] = 1000.0
-    swing_acceleration_deg_s2: Annotated[float, Field(ge=1, le=1e9)] = 100_000.0
+    u_stroke_mm: float = Field(
+        30.0,
+        ge=0.001,
+        le=30,
+        description="travel peak to peak, centred on the base circle: twice the lift is needed",
+    )
+    swing_deg: float = Field(30.0, ge=0.1, le=80, description="to either side")
+    swing_speed_deg_s: float = Field(1000.0, ge=0.1, le=1e6)
+    swing_acceleration_deg_s2: float = Field(100_000.0, ge=1, le=1e9)
 
 
-class Process(Protocol):
-    """The keys of [process] that every kind has; a kind may have more."""
+class Process(TomlTable):
+    """[process]: the keys that every kind has; a kind may have more."""
 
-    @property
-    def spindle_rpm(self) -> float:
-        """Speed of the spindle [r/min]."""
+    spindle_rpm: SpindleRpm = Field(description="mean speed if it is modulated")
+    feed_mm: FeedMm = Field(
+        description="per turn, at most the height of the part with its runs; with "
+        "`[process.feed_law]` its mean, which is left out",
+        json_schema_extra={"x-or": "feed_law"},
+    )
+    depth_mm: float = Field(0.1, ge=0, le=100, description="cutting depth at the long axis")
+    direction: Literal[1, -1] = Field(
+        1, description="1 is M3, -1 is M4; [the part is the same](#the-drawings-angle)"
+    )
 
-    @property
-    def feed_mm(self) -> float:
-        """Feed per turn [mm]."""
-
-    @property
-    def depth_mm(self) -> float:
-        """Depth of cut [mm]."""
-
-    @property
-    def direction(self) -> int:
-        """Sense of the spindle, 1 or -1."""
+    _check_direction = field_validator("direction", mode="before")(no_truth)
 
 
-class MachineTable(Protocol):
-    """[machine] of every kind."""
+class Machine(TomlTable):
+    """[machine]: the machine for which the table is made."""
 
-    @property
-    def limits(self) -> MachineLimits:
-        """What the machine can do."""
+    limits: MachineLimits = Field(default_factory=MachineLimits)
 
 
 class PartFile(Protocol):
@@ -120,7 +148,7 @@ class PartFile(Protocol):
         """How it is cut."""
 
     @property
-    def machine(self) -> MachineTable:
+    def machine(self) -> Machine:
         """The machine for which its table is made."""
 
     @property

@@ -48,6 +48,20 @@ def read_tree(data: bytes, file: str) -> dict[str, Any]:
         ) from error
 
 
+def files_named(tree: object) -> list[str]:
+    """Return the paths of all files that the tables of a part file name.
+
+    >>> files_named({"cam": {"lobe": [{"csv": "a.csv"}, {"csv": "b.csv"}]}})
+    ['a.csv', 'b.csv']
+    """
+    if isinstance(tree, list):
+        return [name for one in tree for name in files_named(one)]
+    if not isinstance(tree, dict):
+        return []
+    own = [tree["csv"]] if isinstance(tree.get("csv"), str) else []
+    return own + [name for key, one in tree.items() if key != "csv" for name in files_named(one)]
+
+
 def validated(
     model: type[Model], tree: dict[str, Any], file: str, context: dict[str, object]
 ) -> Model:

@@ -6,18 +6,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, ValidationInfo
-from pydantic_core import PydanticCustomError
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    GetJsonSchemaHandler,
+    StringConstraints,
+    Tag,
+    ValidationInfo,
+)
+from pydantic_core import PydanticCustomError, core_schema
 
 MIN_SPAN_MM = 1.0
 MIN_STEP_MM = 0.01
 SAME_MM = 1e-9  # decimal heights differ by less from what they are written as
 
+Entry = TypeVar("Entry")
 HeightMm = Annotated[float, Field(ge=-1000, le=1000)]
+FilePath = Annotated[str, StringConstraints(min_length=1, max_length=1000)]
+Points = Annotated[list[Entry], Field(min_length=2, max_length=1000)]
 
 
 def _list_or_one(value: object) -> str:
@@ -25,18 +39,63 @@ def _list_or_one(value: object) -> str:
 
 
 LIST_OR_ONE = Discriminator(_list_or_one)  # members have these tags: findings leave them out
+NumberOrPoints = Annotated[
+    Annotated[Points[Entry], Tag("(list)")] | Annotated[Entry, Tag("(one)")], LIST_OR_ONE
+]
 
 
 class TomlTable(BaseModel):
     """A TOML table that knows all its keys."""
 
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        strict=True, extra="forbid", frozen=True, allow_inf_nan=False, validate_default=True
+    )
 
 
 def wrong(kind: str, problem: str, remedy: str, **context: Any) -> PydanticCustomError:  # noqa: ANN401
     """Return a finding with its remedy."""
     text = problem.replace("{", "(").replace("}", ")")
     return PydanticCustomError(kind, text, {"remedy": remedy, **context})
+
+
+@dataclass(frozen=True)
+class Only:
+    """Annotation of a key that has a meaning for some choices of another key alone.
+
+    Attributes
+    ----------
+    chooser : str
+        The other key, which stands before this one.
+    needed : tuple of str
+        Choices that cannot do without the key.
+    """
+
+    chooser: str
+    choices: tuple[str, ...]
+    needed: tuple[str, ...] = ()
+    or_else: str = ""  # what else serves where the key is needed
+
+    def check(self, value: object, info: ValidationInfo) -> object:
+        """Refuse the key where it has no meaning, and its absence where it is needed."""
+        chosen = info.data.get(self.chooser)
+        if value is not None and chosen is not None and chosen not in self.choices:
+            problem = f'{info.field_name} has no meaning for {self.chooser} = "{chosen}"'
+            remedy = f'remove it, or set {self.chooser} = "{self.choices[0]}"'
+            raise wrong("foreign", problem, remedy)
+        if value is None and chosen in self.needed:
+            problem = f'is missing for {self.chooser} = "{chosen}"'
+            raise wrong("needed", problem, f"add it{self.or_else}")
+        return value
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: Callable[[object], core_schema.CoreSchema]
+    ) -> core_schema.CoreSchema:
+        return core_schema.with_info_after_validator_function(self.check, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return handler(schema) | {"x-only": list(self.choices), "x-needed": bool(self.needed)}
 
 
 def rising(height_mm: list[float]) -> list[float]:
@@ -77,19 +136,17 @@ def beside_the_part(value: str | None, info: ValidationInfo) -> str | None:
     folder = context.get("folder")
     if value is None or folder is None:
         return value
-    if context.get("is_confined"):
-        _refuse_outside(Path(folder), value)
+    if context.get("is_confined") and not is_inside(value, Path(folder)):
+        remedy = "give the name of a file in the folder of the part, without .. or links"
+        raise wrong("outside", "leads out of the folder of the part", remedy)
     return str(Path(folder) / value)
 
 
-def _refuse_outside(folder: Path, value: str) -> None:
-    remedy = "give the name of a file in the folder of the part, without .. or links"
+def is_inside(name: str, folder: Path) -> bool:
+    """Return whether a file is in a folder, by whatever links, and would be in a copy of it."""
     try:
-        place = (folder / value).resolve()
-        # A copy of the part elsewhere must find the file at the same place, and nothing else there.
-        is_plain = not Path(value).is_absolute() and ".." not in Path(value).parts
-        is_inside = is_plain and place.is_relative_to(folder.resolve())
+        place = (folder / name).resolve()
+        is_plain = not Path(name).is_absolute() and ".." not in Path(name).parts
+        return is_plain and place.is_relative_to(folder.resolve())
     except (OSError, ValueError, RuntimeError):  # a NUL, a name too long, links in a circle
-        is_inside = False
-    if not is_inside:
-        raise wrong("outside", "leads out of the folder of the part", remedy)
+        return False

@@ -10,30 +10,40 @@ True
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import AliasChoices, Field, field_validator
+from pydantic import AliasChoices, Field, ValidationInfo, field_validator
 from scipy.interpolate import PchipInterpolator
 
 from camtools.base.quantities import Floats
-from camtools.part.model import HeightMm, TomlTable, as_long, rising, wrong
+from camtools.part.common import FeedMm, Process, SpindleRpm
+from camtools.part.model import HeightMm, Points, TomlTable, as_long, rising, wrong
 
 _PIECES, _NODES = 64, 8  # of the integral over the height, between two points of the law
 _UM_PER_MM = 1000.0
+_OF_PASS = "of this pass; without it that of `[process]`; with a feed law its mean"
+RunMm = Annotated[
+    float,
+    Field(
+        ge=0,
+        le=200,
+        description="the tool starts this far below the first height and ends this far above the "
+        "last, in the air",
+    ),
+]
 
 
 class Pass(TomlTable):
-    """[[process.pass]]: one of several passes, in the order of cutting."""
+    """[[process.pass]]: passes in cutting order at a constant spindle speed, from `depth_mm` on."""
 
-    allowance_um: Annotated[float, Field(ge=0, le=10_000)]
-    feed_mm: Annotated[float, Field(ge=0.000_1, le=10)] | None = None
-    spindle_rpm: Annotated[float, Field(ge=1, le=60_000)] | None = None
-
-
-Passes = Annotated[
-    list[Pass], Field(max_length=16, validation_alias=AliasChoices("pass", "passes"))
-]  # TOML calls it "pass", which is no name in Python
+    allowance_um: float = Field(
+        ge=0,
+        le=10_000,
+        description="stock that the pass leaves on the radius, falling; 0 in the last pass",
+    )
+    feed_mm: FeedMm | None = Field(None, description=_OF_PASS)
+    spindle_rpm: SpindleRpm | None = Field(None, description=_OF_PASS)
 
 
 def check_passes(passes: list[Pass], depth_mm: float) -> None:
@@ -51,13 +61,40 @@ def check_passes(passes: list[Pass], depth_mm: float) -> None:
         raise wrong("pass_last", problem, "give the last pass allowance_um = 0")
 
 
-class FeedLaw(TomlTable):
-    """[process.feed_law]: feed per turn over the height, MATHS.md (103)."""
+class SectionProcess(Process):
+    """[process]: how a section is turned."""
 
-    height_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=1000)]
-    feed_mm: Annotated[
-        list[Annotated[float, Field(ge=0.000_1, le=10)]], Field(min_length=2, max_length=1000)
-    ]
+    form_error_um: float = Field(
+        5.0, ge=0.01, le=1000, description="accepted form error of the cut against the drawing"
+    )
+    u_zero: Literal["long-axis", "mean"] = Field(
+        "long-axis",
+        description="tip at U = 0: on the long axis, or in the middle of all reductions, which "
+        "[needs half the stroke](PISTONS.md#room-of-the-machine)",
+    )
+    run_in_mm: RunMm = 0.0
+    run_out_mm: RunMm = 0.0
+    passes: list[Pass] = Field(
+        default_factory=list, max_length=16, validation_alias=AliasChoices("pass", "passes")
+    )  # TOML calls it "pass", which is no name in Python
+
+    @field_validator("passes")
+    @classmethod
+    def _check_passes(cls, value: list[Pass], info: ValidationInfo) -> list[Pass]:
+        check_passes(value, info.data.get("depth_mm", 0.0))
+        return value
+
+
+class FeedLaw(TomlTable):
+    """[process.feed_law]: [feed against height](PISTONS.md#passes-and-feed-against-height)."""
+
+    height_mm: Points[HeightMm] = Field(
+        description="rising by 0.01 or more; beyond the ends the feed is constant"
+    )
+    feed_mm: Points[FeedMm] = Field(
+        description="per height, at least 4 % of the mean; a monotone cubic between the points, "
+        'MATHS.md (103); with `path = "helix"`'
+    )
 
     _check_height = field_validator("height_mm")(rising)
     _check_length = field_validator("feed_mm")(as_long)

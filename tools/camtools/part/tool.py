@@ -19,21 +19,27 @@ ClearanceDeg = Annotated[float, Field(ge=0.1, le=45)]
 
 
 class Tool(TomlTable):
-    """The tool that turns sections: its nose is a circle in the plane of axis and edge, or a point.
+    """[tool]: [the tool](PISTONS.md#the-tool) that turns sections."""
 
-    Attributes
-    ----------
-    nose_radius_mm : float
-        Radius of the circle, 0 for a point.
-    clearance_deg : float
-        Angle between the flank and the direction of cutting, in the plane of a section.
-    wear_um : float
-        By so much the tip stands back, MATHS.md (112). The table does not depend on it.
-    """
-
-    nose_radius_mm: Annotated[float, Field(ge=0, le=100)] = 0.0
-    clearance_deg: ClearanceDeg = 7.0
-    wear_um: Annotated[float, Field(ge=0, le=1000)] = 0.0
+    nose_radius_mm: float = Field(
+        0.0,
+        ge=0,
+        le=100,
+        description=f"radius of the nose in the plane of the axis, at least {MIN_NOSE_MM:g}; "
+        "0 is a point",
+    )
+    clearance_deg: ClearanceDeg = Field(
+        7.0,
+        description="of the flank below the edge, in the plane of a section; a tool whose heel "
+        "rubs is refused with the clearance that it needs",
+    )
+    wear_um: float = Field(
+        0.0,
+        ge=0,
+        le=1000,
+        description="sets the simulated tip back and offsets X by as much, MATHS.md (112); the "
+        "table does not change",
+    )
 
     @field_validator("nose_radius_mm")
     @classmethod
@@ -69,15 +75,11 @@ def check_tracks(tool: Tool, feed_mm: float) -> None:
 
 
 class SwungTool(TomlTable):
-    """The tool that turns lobes: it swings with the normal of the contact.
+    """[tool]: turns lobes and swings with the normal of the contact."""
 
-    Attributes
-    ----------
-    clearance_deg : float
-        Angle between the flank and the profile at the contact.
-    heel_mm : float
-        Length of the flank; what lies behind its end is ground away further.
-    """
-
-    clearance_deg: ClearanceDeg = 7.0
-    heel_mm: Annotated[float, Field(ge=0, le=100)] = 5.0
+    clearance_deg: ClearanceDeg = Field(
+        7.0, description="between the flank of the tool and the profile at the contact"
+    )
+    heel_mm: float = Field(
+        5.0, ge=0, le=100, description="length of that flank; beyond it, it is ground away"
+    )

@@ -7,12 +7,16 @@
 from __future__ import annotations
 
 import pkgutil
+from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
 import camtools
+from camtools.base.json_text import emit_json
+from camtools.part.schema import Keys
 from camtools.pipeline.kind import AnyKind, Kind
+from camtools.sim.machine_schema import machine_schema
 
 
 def kinds() -> list[AnyKind]:
@@ -25,6 +29,20 @@ def kinds() -> list[AnyKind]:
             assert isinstance(kind, Kind), name
             found.append(kind)
     return sorted(found, key=lambda kind: (kind.rank, kind.name))
+
+
+@cache
+def keys_of(name: str) -> Keys:
+    """Return the keys of the part files of a kind."""
+    known = {kind.name: kind.model for kind in kinds()}
+    return Keys(known[name], tuple(known))
+
+
+def schemas() -> dict[str, str]:
+    """Return the JSON schemas of the files that people write, by the names of their files."""
+    found = {kind.name: Keys(kind.model, (kind.name,)).published(kind.plural) for kind in kinds()}
+    found["machine"] = machine_schema()
+    return {f"{name}.schema.json": emit_json(schema) for name, schema in found.items()}
 
 
 def kind_of(tree: dict[str, Any]) -> AnyKind:

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, Tag, ValidationInfo, field_validator, model_validator
+from pydantic import Field, Tag, field_validator, model_validator
 
-from camtools.part.common import MachineLimits, PartInfo
-from camtools.part.model import LIST_OR_ONE, HeightMm, TomlTable, no_truth, rising, wrong
-from camtools.part.passes import Pass, Passes, check_passes
+from camtools.part.common import Machine, PartInfo
+from camtools.part.model import LIST_OR_ONE, HeightMm, Only, TomlTable, rising, wrong
+from camtools.part.passes import SectionProcess
 from camtools.part.tolerances import FormTolerances
 from camtools.part.tool import Tool
 from camtools.polygon.standard_sizes import P3G, P4C
@@ -21,7 +21,6 @@ MAX_SIDES = 16
 DiameterMm = Annotated[float, Field(ge=1, le=4000)]
 EccentricityMm = Annotated[float, Field(gt=0, le=100)]
 CornerMm = Annotated[float, Field(ge=0, le=2000)]
-RunMm = Annotated[float, Field(ge=0, le=200)]
 PlaceMm = Annotated[float, Field(ge=-2000, le=2000)]
 Point = Annotated[list[PlaceMm], Field(min_length=2, max_length=2)]
 Corners = Annotated[list[Point], Field(min_length=3, max_length=64)]
@@ -30,19 +29,10 @@ CornerRadii = Annotated[
     | Annotated[CornerMm, Tag("(one)")],
     LIST_OR_ONE,
 ]
-_NEEDED = {
-    "p3g": ("mean_diameter_mm", "eccentricity_mm"),
-    "p4c": ("outer_diameter_mm", "inner_diameter_mm", "eccentricity_mm"),
-    "regular": ("sides", "across_flats_mm"),
-    "corners": ("corners_mm",),
-}
-_MAY = {
-    "p3g": ("size_mm",),
-    "p4c": ("size_mm",),
-    "regular": ("corner_radius_mm",),
-    "corners": ("corner_radius_mm",),
-}
-_ALL = sorted({key for keys in (*_NEEDED.values(), *_MAY.values()) for key in keys})
+_P3G, _P4C, _BOTH, _REGULAR, _CORNERS = (
+    Only("form", forms, forms, ", or size_mm" if forms[0] in ("p3g", "p4c") else "")
+    for forms in (("p3g",), ("p4c",), ("p3g", "p4c"), ("regular",), ("corners",))
+)
 
 
 def _of_size(form: str, size_mm: float) -> dict[str, float]:
@@ -55,25 +45,66 @@ def _of_size(form: str, size_mm: float) -> dict[str, float]:
 
 
 class PolygonSection(TomlTable):
-    """[polygon]: the section, and the heights between which it is cut.
+    """[polygon]: its section, and the heights between which it is cut.
 
     The drawing's angle 0 is the direction of a corner, of `form = "corners"` that of x.
     """
 
-    form: Literal["p3g", "p4c", "regular", "corners"]
-    z_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=2)]
-    size_mm: float | None = None
-    mean_diameter_mm: DiameterMm | None = None
-    outer_diameter_mm: DiameterMm | None = None
-    inner_diameter_mm: DiameterMm | None = None
-    eccentricity_mm: EccentricityMm | None = None
-    sides: Annotated[int, Field(ge=3, le=MAX_SIDES)] | None = None
-    across_flats_mm: DiameterMm | None = None
-    corners_mm: Corners | None = None
-    corner_radius_mm: CornerRadii | None = None
-    phase_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
-    taper: Annotated[float, Field(ge=-1, le=1)] = 0.0
-    blend_um: Annotated[float, Field(ge=0.01, le=1000)] = 2.0
+    form: Literal["p3g", "p4c", "regular", "corners"] = Field(
+        description="DIN 32711, DIN 32712, equal sides and angles, any convex polygon"
+    )
+    z_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=2)] = Field(
+        description="where the polygon begins and ends, rising"
+    )
+    size_mm: Annotated[float | None, Only("form", ("p3g", "p4c"))] = Field(
+        None,
+        description="a [nominal size](POLYGONS.md#nominal-sizes), stands for the diameters and the "
+        "eccentricity",
+    )
+    mean_diameter_mm: Annotated[DiameterMm | None, _P3G] = Field(
+        None, description="d1, the width in every direction"
+    )
+    outer_diameter_mm: Annotated[DiameterMm | None, _P4C] = Field(
+        None, description="d1, circle of the corners"
+    )
+    inner_diameter_mm: Annotated[DiameterMm | None, _P4C] = Field(
+        None, description="d2, across the flats"
+    )
+    eccentricity_mm: Annotated[EccentricityMm | None, _BOTH] = Field(
+        None, description="e1 of p3g, below a 16th of the mean diameter; e of p4c"
+    )
+    sides: Annotated[int | None, _REGULAR] = Field(None, ge=3, le=MAX_SIDES)
+    across_flats_mm: Annotated[DiameterMm | None, _REGULAR] = Field(
+        None, description="twice the distance of the sides from the axis"
+    )
+    corners_mm: Annotated[Corners | None, _CORNERS] = Field(
+        None,
+        description="points [x, y], convex, counter-clockwise, before rounding, no side steeper "
+        "than 80 degrees off the circle; x points to angle 0",
+    )
+    corner_radius_mm: Annotated[CornerRadii | None, Only("form", ("regular", "corners"))] = Field(
+        None, description="of corners also a radius for each; without it sharp, 0"
+    )
+    phase_deg: float = Field(
+        0.0,
+        ge=-360,
+        le=360,
+        description="turns the section [counter-clockwise](#the-drawings-angle); at 0 a corner of "
+        "p3g, p4c and regular points to angle 0",
+    )
+    taper: float = Field(
+        0.0,
+        ge=-1,
+        le=1,
+        description="change of the outer circle's diameter per length along Z; the sizes are those "
+        "of the first height [mm/mm]",
+    )
+    blend_um: float = Field(
+        2.0,
+        ge=0.01,
+        le=1000,
+        description="how far the cut may be off the drawing at the joints of its curves",
+    )
 
     _check_z = field_validator("z_mm")(rising)
 
@@ -89,7 +120,7 @@ class PolygonSection(TomlTable):
             return tree
         if float(size) not in known:
             sizes = ", ".join(f"{one:g}" for one in known)
-            remedy = f"use one of {sizes}, or give {' and '.join(_NEEDED[str(form)])}"
+            remedy = f"use one of {sizes}, or give {' and '.join(_of_size(str(form), min(known)))}"
             problem = f"no nominal size of {form}"
             raise wrong("size", problem, remedy, field="size_mm", value=size)
         given = _of_size(str(form), float(size))
@@ -98,20 +129,6 @@ class PolygonSection(TomlTable):
                 problem = f"contradicts size_mm = {size:g}, which means {given[key]:g}"
                 raise wrong("double", problem, "remove one of them", field=key, value=tree[key])
         return {**tree, **given}
-
-    @model_validator(mode="after")
-    def _check_keys(self) -> Self:
-        needed, may = _NEEDED[self.form], _MAY[self.form]
-        for key in _ALL:
-            value = getattr(self, key)
-            if value is None and key in needed:
-                remedy = "add it, or size_mm" if "size_mm" in may else "add it"
-                problem = f'is missing for form = "{self.form}"'
-                raise wrong("needed", problem, remedy, field=key, value=None)
-            if value is not None and key not in (*needed, *may):
-                problem = f'{key} has no meaning for form = "{self.form}"'
-                raise wrong("foreign", problem, "remove it", field=key, value=value)
-        return self
 
     @model_validator(mode="after")
     def _check_radii(self) -> Self:
@@ -133,41 +150,13 @@ class PolygonSection(TomlTable):
         return self.z_mm[1] - self.z_mm[0]
 
 
-class PolygonProcess(TomlTable):
-    """[process]: how the polygon is turned."""
-
-    spindle_rpm: Annotated[float, Field(ge=1, le=60_000)]
-    feed_mm: Annotated[float, Field(ge=0.000_1, le=10)]
-    depth_mm: Annotated[float, Field(ge=0, le=100)] = 0.1
-    direction: Literal[1, -1] = 1
-    form_error_um: Annotated[float, Field(ge=0.01, le=1000)] = 5.0
-    u_zero: Literal["long-axis", "mean"] = "long-axis"
-    run_in_mm: RunMm = 0.0
-    run_out_mm: RunMm = 0.0
-    passes: Passes = []  # noqa: RUF012 (pydantic copies it)
-
-    @field_validator("passes")
-    @classmethod
-    def _check_passes(cls, value: list[Pass], info: ValidationInfo) -> list[Pass]:
-        check_passes(value, info.data.get("depth_mm", 0.0))
-        return value
-
-    _check_direction = field_validator("direction", mode="before")(no_truth)
-
-
-class PolygonMachine(TomlTable):
-    """[machine]: the machine for which the table is made."""
-
-    limits: MachineLimits = Field(default_factory=MachineLimits)
-
-
 class PolygonPart(TomlTable):
     """The whole part file of a polygon."""
 
     part: PartInfo
     polygon: PolygonSection
-    process: PolygonProcess
-    machine: PolygonMachine = Field(default_factory=PolygonMachine)
+    process: SectionProcess
+    machine: Machine = Field(default_factory=Machine)
     tool: Tool = Field(default_factory=Tool)
     tolerances: FormTolerances = Field(default_factory=FormTolerances)
 

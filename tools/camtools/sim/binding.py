@@ -35,6 +35,7 @@ PROTOTYPES: Prototypes = {
     "sim_api_open": (c_void_p, []),
     "sim_api_close": (None, [c_void_p]),
     "sim_api_version": (c_char_p, []),
+    "sim_api_machine_keys": (c_char_p, []),
     "sim_api_error": (c_char_p, [c_void_p]),
     "sim_api_begin": (c_bool, [c_void_p, WORDS, c_int, c_char_p, c_size_t, c_char_p]),
     "sim_api_plan": (None, [c_void_p, DOUBLE, DOUBLE, DOUBLE]),
@@ -64,6 +65,12 @@ def library_path() -> Path:
 @cache
 def _library(path: Path) -> ctypes.CDLL:
     return loaded(path, PROTOTYPES, "tools/run")
+
+
+def machine_keys() -> str:
+    """Return the keys of machine files in lines, as `sim_config_keys` writes them."""
+    text: bytes = _library(library_path()).sim_api_machine_keys()
+    return text.decode()
 
 
 class Column(NamedTuple):

@@ -1,35 +1,52 @@
 # SPDX-License-Identifier: Apache-2.0
-r"""A change of one field in the text of a part file: comments and layout of the rest stay.
+r"""The text of a part file: one key changed with comments and layout kept, problems at their lines.
 
->>> edited("[process]\nfeed_mm = 0.1   # per turn\n", ("process", "feed_mm"), 0.2)
+>>> text = '[process]\nfeed_mm = 0.1   # per turn\n'
+>>> edited(text, ("process", "feed_mm"), 0.2)
 '[process]\nfeed_mm = 0.2   # per turn\n'
->>> edited("[process]\nfeed_mm = 0.1\nrun_in_mm = 2\n", ("process", "run_in_mm"), None)
-'[process]\nfeed_mm = 0.1\n'
+>>> [one] = problems_of(["process.feed_mm = 0: must be above 0; give mm"], text)
+>>> one.field, one.line, one.text
+('process.feed_mm', 2, 'process.feed_mm = 0: must be above 0; give mm')
 """
 
 from __future__ import annotations
 
-from typing import Any
+import copy
+import re
+from collections.abc import Iterable
+from typing import Any, NamedTuple
 
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.toml_text import toml_tree
-from camtools.panel.design.key_lines import Path
+from camtools.part.schema import Step
 
+Path = tuple[Step, ...]
 Value = float | str | list[Any] | None
+
+_FIELD = re.compile(r"([a-z_][a-z0-9_]*(?:\.(?:[a-z_][a-z0-9_]*|\d+))+)\b")
+_AT_LINE = re.compile(r"not TOML.*at line (\d+)")
+_NUMBER = re.compile(r"process\.pass number (\d+): ")
+_REFUSALS = (TOMLKitError, KeyError, IndexError, TypeError, ValueError, AttributeError)
+
+
+class Problem(NamedTuple):
+    """One thing that is wrong."""
+
+    field: str  # dotted; "" where no field is to blame
+    line: int | None  # of the text, from 1 on
+    text: str  # place, value, what is wrong, remedy
 
 
 def edited(text: str, path: Path, value: Value) -> str:
-    """Return the text with a field set, or removed.
+    """Return the text with a key set, or removed by None.
 
     Parameters
     ----------
     path : tuple
         Names of the tables and of the key; numbers are places in lists of tables.
-    value : number, bool, str, list or None
-        What the field becomes; None removes it.
 
     Raises
     ------
@@ -37,30 +54,18 @@ def edited(text: str, path: Path, value: Value) -> str:
         The text is not TOML, or the change would touch something else.
     """
     before = _tree(text)
-    wanted = _with(before, path, value)
-    # Is it of the same type too? 1 and 1.0 and true are equal in Python.
-    if before == wanted and repr(_at(before, path)) == repr(_at(wanted, path)):
-        return text
     try:
-        document = tomlkit.parse(text)
-        _change(document, path, value)
-        changed = document.as_string()
-    except (TOMLKitError, KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
+        wanted = _changed(copy.deepcopy(before), path, value)
+        if repr(before) == repr(wanted):  # 1, 1.0 and true are equal in Python, but not here
+            return text
+        changed: str = _changed(tomlkit.parse(text), path, value).as_string()
+    except _REFUSALS as error:
         raise _by_hand(path) from error
     if text and not text.endswith("\n"):
         changed = changed.removesuffix("\n")
     if _tree(changed) != wanted:
         raise _by_hand(path)
     return changed
-
-
-def _at(tree: Any, path: Path) -> Any:  # noqa: ANN401 (values of TOML)
-    for step in path:
-        try:
-            tree = tree[step]
-        except (KeyError, IndexError, TypeError):
-            return None
-    return tree
 
 
 def _tree(text: str) -> dict[str, Any]:
@@ -76,48 +81,74 @@ def _by_hand(path: Path) -> CamtoolsError:
     return CamtoolsError([f"{name}: the form cannot change it here; change it in the text"])
 
 
-def _with(tree: Any, path: Path, value: Value) -> Any:  # noqa: ANN401 (values of TOML)
-    """Return a copy of the values with one of them changed."""
-    step, rest = path[0], path[1:]
-    if isinstance(tree, list):
-        if not isinstance(step, int) or not 0 <= step < len(tree):
-            raise _by_hand(path)
-        return [_with(one, rest, value) if i == step else one for i, one in enumerate(tree)]
-    if not isinstance(tree, dict) or isinstance(step, int):
-        raise _by_hand(path)
-    if not rest:
-        return {k: v for k, v in tree.items() if k != step} | (
-            {} if value is None else {step: value}
-        )
-    if value is None and step not in tree:
-        return tree
-    return tree | {step: _with(tree.get(step, {}), rest, value)}
-
-
-def _change(container: Any, path: Path, value: Value) -> None:  # noqa: ANN401 (tomlkit's kinds)
-    step, rest = path[0], path[1:]
-    if rest:
-        if isinstance(step, str) and step not in container:
+def _changed(root: Any, path: Path, value: Value) -> Any:  # noqa: ANN401 (dict, or tomlkit's)
+    """Change a value in a tree or a document, and return that."""
+    is_document, at = isinstance(root, tomlkit.TOMLDocument), root
+    for i, step in enumerate(path[:-1]):
+        if isinstance(step, str) and step not in at:
             if value is None:
-                return
-            is_super = len(rest) > 1
-            container.append(step, tomlkit.table(is_super_table=is_super))
-        _change(container[step], rest, value)
-    elif value is None:
-        if step in container:
-            container.remove(step)
-    elif step in container:
-        _replace(container, step, value)
+                return root
+            is_super = i + 2 < len(path)
+            at.update({step: tomlkit.table(is_super_table=is_super) if is_document else {}})
+        at = at[step]
+    last = path[-1]
+    old = at[last] if isinstance(last, int) or last in at else None
+    if value is None:
+        at.pop(last, None)
+    elif isinstance(value, list) and isinstance(old, list) and len(old) == len(value):
+        for i, (one, new) in enumerate(zip(list(old), value, strict=True)):
+            if repr(one) != repr(new):  # the digits of the others stay
+                old[i] = new
     else:
-        container.append(step, value)
+        at[last] = value
+    return root
 
 
-def _replace(container: Any, step: str | int, value: Value) -> None:  # noqa: ANN401 (as above)
-    """Set a value; of a list of the same length only the entries that differ."""
-    there = container[step]
-    if isinstance(value, list) and isinstance(there, list) and len(there) == len(value):
-        for i, (old, new) in enumerate(zip(list(there), value, strict=True)):
-            if repr(old) != repr(new):
-                there[i] = new
-        return
-    container[step] = value
+def problems_of(lines: list[str], text: str, file: str = "") -> list[Problem]:
+    """Return messages with their places in the text of the part file.
+
+    Parameters
+    ----------
+    file : str
+        Name that the messages begin with; it is left out.
+    """
+    found = []
+    for one in lines:
+        told = one.removeprefix(f"{file}: ") if file else one
+        named = _FIELD.match(_NUMBER.sub("", told))
+        at_line = _AT_LINE.match(told)
+        found.append(Problem(named[1] if named else "", int(at_line[1]) if at_line else None, told))
+    places = lines_of(text, {one.field for one in found if one.field})
+    return [one._replace(line=places.get(one.field, one.line)) for one in found]
+
+
+def lines_of(text: str, fields: Iterable[str]) -> dict[str, int]:
+    r"""Return the line of each field, of a missing one that of its table, from 1 on.
+
+    >>> lines_of('[process]\nspindle_rpm = 100\n[[cam.lobe]]\nz_mm = [\n0, 1]\n',
+    ...          ["process.spindle_rpm", "process.feed_mm", "cam.lobe.0", "cam.lobe.0.z_mm"])
+    {'process.spindle_rpm': 2, 'process.feed_mm': 1, 'cam.lobe.0': 3, 'cam.lobe.0.z_mm': 4}
+    """
+    try:
+        toml_tree(text)  # refuses what would keep tomlkit busy
+        document = tomlkit.parse(text)
+    except (*_REFUSALS, RecursionError):
+        return {}
+    steps: dict[str, list[str]] = {}  # the marks of a field and of the tables around it
+    for field in fields:
+        at: Any = document
+        marks = steps.setdefault(field, [])
+        for step in field.split("."):
+            try:
+                at = at[int(step) if step.isdigit() else step]
+            except _REFUSALS:
+                break
+            if trivia := getattr(at, "trivia", None):  # tables in parts have none
+                if not trivia.indent.startswith("\0"):
+                    trivia.indent = f"\0{id(trivia)}\0{trivia.indent}"  # no TOML has a NUL
+                marks.append(trivia.indent.split("\0")[1])
+    numbers: dict[str, int] = {}
+    for number, line in enumerate(document.as_string().split("\n"), start=1):
+        numbers |= dict.fromkeys(line.split("\0")[1::2], number)
+    shown = {field: [numbers[m] for m in marks if m in numbers] for field, marks in steps.items()}
+    return {field: found[-1] for field, found in shown.items() if found}

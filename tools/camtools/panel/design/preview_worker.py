@@ -24,8 +24,7 @@ from typing import Any
 
 from camtools.base.cache import Memory, recall, remembering
 from camtools.base.errors import CamtoolsError
-from camtools.panel.design.document import edited
-from camtools.panel.design.key_lines import path_of
+from camtools.panel.design.document import edited, problems_of
 from camtools.panel.design.preview_values import (
     Judged,
     Shown,
@@ -33,9 +32,7 @@ from camtools.panel.design.preview_values import (
     limits_of,
     verdict_of_table,
 )
-from camtools.panel.design.problems import problems_of
-from camtools.panel.design.values import values_of
-from camtools.part.file import MAX_FILE_BYTES, read_tree
+from camtools.part.file import MAX_FILE_BYTES, files_named, read_tree
 from camtools.pipeline.load import Loaded, parse
 from camtools.pipeline.registry import kind_of, kinds
 
@@ -72,10 +69,9 @@ def _preview(request: Shown) -> Iterator[Shown]:
     z_mm = request.get("height_mm")
     try:
         tree = read_tree(text.encode("utf-8", "replace")[:MAX_FILE_BYTES], FILE)
-        form: Shown = {"stage": "form", "kind": kind_of(tree).name, "values": values_of(tree)}
-        yield form
+        yield {"stage": "form", "kind": kind_of(tree).name, "tree": tree}
         loaded = _loaded(text, folder)
-        key = loaded.kind.name, loaded.part.model_dump_json(), _state_of(form["values"], folder)
+        key = loaded.kind.name, loaded.part.model_dump_json(), _state_of(tree, folder)
         exact = loaded.kind.exact(loaded.part)
         limits = loaded.part.machine.limits
         asked_rpm = loaded.part.process.spindle_rpm
@@ -94,13 +90,12 @@ def _preview(request: Shown) -> Iterator[Shown]:
         yield _problems(error, text)
 
 
-def _state_of(values: Shown, folder: str) -> tuple[object, ...]:
+def _state_of(tree: Shown, folder: str) -> tuple[object, ...]:
     """Return what changes when the files that a part names do."""
-    names = [value for name, value in values.items() if name.endswith(".csv")]
     found: list[object] = []
-    for name in names:
+    for name in files_named(tree):
         try:
-            state = (Path(folder) / str(name)).stat()
+            state = (Path(folder) / name).stat()
             found.append((name, state.st_mtime_ns, state.st_size, state.st_ino))
         except (OSError, ValueError):
             found.append(name)
@@ -109,9 +104,8 @@ def _state_of(values: Shown, folder: str) -> tuple[object, ...]:
 
 def _edit(request: Shown) -> Iterator[Shown]:
     text = str(request["text"])
-    path = tuple(request["path"]) if isinstance(request["path"], list) else path_of(request["path"])
     try:
-        yield {"stage": "text", "text": edited(text, path, request["value"])}
+        yield {"stage": "text", "text": edited(text, tuple(request["path"]), request["value"])}
     except CamtoolsError as error:
         yield _problems(error, text)
 
@@ -126,7 +120,7 @@ def answers_to(request: Shown, memory: Memory) -> Iterator[Shown]:
 
 
 def _tell(answer: Shown) -> None:
-    sys.stdout.write(json.dumps(answer) + "\n")
+    sys.stdout.write(json.dumps(answer, default=str) + "\n")  # dates of TOML
     sys.stdout.flush()
 
 

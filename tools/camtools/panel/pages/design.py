@@ -17,7 +17,6 @@ from nicegui import background_tasks, events, ui
 from camtools.base.errors import CamtoolsError
 from camtools.panel.context import AppContext
 from camtools.panel.design.draft import Draft
-from camtools.panel.design.fields import FormField
 from camtools.panel.design.part_library import EXAMPLE, OWN
 from camtools.panel.design_service import DesignService, design_service_of
 from camtools.panel.dialogs import confirmed
@@ -28,6 +27,7 @@ from camtools.panel.pages.design_cut import CutView
 from camtools.panel.pages.design_form import FormView
 from camtools.panel.pages.design_preview import PreviewView
 from camtools.panel.runs.options import RunOptions
+from camtools.part.schema import Key
 
 STYLE = '<link rel="stylesheet" href="panel/design.css">'
 _FIRST = "perkins240"
@@ -171,11 +171,11 @@ class DesignPage:
         self._draft.change(event.value or "", time.monotonic())
         self._ask()
 
-    async def _form_changed_now(self, field: FormField, value: Any) -> None:  # noqa: ANN401
+    async def _form_changed_now(self, key: Key, value: Any) -> None:  # noqa: ANN401
         async with self._changes:  # each change begins with the text of the one before
             before = self._draft.text
             try:
-                text = await self._seat.edit(before, list(field.path), value)
+                text = await self._seat.edit(before, list(key.path), value)
             except CamtoolsError as error:
                 self._show_problems([{"field": "", "line": None, "text": t} for t in error.lines])
                 return
@@ -183,8 +183,8 @@ class DesignPage:
                 self._draft.change(text, time.monotonic())
                 self._show_text()
 
-    def _form_changed(self, field: FormField, value: Any) -> None:  # noqa: ANN401 (of TOML)
-        background_tasks.create(self._form_changed_now(field, value))
+    def _form_changed(self, key: Key, value: Any) -> None:  # noqa: ANN401 (of TOML)
+        background_tasks.create(self._form_changed_now(key, value))
 
     def _step(self, step: Any) -> None:  # noqa: ANN401 (undo or redo)
         step()
@@ -198,7 +198,7 @@ class DesignPage:
         """Show an answer of the engine."""
         stage = answer["stage"]
         if stage == "form":
-            self._form.show(answer["kind"], answer["values"])
+            self._form.show(answer["kind"], answer["tree"])
         if stage in ("problems", "table", "lost"):
             self._show_problems(answer.get("problems", []))
         self._preview.take(answer)

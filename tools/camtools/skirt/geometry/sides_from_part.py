@@ -20,20 +20,22 @@ from camtools.skirt.geometry.profile import (
     magnified,
 )
 from camtools.skirt.geometry.sides import OvalSide, SidesSurface
-from camtools.skirt.part.antithrust_keys import Antithrust
 from camtools.skirt.part.curves import through
 from camtools.skirt.part.part_file import Piston
 from camtools.skirt.part.power_law import PeakOvality
+from camtools.skirt.part.section_keys import PARAMETERS, Antithrust
 
 _FREE = 0.05  # of beta and of the exponent, between two points beyond both
 _FREE_DEG = 0.1  # of an angle
+# Shapes that a report describes without sides: all that came before those.
+_PLAIN = ("ellipse", "cosine", "double-ellipse", "ellipse-arc", "table", "points")
 
 
 def is_plain(piston: Piston) -> bool:
     """Return whether one law with constant numbers describes both sides of a section."""
     section = piston.section
     is_one = piston.antithrust is None and not isinstance(section.beta, list)
-    return is_one and section.shape != "power"
+    return is_one and section.shape in _PLAIN
 
 
 def turn_of(piston: Piston) -> PPoly | None:
@@ -70,10 +72,9 @@ def sides_of(
     """
     section, other = piston.section, piston.antithrust
     shape = section.shape
-    value = section.exponent if shape == "power" else section.beta
-    assert value is not None
-    parameter = _over_ovality(value, piston)
-    _check(parameter, Allowance(_name(shape), 1.0, "", _FREE, None), piston)
+    key = PARAMETERS.get(shape, "beta")
+    parameter = _over_ovality(getattr(section, key), piston)
+    _check(parameter, Allowance(key, 1.0, "", _FREE, None), piston)
     none = constant_spline(0.0, *_ends(piston))
     thrust = OvalSide(shape, radius, ovality, none, parameter, none)
     if other is None:
@@ -86,20 +87,16 @@ def sides_of(
     else:
         its_ovality = magnified(_over(other, other.ovality_mm, "ovality_mm", 1000.0), factors[0], 0)
     _check_least(its_ovality, _ends(piston))
-    own = other.exponent if shape == "power" else other.beta
+    own = getattr(other, key)
     side = OvalSide(
         shape,
         radius,
         its_ovality,
         drop,
-        parameter if own is None else _over(other, own, _name(shape), 1.0),
+        parameter if own is None else _over(other, own, key, 1.0),
         _scaled(_over(other, other.phase_deg, "phase_deg", 1.0), float(np.radians(1))),
     )
     return SidesSurface(thrust, side, other.meet, float(np.radians(other.blend_deg)))
-
-
-def _name(shape: str) -> str:
-    return "exponent" if shape == "power" else "beta"
 
 
 def _ends(piston: Piston) -> tuple[float, float]:

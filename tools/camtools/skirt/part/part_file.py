@@ -11,17 +11,19 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, Tag, ValidationInfo, field_validator, model_validator
 
-from camtools.part.common import MachineLimits, PartInfo
-from camtools.part.model import TomlTable, no_truth, wrong
-from camtools.part.passes import FeedLaw, Pass, Passes, check_passes
+from camtools.part.common import Machine, PartInfo
+from camtools.part.model import TomlTable, wrong
+from camtools.part.passes import FeedLaw, SectionProcess
 from camtools.part.tolerances import Tolerances
 from camtools.part.tool import Tool
-from camtools.skirt.part.antithrust_keys import Antithrust, check_sides
 from camtools.skirt.part.power_law import LAW_OR_POINTS, PeakOvality, PowerProfile
 from camtools.skirt.part.profile_keys import Ovality, Profile
-from camtools.skirt.part.section_keys import GIVEN_BY_POINTS, SectionShape
-
-RunMm = Annotated[float, Field(ge=0, le=200)]
+from camtools.skirt.part.section_keys import (
+    GIVEN_BY_POINTS,
+    Antithrust,
+    SectionShape,
+    check_sides,
+)
 
 
 class Piston(TomlTable):
@@ -31,14 +33,13 @@ class Piston(TomlTable):
         Annotated[PowerProfile, Tag("(law)")] | Annotated[Profile, Tag("(points)")], LAW_OR_POINTS
     ]
     section: SectionShape = Field(default_factory=SectionShape)
-    ovality: Annotated[
+    ovality: (
         Annotated[
             Annotated[PeakOvality, Tag("(law)")] | Annotated[Ovality, Tag("(points)")],
             LAW_OR_POINTS,
         ]
-        | None,
-        Field(validate_default=True),
-    ] = None
+        | None
+    ) = None
     antithrust: Antithrust | None = None
 
     @field_validator("ovality")
@@ -87,22 +88,32 @@ class Piston(TomlTable):
                 raise wrong("length", problem, "give one number, or one for each height", **context)
 
 
-class SkirtProcess(TomlTable):
+class SkirtProcess(SectionProcess):
     """[process]: how the part is cut."""
 
-    spindle_rpm: Annotated[float, Field(ge=1, le=60_000)]
-    feed_mm: Annotated[float, Field(ge=0.000_1, le=10)]
-    depth_mm: Annotated[float, Field(ge=0, le=100)] = 0.1
-    direction: Literal[1, -1] = 1
-    mode: Literal["uniform", "equal-volume"] = "uniform"
-    ripple_percent: Annotated[float, Field(gt=0, le=100)] | None = None
-    parts: Annotated[int, Field(ge=2, le=1000)] = 30
-    path: Literal["helix", "ring-helix", "stepped"] = "helix"
-    form_error_um: Annotated[float, Field(ge=0.01, le=1000)] = 5.0
-    u_zero: Literal["long-axis", "mean"] = "long-axis"
-    run_in_mm: RunMm = 0.0
-    run_out_mm: RunMm = 0.0
-    passes: Passes = []  # noqa: RUF012 (pydantic copies it)
+    mode: Literal["uniform", "equal-volume"] = Field(
+        "uniform", description="constant spindle speed, or an even removal rate"
+    )
+    ripple_percent: float | None = Field(
+        None,
+        gt=0,
+        le=100,
+        description="equal-volume: largest ripple of the removal rate, beyond which the part is "
+        "refused with the highest `spindle_rpm` that keeps it",
+    )
+    parts: int = Field(
+        30,
+        ge=2,
+        le=1000,
+        description="equal parts of a quarter turn, for `analyse`; blocks of a quarter turn, for "
+        "`mkgcode --axes cxzu`",
+    )
+    path: Literal["helix", "ring-helix", "stepped"] = Field(
+        "helix",
+        description="[Z over the turns](PATHS.md#ring-helix); ring-helix: closed rings `feed_mm` "
+        'apart, for `mode = "uniform"`; stepped: Z stands during each turn, for `analyse` and '
+        "`mkgcode`",
+    )
     feed_law: FeedLaw | None = None
 
     @model_validator(mode="before")
@@ -118,15 +129,13 @@ class SkirtProcess(TomlTable):
             raise wrong("law_feed", problem, "remove one of the two", field="feed_mm")
         return {"feed_mm": feeds[0], **value}
 
-    @field_validator("passes")
-    @classmethod
-    def _check_passes(cls, value: list[Pass], info: ValidationInfo) -> list[Pass]:
-        if value and info.data.get("mode") == "equal-volume":
+    @model_validator(mode="after")
+    def _check_passes_of_mode(self) -> Self:
+        if self.passes and self.mode == "equal-volume":
             problem = "need a constant spindle speed, because a speed law is made for one depth"
             remedy = 'set process.mode = "uniform", or give one depth_mm and no passes'
-            raise wrong("pass_mode", problem, remedy)
-        check_passes(value, info.data.get("depth_mm", 0.0))
-        return value
+            raise wrong("pass_mode", problem, remedy, field="pass", value=None)
+        return self
 
     @field_validator("feed_law")
     @classmethod
@@ -152,20 +161,12 @@ class SkirtProcess(TomlTable):
             raise wrong("path", problem, 'set process.mode = "uniform", or path = "helix"')
         return value
 
-    _check_direction = field_validator("direction", mode="before")(no_truth)
-
-
-class SkirtMachine(TomlTable):
-    """[machine]: the machine for which the table is made."""
-
-    limits: MachineLimits = Field(default_factory=MachineLimits)
-
 
 class Magnify(TomlTable):
-    """[magnify]: the papers' demonstration in both their readings, MATHS.md (7)."""
+    """[magnify]: enlarges all deviations, for demonstration, MATHS.md (7)."""
 
-    factor: Annotated[float, Field(ge=1, le=1000)]
-    of: Literal["all", "ovality"] = "all"
+    factor: float = Field(ge=1, le=1000, description="G' = factor G; D' = Dmax - factor (Dmax - D)")
+    of: Literal["all", "ovality"] = Field("all", description="ovality: D' = D")
 
     @property
     def profile_factor(self) -> float:
@@ -184,7 +185,7 @@ class SkirtPart(TomlTable):
     part: PartInfo
     piston: Piston
     process: SkirtProcess
-    machine: SkirtMachine = Field(default_factory=SkirtMachine)
+    machine: Machine = Field(default_factory=Machine)
     tool: Tool = Field(default_factory=Tool)
     magnify: Magnify | None = None
     tolerances: Tolerances = Field(default_factory=Tolerances)

@@ -38,8 +38,10 @@ LAW_OR_POINTS = Discriminator(_law_or_points)  # members have these tags: findin
 class _Law(TomlTable):
     """What both formulas have: the range in which they hold and the height of the peak."""
 
-    range_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=2)]
-    peak_height_mm: HeightMm
+    range_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=2)] = Field(
+        description="heights between which the formula holds"
+    )
+    peak_height_mm: HeightMm = Field(description="h0")
 
     _check_range = field_validator("range_mm")(rising)
 
@@ -55,12 +57,12 @@ class _Law(TomlTable):
 
 
 class PowerProfile(_Law):
-    """[piston.profile] with law = "power": a(h) = a0 - K |h - h0|^m."""
+    """[piston.profile]: by formula, a(h) = a0 - K |h - h0|^m, MATHS.md (98)."""
 
     law: Literal["power"]
-    peak_diameter_mm: Annotated[float, Field(ge=1, le=4000)]
-    coefficient: Annotated[float, Field(ge=0, le=1)]  # K, mm of radius per mm^m
-    exponent: Annotated[float, Field(ge=2, le=8)] = 2.0  # below 2 X would need infinite jumps
+    peak_diameter_mm: float = Field(ge=1, le=4000, description="2 a0")
+    coefficient: float = Field(ge=0, le=1, description="K, mm of the radius per mm^m")
+    exponent: float = Field(2.0, ge=2, le=8, description="m")  # below 2 X would jump
 
     @model_validator(mode="after")
     def _check_drop(self) -> Self:
@@ -118,14 +120,13 @@ class PowerProfile(_Law):
 
 
 class PeakOvality(_Law):
-    """[piston.ovality] with law = "peak": G(h) = p (G0 - kG |h - h0|), p 1 or 0."""
+    """[piston.ovality]: by formula, G(h) = p (G0 - kG |h - h0|), MATHS.md (99)."""
 
     law: Literal["peak"]
-    peak_ovality_mm: Annotated[float, Field(ge=0, le=4000)]
-    fall_mm_per_mm: Annotated[float, Field(ge=-100, le=100)]  # kG; below 0: h0 is the least
-    is_oval: bool = True  # p; false: the skirt is round
-
-    interpolation: Literal["linear"] = "linear"
+    peak_ovality_mm: float = Field(ge=0, le=4000, description="G0")
+    fall_mm_per_mm: float = Field(ge=-100, le=100, description="kG; below 0 the peak is the least")
+    is_oval: bool = Field(True, description="p; false makes a round skirt")
+    interpolation: Literal["linear"] = Field("linear", description="of lists of the section")
 
     @model_validator(mode="after")
     def _check_least(self) -> Self:

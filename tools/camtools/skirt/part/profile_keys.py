@@ -26,15 +26,24 @@ OvershootUm = Annotated[float, Field(ge=0, le=1e6)]
 RadiusMm = Annotated[float, Field(ge=-1e6, le=1e6)]
 Drawn = Literal["linear", "pchip", "akima", "spline", "segments"]
 _LONG = Field(max_length=MAX_POINTS)
+_AT_END = "at its end; without it it follows from `tangent`"
 
 
 class Segment(TomlTable):
     """A line or an arc up to a height; subclasses have the value there."""
 
-    to_mm: HeightMm
+    to_mm: HeightMm = Field(description="height of its end")
     kind: Literal["line", "arc"] = "line"
-    radius_mm: RadiusMm | None = None
-    tangent: bool = False
+    radius_mm: RadiusMm | None = Field(
+        None,
+        description="of an arc, not 0; positive is convex, negative hollow; without it it follows "
+        "from `tangent`",
+    )
+    tangent: bool = Field(
+        False,
+        description="continues the direction of the previous segment; if all numbers are given, "
+        "checked to 0.01 degrees",
+    )
 
     @property
     def end(self) -> float | None:
@@ -56,9 +65,9 @@ class Segment(TomlTable):
 
 
 class ProfileSegment(Segment):
-    """[[piston.profile.segment]]: a line or an arc of the profile."""
+    """[[piston.profile.segment]]: upwards, with `interpolation = "segments"`."""
 
-    diameter_mm: DiameterMm | None = None
+    diameter_mm: DiameterMm | None = Field(None, description=_AT_END)
 
     @property
     def end(self) -> float | None:
@@ -67,9 +76,9 @@ class ProfileSegment(Segment):
 
 
 class OvalitySegment(Segment):
-    """[[piston.ovality.segment]]: a line or an arc in the plane of height and ovality."""
+    """[[piston.ovality.segment]]: as of the profile, in the plane of height and ovality."""
 
-    ovality_mm: OvalityMm | None = None
+    ovality_mm: OvalityMm | None = Field(None, description=_AT_END)
 
     @property
     def end(self) -> float | None:
@@ -161,18 +170,35 @@ def _completed(curve: Profile | Ovality, key: str, scale: int) -> dict[str, list
 class Profile(TomlTable):
     """[piston.profile]: long-axis diameter over skirt height."""
 
-    interpolation: Drawn = "spline"
-    height_mm: Annotated[list[HeightMm], _LONG]
-    diameter_mm: Annotated[list[DiameterMm], _LONG]
-    spline: Literal["clamped", "not-a-knot", "natural"] = "not-a-knot"
+    interpolation: Drawn = Field(
+        "spline",
+        description="[curve between the points](PISTONS.md#between-the-points-of-a-drawing); with "
+        "segments both lists have the first point only",
+    )
+    height_mm: Annotated[list[HeightMm], _LONG] = Field(
+        description="skirt heights, 2 or more, rising by at least 0.01, at least 1 in all; the "
+        "table covers this range"
+    )
+    diameter_mm: Annotated[list[DiameterMm], _LONG] = Field(
+        description="long-axis diameter, one per height"
+    )
+    spline: Literal["clamped", "not-a-knot", "natural"] = Field(
+        "not-a-knot", description="ends of the cubic spline"
+    )
     end_slopes: Annotated[list[SlopeMmPerMm], Field(min_length=2, max_length=2)] | None = Field(
-        None, validate_default=True
+        None, description="of the radius at the lower and upper end, with `clamped` only [mm/mm]"
     )
-    overshoot_um: OvershootUm = USUAL_OVERSHOOT_UM
-    smooth_um: SmoothUm | None = None
-    segment: Annotated[list[ProfileSegment], Field(max_length=MAX_POINTS)] = Field(
-        default_factory=list
+    overshoot_um: OvershootUm = Field(
+        USUAL_OVERSHOOT_UM,
+        description="how far the diameter may exceed the two neighbouring points; not checked on "
+        "an arc with given `radius_mm`",
     )
+    smooth_um: SmoothUm | None = Field(
+        None,
+        description="[smoothing](PISTONS.md#rounded-points): the points move by at most this; not "
+        "with segments",
+    )
+    segment: list[ProfileSegment] = Field(default_factory=list, max_length=MAX_POINTS)
 
     _check_height = field_validator("height_mm")(_checked_heights)
     _check_length = field_validator("diameter_mm")(as_long)
@@ -206,16 +232,27 @@ class Profile(TomlTable):
 
 
 class Ovality(TomlTable):
-    """[piston.ovality]: diametral ovality G = 2a - 2b over height."""
+    """[piston.ovality]: G = 2a - 2b over height; not with `shape = "table"` or `"points"`."""
 
-    interpolation: Drawn = "linear"
-    height_mm: Annotated[list[HeightMm], _LONG]
-    ovality_mm: Annotated[list[OvalityMm], _LONG]
-    overshoot_um: OvershootUm = USUAL_OVERSHOOT_UM
-    smooth_um: SmoothUm | None = None
-    segment: Annotated[list[OvalitySegment], Field(max_length=MAX_POINTS)] = Field(
-        default_factory=list
+    interpolation: Drawn = Field(
+        "linear",
+        description="spline: not-a-knot, or a line or parabola through 2 or 3 points; also of "
+        "`trim_mm` and `joint_deg`, which are linear with segments",
     )
+    height_mm: Annotated[list[HeightMm], _LONG] = Field(
+        description="as of the profile, whose range it covers; independent of the profile's heights"
+    )
+    ovality_mm: Annotated[list[OvalityMm], _LONG] = Field(
+        description="long minus short axis (diametral), one per height, below the smallest diameter"
+    )
+    overshoot_um: OvershootUm = Field(
+        USUAL_OVERSHOOT_UM,
+        description="as of the profile, for the ovality and `trim_mm` (`joint_deg`: 0.1 degrees)",
+    )
+    smooth_um: SmoothUm | None = Field(
+        None, description="as of the profile, of the ovality; never below 0"
+    )
+    segment: list[OvalitySegment] = Field(default_factory=list, max_length=MAX_POINTS)
 
     _check_height = field_validator("height_mm")(_checked_heights)
     _check_length = field_validator("ovality_mm")(as_long)
