@@ -43,7 +43,8 @@ def _rows(
     """Return the rows of a table; keys that another kind has, too, are only named."""
     title = f"[[{one.title}]]" if one.most is not None else f"[{one.title}]"
     most = f"up to {one.most}" if one.most else ""
-    rows, alike = [[f"**{title}**", most, one.without, one.meaning]], {}
+    rows = [[f"**{title}**", most, one.without, one.meaning]]
+    alike: dict[str, list[str]] = {}
     for key in one.keys:
         name, cells = f"`{key.name}`", _row_of(key)
         there, owner = known.setdefault((one.title, key.name), (cells, kind))
@@ -62,7 +63,7 @@ def pages() -> dict[str, str]:
     before, after = text.partition(_heading(kinds()[0]))[0], text.partition(_LAST)[2]
     known: dict[tuple[str, str], tuple[list[str], str]] = {}
     for kind in kinds():
-        rows = [("key", "range", "default", "meaning")]
+        rows = [["key", "range", "default", "meaning"]]
         for one in keys_of(kind.name).tables():
             rows += _rows(one, known, kind.plural)
         before += f"{_heading(kind)}\n{table(rows)}"

@@ -37,19 +37,15 @@ def values_of(node: object, path: tuple[str, ...] = ()) -> dict[str, Any]:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_form_has_every_value_of_the_text(name: str) -> None:
-    """No key of an example is missing in its form, and each has the text's value."""
+    """Each key has a field with its value and line; what is shown, typed again, is the value."""
     text = text_of(name)
-    values = values_of(tomllib.loads(text))
-    shown = {field.dotted: field.value for field in fields_of(text) if field.value is not None}
-    assert shown == values
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_what_is_shown_is_what_it_means(name: str) -> None:
-    """The text of a field, typed again, is its value."""
-    for field in fields_of(text_of(name)):
-        if field.value is not None and field.sort != "other":
-            assert typed(field, shown_text(field.value)) == field.value, field.dotted
+    fields = {field.dotted: field for field in fields_of(text) if field.value is not None}
+    assert {key: field.value for key, field in fields.items()} == values_of(tomllib.loads(text))
+    lines, places = text.splitlines(), lines_of(text, fields)
+    for key, field in fields.items():
+        assert lines[places[key] - 1].lstrip().split(" ")[0] == field.name
+        if field.sort != "other":
+            assert typed(field, shown_text(field.value)) == field.value, key
 
 
 @st.composite
@@ -137,16 +133,6 @@ def test_a_text_that_is_no_toml_is_left_alone() -> None:
         edited("[process\n", ("process", "feed_mm"), 1.0)
     with pytest.raises(CamtoolsError, match="change it in the text"):
         edited("a = 1\n", ("a", "b"), 1.0)
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_lines_are_those_of_the_keys(name: str) -> None:
-    """Each line that is told for a key begins with its name."""
-    text = text_of(name)
-    lines, fields = text.splitlines(), values_of(tomllib.loads(text))
-    places = lines_of(text, fields)
-    shown = {field: lines[places[field] - 1].lstrip().split(" ")[0] for field in fields}
-    assert shown == {field: field.rsplit(".", 1)[-1] for field in fields}
 
 
 ODD = """a = '''

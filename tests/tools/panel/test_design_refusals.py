@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a part file may not do on the page: read other files, have hostile names, hide faults."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,11 @@ from camtools.part.file import files_named
 from camtools.part.model import is_inside
 from tests.tools.cases.preview_cases import PARTS, answers, problems, text_of
 
-LEAVING = ("/etc/passwd", "../secret.csv", "sub/../../secret.csv", "link.csv", "dir/secret.csv")
+LEAVING = (
+    *("/etc/passwd", "../secret.csv", "sub/../../secret.csv", "link.csv", "dir/secret.csv"),
+    "{folder}/scan90.csv",  # a run of it would write its copy of the file over the file itself
+    "a\0b.csv",
+)
 # They lead back into the folder, but not from the folder of a run, to which the part is copied.
 ROUND = ("../parts/scan90.csv", "sub/../scan90.csv")
 
@@ -31,28 +36,14 @@ def folder(tmp_path: Path) -> Path:
 @pytest.mark.parametrize("path", [*LEAVING, *ROUND])
 def test_a_path_that_leaves_the_folder_is_refused(path: str, folder: Path) -> None:
     """By whatever way; the line names the field and the remedy, and nothing of the file."""
-    text = text_of("scan90").replace('"scan90.csv"', f'"{path}"')
+    path = path.format(folder=folder)
+    text = text_of("scan90").replace('"scan90.csv"', json.dumps(path))
     found = answers(text, folder)
     [line] = problems(found)
     assert line.startswith("piston.section.csv")
     assert "leads out of the folder" in line
     assert "4711" not in str(found)
     assert not is_inside(path, folder)
-
-
-def test_a_whole_path_into_the_folder_is_refused(folder: Path) -> None:
-    """A run of it would write its copy of the file over the file itself."""
-    path = str(folder / "scan90.csv")
-    [line] = problems(answers(text_of("scan90").replace('"scan90.csv"', f'"{path}"'), folder))
-    assert "leads out of the folder" in line
-    assert not is_inside(path, folder)
-
-
-def test_a_nul_in_a_path_is_refused(folder: Path) -> None:
-    """And no exception comes of it."""
-    text = text_of("scan90").replace('"scan90.csv"', '"a\\u0000b.csv"')
-    [line] = problems(answers(text, folder))
-    assert "leads out of the folder" in line
 
 
 def test_cams_and_lists_of_files_are_confined_too(folder: Path) -> None:
@@ -81,27 +72,19 @@ def test_a_file_beside_the_part_is_read(folder: Path) -> None:
         (("spindle_rpm = 2500", "spindel_rpm = 2500"), "process.spindel_rpm", "spelling"),
         (('shape = "ellipse"', 'shape = "elipse"'), "piston.section.shape", "use one of"),
         (("0.15, 0.20, 0.30", "0.15, 0.20"), "piston.ovality.ovality_mm", "one value for each"),
+        (("feed_mm = 0.1 ", "feed_mm = = 0.1 "), "", "not TOML"),
     ],
 )
 def test_a_wrong_field_is_told_with_its_line(
     change: tuple[str, str], field: str, told: str
 ) -> None:
-    """Place, value and remedy; the line is that of the key."""
+    """Place, value and remedy; the line is that of the key, or where the parser stopped."""
     text = text_of("perkins240").replace(*change)
     wrong = [one for answer in answers(text) for one in answer.get("problems", [])]
     one = next(problem for problem in wrong if problem["field"] == field)
     assert told in one["text"]
-    assert text.splitlines()[one["line"] - 1].lstrip().startswith(field.rsplit(".", 1)[1])
-
-
-def test_broken_toml_is_told_with_its_line() -> None:
-    """Where the parser stopped."""
-    text = text_of("perkins240").replace("feed_mm = 0.1 ", "feed_mm = = 0.1 ")
-    [answer] = answers(text)
-    assert (
-        answer["problems"][0]["line"]
-        == text.splitlines().index(next(line for line in text.splitlines() if "= =" in line)) + 1
-    )
+    line = text.splitlines()[one["line"] - 1]
+    assert line.startswith(field.rsplit(".", 1)[-1]) and (field or "= =" in line)
 
 
 @pytest.mark.parametrize(
