@@ -171,19 +171,6 @@ static void write_ring(uint32_t from, uint32_t n)
     }
 }
 
-static void test_bounds_are_those_of_the_tick_rate(void)
-{
-    begin();
-    TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_machine_strobe(&rig.machine, 39));
-    TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_machine_strobe(&rig.machine, tick_hz + 1));
-    TEST_ASSERT_FALSE(cam_strobe_is_on(&rig.machine.strobe));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_strobe(&rig.machine, tick_hz));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_strobe(&rig.machine, 40));
-    TEST_ASSERT_EQUAL_UINT32(40, rig.machine.strobe.every);
-    TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_machine_strobe(&rig.machine, 39));
-    TEST_ASSERT_EQUAL_UINT32(40, rig.machine.strobe.every); // a refusal changes nothing
-}
-
 static void test_the_ring_is_left_alone_when_nobody_waits(void)
 {
     begin();

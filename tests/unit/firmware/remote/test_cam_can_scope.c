@@ -359,6 +359,10 @@ static void test_a_distance_out_of_range_is_answered_with_the_range(void)
     TEST_ASSERT_EQUAL_INT32(tick_hz, last_answer().value);
     go_on(200);
     TEST_ASSERT_EQUAL_UINT32(0, n_sent);
+    sample(tick_hz);
+    sample(40);
+    expect_answer(cam_err_param_range, 40, strobe, 0, 39);
+    TEST_ASSERT_EQUAL_UINT32(40, f.rig.machine.strobe.every); // a refusal changes nothing
 }
 
 /// The status comes as before; test_cam_strobe.c renews the samples.

@@ -90,15 +90,15 @@ static void start(const course_t *c)
 
 static void test_command_through_faults_at_any_angle_keeps_the_limits_of_u(void)
 {
-    static bench_t bench;
+    static fixture_rig_whole_t bench;
     for (size_t i = 0; i < sizeof courses / sizeof courses[0]; i++) {
         const course_t *c = &courses[i];
         start(c);
         bring(cam_state_cutting);
         fixture_rig_ticks(&rig, c->ticks);
-        keep(&bench);
+        fixture_rig_keep(&bench, &rig);
         for (uint32_t at = 0; at < c->n_places; at++) {
-            go_back(&bench);
+            fixture_rig_put(&rig, &bench);
             fixture_rig_ticks(&rig, c->apart * at);
             const motion_t t = retract(600);
             TEST_ASSERT_LESS_OR_EQUAL_INT32(c->most_step_nm, t.most_step_nm);
@@ -113,16 +113,16 @@ static void test_command_through_faults_at_any_angle_keeps_the_limits_of_u(void)
 /// @return [nm] how far into the work U's command moves at most
 static int32_t deepest_nm(int32_t friction_nm, uint32_t late_percent)
 {
-    static bench_t bench;
+    static fixture_rig_whole_t bench;
     start(&courses[0]);
     set(cam_param_u_friction_nm, friction_nm);
     set(cam_param_spindle_mrpm, (int32_t)cam_machine_highest_mrpm(&rig.machine));
     bring(cam_state_cutting);
     fixture_rig_ticks(&rig, 2400);
-    keep(&bench);
+    fixture_rig_keep(&bench, &rig);
     int32_t deepest_nm = 0;
     for (uint32_t at = 0; at < 240u; at++) {
-        go_back(&bench);
+        fixture_rig_put(&rig, &bench);
         fixture_rig_ticks(&rig, at);
         hal_host_fault_late(late_percent);
         fixture_rig_tick(&rig);
@@ -217,16 +217,16 @@ static void test_late_tick_anywhere_in_the_section_is_that_fault_or_none(void)
     static const struct {
         uint32_t percent, faults;
     } cases[] = {{45, 0}, {80, CAM_FAULT_BIT(late_tick)}};
-    static bench_t moment;
+    static fixture_rig_whole_t moment;
     bring(cam_state_cutting);
     fixture_rig_ticks(&rig, 2400);
     for (uint32_t ticks = 0; ticks < 240; ticks += 8) {
-        keep(&moment);
+        fixture_rig_keep(&moment, &rig);
         for (uint32_t i = 0; i < 2u; i++) {
             hal_host_fault_late(cases[i].percent);
             fixture_rig_ticks(&rig, 4);
             TEST_ASSERT_EQUAL_HEX32(cases[i].faults, fixture_rig_status(&rig).faults);
-            go_back(&moment);
+            fixture_rig_put(&rig, &moment);
         }
         fixture_rig_ticks(&rig, 8);
     }
