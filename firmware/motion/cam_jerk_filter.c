@@ -39,12 +39,10 @@ static void fit(cam_jerk_filter_t *g, const cam_axis_motion_t *m, const cam_moti
     }
 }
 
-/// The newest speed of raw moves into the window, and the oldest one out.
-bool cam_jerk_filter_to_isr(cam_jerk_filter_t *g, cam_axis_motion_t *m,
-                            const cam_motion_limits_t *limits, int64_t target_q10)
+/// Move the newest speed of raw into the window, and the oldest one out.
+/// @return whether all of the window is at rest
+static bool carry(cam_jerk_filter_t *g, cam_axis_motion_t *m, bool is_still)
 {
-    fit(g, m, limits);
-    const bool is_still = cam_move_profile_to_isr(&g->raw, limits, target_q10);
     const uint32_t n = UINT32_C(1) << g->log2_window;
     int32_t *slot_q10 = &g->past_q10[g->at & (n - 1u)];
     int32_t leaving_q10 = *slot_q10;
@@ -67,12 +65,20 @@ bool cam_jerk_filter_to_isr(cam_jerk_filter_t *g, cam_axis_motion_t *m,
     return g->n_still == n;
 }
 
+bool cam_jerk_filter_to_isr(cam_jerk_filter_t *g, cam_axis_motion_t *m,
+                            const cam_motion_limits_t *limits, int64_t target_q10)
+{
+    fit(g, m, limits);
+    const bool is_still = cam_move_profile_to_isr(&g->raw, limits, target_q10);
+    return carry(g, m, is_still);
+}
+
 bool cam_jerk_filter_stop_isr(cam_jerk_filter_t *g, cam_axis_motion_t *m,
                               const cam_motion_limits_t *limits)
 {
-    const cam_motion_limits_t braking = {.acceleration_q10 = limits->acceleration_q10,
-                                         .log2_window = limits->log2_window};
-    return cam_jerk_filter_to_isr(g, m, &braking, g->raw.pos_q10);
+    fit(g, m, limits);
+    const bool is_still = cam_move_profile_stop_isr(&g->raw, limits);
+    return carry(g, m, is_still);
 }
 
 void cam_jerk_filter_shift_isr(cam_jerk_filter_t *g, int64_t by_q10)

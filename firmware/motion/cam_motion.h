@@ -32,9 +32,9 @@ typedef struct {
     int32_t acc_q10; ///< [nm / 1024 per tick^2] of the last step
 } cam_axis_motion_t;
 
-/// One tick towards a target. Speed stays within the limit (after braking, if it starts beyond; the
-/// limit 0 brakes to rest) and its change within the acceleration. Overshoots by at most
-/// acceleration_q10 / 8 unless the initial speed makes more unavoidable.
+/// One tick towards a target. Speed stays within the limit (after braking, if it starts beyond) and
+/// its change within the acceleration. Overshoots by at most acceleration_q10 / 8 unless the
+/// initial speed makes more unavoidable.
 /// @return true when the axis rests at the target
 /*@ requires valid: \valid(m) && \valid_read(limits) && \separated(m, limits);
     requires limits: 0 <= limits->speed_q10 <= 0x40000000 &&
@@ -52,6 +52,22 @@ typedef struct {
 */
 bool cam_move_profile_to_isr(cam_axis_motion_t *m, const cam_motion_limits_t *limits,
                              int64_t target_q10);
+
+/// One tick of braking to rest.
+/// @return true when the axis rests
+/*@ requires valid: \valid(m) && \valid_read(limits) && \separated(m, limits);
+    requires limits: 0 <= limits->acceleration_q10 <= 0x40000000;
+    assigns *m, \result \from *m, *limits;
+    ensures slower: \abs(m->vel_q10) ==
+      \max(0, \abs(\old(m->vel_q10)) - limits->acceleration_q10);
+    ensures change: \abs(m->vel_q10 - \old(m->vel_q10)) <= limits->acceleration_q10;
+    ensures acceleration: m->acc_q10 == m->vel_q10 - \old(m->vel_q10);
+    ensures rest: \result <==> m->vel_q10 == 0;
+    behavior usual:
+      assumes \abs(m->pos_q10) <= 0x1000000000000000;
+      ensures step: m->pos_q10 == \old(m->pos_q10) + m->vel_q10;
+*/
+bool cam_move_profile_stop_isr(cam_axis_motion_t *m, const cam_motion_limits_t *limits);
 
 /// Motion within speed, acceleration and jerk. The set-point is the moving average of the last n
 /// set-points of a motion without jerk limit. An average is never faster and never accelerates more

@@ -57,3 +57,12 @@ bool cam_move_profile_to_isr(cam_axis_motion_t *m, const cam_motion_limits_t *li
     m->pos_q10 = cam_wrap_add_i64(m->pos_q10, vel_q10);
     return m->pos_q10 == target_q10 && next == 0;
 }
+
+bool cam_move_profile_stop_isr(cam_axis_motion_t *m, const cam_motion_limits_t *limits)
+{
+    const int32_t a = limits->acceleration_q10;
+    m->acc_q10 = -cam_clamp_i32(m->vel_q10, -a, a);
+    m->vel_q10 = cam_sat_add(m->vel_q10, m->acc_q10);
+    m->pos_q10 = cam_wrap_add_i64(m->pos_q10, m->vel_q10);
+    return m->vel_q10 == 0;
+}

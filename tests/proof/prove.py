@@ -33,7 +33,10 @@ BY_CONTRACT = (
 WP = {
     "base": ("cam_fix.h", ()),
     "evaluator": ("cam_eval.h", ("cam_eval_round",)),
-    "move": ("cam_move_profile.c", ("can_brake", "choose", "cam_move_profile_to_isr")),
+    "move": (
+        "cam_move_profile.c",
+        ("can_brake", "choose", "cam_move_profile_to_isr", "cam_move_profile_stop_isr"),
+    ),
     "guard": ("cam_guard.c", ("is_allowed", "within_stroke_nm")),
 }
 MACHINES = {"32": "gcc_x86_32", "64": "gcc_x86_64"}

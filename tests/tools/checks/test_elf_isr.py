@@ -25,7 +25,7 @@ LIBRARY_NAMES = [
     "memcpy", "memset", "strlen", "strncpy", "printf", "snprintf", "_vfprintf_r", "malloc", "free",
     "_malloc_r", "calloc", "abort", "puts", "memcpy.constprop.0",
 ]  # fmt: skip
-OWN_NAMES = ["cam_isr", "record", "hal_outputs_write_isr", "cam_jerk_filter_stop_isr.isra.0"]
+OWN_NAMES = ["cam_isr", "record", "hal_outputs_write_isr", "cam_move_profile_stop_isr.isra.0"]
 
 
 @pytest.mark.parametrize("name", LIBRARY_NAMES)

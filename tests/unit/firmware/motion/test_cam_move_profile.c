@@ -89,15 +89,14 @@ static void test_move_slower_than_a_step_of_acceleration_keeps_its_speed(void)
     TEST_ASSERT_EQUAL_INT64(60500, m.pos_q10);
 }
 
-static void test_speed_limit_0_brakes_to_rest_wherever_that_is(void)
+static void test_stop_brakes_to_rest_wherever_that_is(void)
 {
-    const cam_motion_limits_t braking = {.acceleration_q10 = limits.acceleration_q10};
     static const int32_t speeds[] = {0, 1, -1, 64000, -64001, 2000000, -2000000};
     for (uint32_t i = 0; i < sizeof speeds / sizeof speeds[0]; i++) {
         cam_axis_motion_t m = {.vel_q10 = speeds[i]};
         uint32_t n = 0;
         int32_t last = abs(speeds[i]);
-        while (!cam_move_profile_to_isr(&m, &braking, m.pos_q10)) {
+        while (!cam_move_profile_stop_isr(&m, &limits)) {
             TEST_ASSERT_LESS_THAN_INT32(last, abs(m.vel_q10));
             last = abs(m.vel_q10);
             n++;
