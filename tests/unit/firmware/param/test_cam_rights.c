@@ -212,6 +212,9 @@ static void test_a_challenge_is_answered_once(void)
     const uint32_t third = ask(2u * hz);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, 9, true, 2u * hz + 1u));
     expect_unlock(cam_err_unlock, answer_to(third), 2u * hz + 1u);
+    const uint32_t fourth = ask(3u * hz);
+    cam_rights_release(&r);
+    expect_unlock(cam_err_unlock, answer_to(fourth), 3u * hz + 1u);
 }
 
 static void test_challenges_depend_on_when_the_commander_was_heard(void)
