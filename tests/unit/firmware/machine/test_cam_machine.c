@@ -261,6 +261,39 @@ static void test_select_table_needs_a_good_one_and_the_right_state(void)
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_select_table(m, other.bytes, other.size));
 }
 
+static void expect_crc_error(const fixture_image_t *image, bool has_table)
+{
+    TEST_ASSERT_EQUAL_INT(cam_err_image_crc,
+                          cam_machine_select_table(m, image->bytes, image->size));
+    TEST_ASSERT_EQUAL(has_table, m->has_table);
+}
+
+/// The table in use ends when it is selected again and was overwritten; in off and fault without a
+/// request. Until a posted request is taken it stays.
+static void test_a_damaged_selection_ends_the_table_in_use_alone(void)
+{
+    static const cam_state_t states[] = {cam_state_off, cam_state_ready, cam_state_fault};
+    for (uint32_t i = 0; i < sizeof states / sizeof states[0]; i++) {
+        setUp();
+        if (states[i] == cam_state_fault) {
+            to_fault();
+        } else {
+            bring(states[i]);
+        }
+        fixture_image_make(&other, &part);
+        other.bytes[1000] ^= 8u;
+        expect_crc_error(&other, true);
+        const uint32_t n_requests = m->n_requests;
+        rig.image.bytes[1000] ^= 8u;
+        expect_crc_error(&rig.image, false);
+        TEST_ASSERT_EQUAL_UINT32(n_requests + (states[i] == cam_state_ready), m->n_requests);
+    }
+    setUp();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(m)); // not taken yet
+    rig.image.bytes[1000] ^= 8u;
+    expect_crc_error(&rig.image, true);
+}
+
 /// Two rounds of the check in the background: the first may have passed the damage already.
 static void expect_found(bool is_found)
 {
