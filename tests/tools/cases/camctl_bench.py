@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The firmware with an ideal machine, over a bus within this process, for tests of camctl."""
 
-import argparse
 import csv
 import io
 import struct
@@ -17,7 +16,7 @@ import can
 
 from camtools.cli.camctl import main
 from camtools.cli.camctl_cut import follow_cut
-from camtools.cli.camctl_rights import commanding
+from camtools.cli.camctl_rights import RightsOptions
 from camtools.link.controller import PERIOD_S, Link, Status
 from camtools.link.messages import COMMAND, Refused, command_bytes
 from camtools.link.refusal_text import ask_done
@@ -188,11 +187,10 @@ class Bench:
         """
         bus = can.Bus(interface="virtual", channel=self.channel)
         link = Link(bus, f"virtual {self.channel}", self.node)
-        words = argparse.Namespace(sender=None, take_over=False, secret=None)
 
         def follow() -> None:
             try:
-                with commanding(link, self.node, words):
+                with RightsOptions().commanding(link, self.node):
                     ask_done(link, "start")
                     link.wait(lambda: False, 0.05)
                     link.status.signals.pop("state", None)

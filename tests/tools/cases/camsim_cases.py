@@ -1,15 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How the tests call the simulator."""
+"""How the tests call the simulator: `cut` in this process, `camsim` as people in a shell."""
 
 import itertools
-import json
 import os
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import pytest
 from numpy.typing import NDArray
 from pyarrow import csv
+
+from camtools.base.errors import CamtoolsError
+from camtools.sim.binding import Rows
+from camtools.sim.machine_file import Machine
+from camtools.sim.results import STATES
+from camtools.sim.simulate import Result
+from camtools.sim.simulate import cut as played
 
 ROOT = Path(__file__).resolve().parents[3]
 BUILD = (ROOT / (os.environ.get("CAMTURN_BUILD") or "build/host")).resolve()
@@ -23,13 +32,34 @@ def camsim(*words: str | Path, stdin: str = "") -> subprocess.CompletedProcess[s
     return subprocess.run(command, input=stdin, capture_output=True, text=True, check=False)
 
 
-def cut(table: Path, folder: Path, *words: str | Path, status: int = 0) -> dict[str, Any]:
-    """Return the summary of a cut, which must end with a status."""
-    path = folder / "summary.json"
-    done = camsim("run", table, *words, "--summary", path)
-    assert done.returncode == status, done.stderr
-    loaded: dict[str, Any] = json.loads(path.read_text())
-    return loaded
+def cut(
+    table: Path,
+    *words: str | Path | float,
+    status: int | None = 0,
+    tables: Sequence[str] = ("surface",),
+    machine: str | None = None,
+) -> Result:
+    """Cut a table in this process, with the words of `camsim run`.
+
+    Parameters
+    ----------
+    status : int or None
+        With which the cut must end; None: any but a refusal.
+    machine : str, optional
+        Text of the machine file.
+    """
+    given = None if machine is None else Machine("machine.toml", machine)
+    result = played([str(table), *map(str, words)], given, tables=tables)
+    assert result.status in ((0, 1) if status is None else (status,)), result.message
+    return result
+
+
+def refusal(table: Path, *words: str | Path | float, machine: str | None = None) -> str:
+    """Return the one line of a cut that the simulator refuses to begin."""
+    with pytest.raises(CamtoolsError) as refused:
+        cut(table, *words, machine=machine)
+    (line,) = refused.value.lines
+    return line
 
 
 def columns_of(path: Path, *names: str) -> dict[str, NDArray[Any]]:
@@ -37,6 +67,16 @@ def columns_of(path: Path, *names: str) -> dict[str, NDArray[Any]]:
     wanted = csv.ConvertOptions(include_columns=list(names))
     table = csv.read_csv(path, convert_options=wanted)
     return {name: table[name].to_numpy() for name in table.column_names}
+
+
+def plain(rows: Rows) -> NDArray[np.float64]:
+    """Return the rows of a table as an array, shape (columns, rows)."""
+    return np.array([rows[name] for name in rows.dtype.names or ()])
+
+
+def while_in(rows: Rows, *states: str) -> Rows:
+    """Return the ticks of a trace in some states of the controller."""
+    return rows[np.isin(rows["state"], [STATES.index(state) for state in states])]
 
 
 def first_difference(path: Path, other: Path) -> str:

@@ -13,12 +13,16 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from camtools.base.arguments import make_parser, read_arguments
+from camtools.pipeline.job import RunJob, for_camsim
+from camtools.pipeline.run import run
 from camtools.report import kind_report, sheet_page
 from tests.tools.cases.camsim_cases import BUILD
 from tests.tools.cases.part_cases import environment
@@ -57,6 +61,12 @@ def command(
             except SystemExit as end:
                 status = int(str(end.code or 0))
     return subprocess.CompletedProcess([module, *texts], status, *said)
+
+
+def job_of(*words: str) -> RunJob:
+    """Return what the words of tools/run ask for."""
+    given = read_arguments(make_parser("tools/run", run), run, words)
+    return replace(given["job"], extra=tuple(for_camsim(given["extra"])))
 
 
 def fresh_command(

@@ -1,27 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tables of parts and their cuts: each part of the repository is made once in a process."""
 
-import json
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cache, cached_property
+from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
-from subprocess import CompletedProcess
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from camtools.base.quantities import Floats
 from camtools.cut.correction import Correction
 from camtools.pipeline.load import Loaded, load
 from camtools.pipeline.make_table import Made, make
+from camtools.sim.simulate import Result
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from camtools.skirt.kind import KIND
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.image import Table, pack
-from tests.tools.cases.camsim_cases import camsim, columns_of
+from tests.tools.cases.camsim_cases import camsim, cut
 from tests.tools.cases.part_cases import ROOT, load_part
 
 PARTS = ROOT / "tools" / "parts"
@@ -80,52 +76,19 @@ def tip_mm(values: dict[str, Floats]) -> Floats:
     return np.asarray((values["x_nm"] - values["u_nm"]) * NM)
 
 
-@dataclass(frozen=True)
-class Cut:
-    """A cut that the simulator made of a table."""
-
-    done: CompletedProcess[str]
-    folder: Path
-
-    @property
-    def status(self) -> int:
-        """Return the exit status."""
-        return self.done.returncode
-
-    @cached_property
-    def summary(self) -> dict[str, Any]:
-        """Return the summary."""
-        found: dict[str, Any] = json.loads((self.folder / "summary.json").read_text())
-        return found
-
-    @property
-    def form_um(self) -> float:
-        """Return the largest form error."""
-        return float(self.summary["form_error_um"]["max"])
-
-    @cached_property
-    def surface(self) -> dict[str, NDArray[Any]]:
-        """Return the columns of the surface: turn, z_mm, radius_mm, error_nm, maybe control_nm."""
-        return columns_of(self.folder / "surface.csv")
-
-
-def cut(table: Path, *words: str | Path, status: int | None = 0) -> Cut:
-    """Cut a table, in its folder; the cut ends with a status, by default that of a good part."""
-    folder = table.parent
-    files = ("--summary", folder / "summary.json", "--surface", folder / "surface.csv")
-    done = camsim("run", table, *files, *words)
-    assert status is None or done.returncode == status, (done.stdout, done.stderr)
-    return Cut(done, folder)
-
-
-def cut_made(made: Made, folder: Path, *words: str | Path, status: int | None = 0) -> Cut:
+def cut_made(
+    made: Made,
+    folder: Path,
+    *words: str | Path,
+    status: int | None = 0,
+    tables: Sequence[str] = ("surface",),
+) -> Result:
     """Cut a part on its own machine, to its own tolerance."""
     table = written(made, folder)
     part = made.table.part
-    machine = folder / "machine.toml"
-    machine.write_text(made.kind.machine(part))
-    tolerance = repr(made.kind.form_error_um(part))
-    return cut(table, "--machine", machine, "--tolerance-um", tolerance, *words, status=status)
+    tolerance, machine = made.kind.form_error_um(part), made.kind.machine(part)
+    words = ("--tolerance-um", str(tolerance), *words)
+    return cut(table, *words, status=status, tables=tables, machine=machine)
 
 
 TableOf = Callable[[str], Path]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from camtools.cli.mktables import main
 from camtools.cli.run import main as run_part
-from camtools.pipeline.job import RunJob
+from tests.tools.cases.command_cases import job_of
 from tests.tools.cases.gauged_cases import ENDS, Floats, error_um, traces
 from tests.tools.cases.part_cases import PERKINS
 
@@ -214,7 +214,7 @@ def test_other_kinds_are_refused(
 def test_run_takes_the_same_options(first: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A round of tools/run has a folder of its own, and may not take that of the one before."""
     words = [str(PERKINS), "--measured", str(first / "surface.csv")]
-    job = RunJob(words)
+    job = job_of(*words)
     assert job.folder("a", 2).name == "a-round2"
     assert job.folder("a").name == "a"
     assert run_part([*words, "-o", str(first)]) == 2

@@ -16,14 +16,14 @@ import pytest
 from camtools.base.errors import CamtoolsError
 from camtools.cli.run import main
 from camtools.part.common import MachineLimits
-from camtools.pipeline.job import RunJob, without_faults
+from camtools.pipeline.job import without_faults
 from camtools.pipeline.load import load
-from camtools.sim.camsim import machine_text, traced_turns, variant_of
-from camtools.sim.machines import machine_bytes
+from camtools.pipeline.part_cut import traced_turns, variant_of
+from camtools.sim.machine_file import machine_bytes, machine_text
 from camtools.sim.results import read_surface, read_trace
-from camtools.sim.trace_file import Numbers, ParquetFile
+from camtools.sim.table_file import Numbers, ParquetFile
 from tests.tools.cases.camsim_cases import BUILD
-from tests.tools.cases.command_cases import command
+from tests.tools.cases.command_cases import command, job_of
 from tests.tools.cases.page_cases import PageReader, map_of
 from tests.tools.cases.part_cases import PERKINS, ROOT, Command, listing
 
@@ -227,12 +227,12 @@ def test_feed_beyond_the_part_is_refused_first(
     text = PERKINS.with_name(f"{name}.toml").read_text()
     path.write_text(text.replace(heights, shorter))
     part = load(path).part
-    RunJob(["--feed", "8"]).check_feed(part)
-    RunJob([]).check_feed(part)
+    job_of("--feed", "8").check_feed(part)
+    job_of().check_feed(part)
     for feed in ("8.000001", "20"):
         told = f"--feed {feed}: must be at most 8 mm, the height of the part; give at most --feed 8"
         with pytest.raises(CamtoolsError) as info:
-            RunJob(["--feed", feed]).check_feed(part)
+            job_of("--feed", feed).check_feed(part)
         assert info.value.lines == [told]
     assert main([str(path), "--feed", "20", "-o", str(tmp_path / "out")]) == 2
     assert capfd.readouterr().err == f"run: {told}\n"  # nothing of a table that is made
@@ -259,12 +259,12 @@ def test_long_cuts_are_traced_in_part() -> None:
 
 def test_job_takes_options_apart() -> None:
     """What follows -- goes to camsim; files keep their place, faults can be left out."""
-    job = RunJob(["x.toml", "--rpm", "600", "--", "--inject", "estop@1", "--seed", "3"])
-    assert (job.part_path, job.rpm, job.feed_mm) == (Path("x.toml"), 600.0, None)
-    assert job.extra == ["--inject", "estop@1", "--seed", "3"]
+    job = job_of("x.toml", "--rpm", "600", "--", "--inject", "estop@1", "--seed", "3")
+    assert (job.part, job.rpm, job.feed) == (Path("x.toml"), 600.0, None)
+    assert job.extra == ("--inject", "estop@1", "--seed", "3")
     assert without_faults(job.extra) == ["--seed", "3"]
     assert without_faults(["--inject=estop@1", "--seed", "3"]) == ["--seed", "3"]
-    assert RunJob(["--", "--machine", os.path.relpath(PERKINS)]).extra[1] == str(PERKINS)
+    assert job_of("--", "--machine", os.path.relpath(PERKINS)).extra[1] == str(PERKINS)
 
 
 def test_comparison_tells_a_cut_that_ended_early() -> None:

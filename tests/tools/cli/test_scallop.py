@@ -2,21 +2,18 @@
 """The ring-helix on the simulator: Z against its path, the surface between tracks."""
 
 import csv as csv_module
-import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from camtools.cli.scallop import main
 from camtools.cut.path import ToolPath, ramp_of
 from camtools.papers.paths import PathCut, PathStudy, cut_paths
 from camtools.part.common import MachineLimits
 from camtools.skirt.geometry.skirt_geometry import make_geometry
-from tests.tools.cases.camsim_cases import camsim, columns_of, only_error
+from tests.tools.cases.camsim_cases import camsim, cut, only_error, while_in
 from tests.tools.cases.part_cases import ROOT, load_part
 
 PART = ROOT / "tools" / "parts" / "perkins240_ring_helix.toml"
@@ -45,22 +42,15 @@ def planned_error_um(rpm: float, path: ToolPath) -> float:
     return float(acceleration * ROUND_S**2 / 8 + ripple) * 1000 + 0.02
 
 
-def columns(path: Path, *names: str) -> list[NDArray[Any]]:
-    """Return columns of a trace while the state is cutting."""
-    found = columns_of(path)
-    return [found[name][found["state"] == "cutting"].astype(float) for name in names]
-
-
 @pytest.mark.parametrize("rpm", [500.0, 2500.0])
-def test_z_follows_the_path(rpm: float, table_of: Callable[[str], Path], tmp_path: Path) -> None:
+def test_z_follows_the_path(rpm: float, table_of: Callable[[str], Path]) -> None:
     """Set-point and true Z over the turns are those of path.py, within derived bounds.
 
     In the middle of every ring Z stands at the drawing's height, at 500 r/min to 0.1 um.
     """
-    trace = tmp_path / "trace.csv"
-    words = ("--rpm", str(rpm), "--turns-limit", "6", "--no-learning", "--trace", trace)
-    assert camsim("run", table_of(PART.stem), *words).returncode == 0
-    turn, true_z, set_z = columns(trace, "turn", "true_z_mm", "out_z_nm")
+    words = ("--rpm", rpm, "--turns-limit", 6, "--no-learning")
+    trace = while_in(cut(table_of(PART.stem), *words, tables=["trace"]).trace, "cutting")
+    turn, true_z, set_z = (trace[name] for name in ("turn", "true_z_mm", "out_z_nm"))
     path = ToolPath("ring-helix", 0.0, 62.0, 0.1, ramp_of(0.1, rpm, MachineLimits()))
     turns = turn - np.round(turn[0])
     inside = turns < 6  # the operator's stop goes on to the end of a ring
@@ -134,13 +124,11 @@ def test_ring_helix_leaves_nearly_four_times_the_scallop_of_a_helix(measured: Me
 
 
 @pytest.mark.long
-def test_map_is_that_of_the_exact_tracks(table_of: Callable[[str], Path], tmp_path: Path) -> None:
+def test_map_is_that_of_the_exact_tracks(table_of: Callable[[str], Path]) -> None:
     """Circles on the exact tracks of a helix, cut out of the exact surface, to 0.03 um."""
-    out = tmp_path / "scallop.csv"
-    words = ("--rpm", "500", "--nose-mm", "2", "--scallop", out)
-    assert camsim("run", table_of("perkins240"), *words).returncode == 0
+    words = ("--rpm", 500, "--nose-mm", 2)
+    first = cut(table_of("perkins240"), *words, tables=["scallop"]).scallop[:401]
     geometry = make_geometry(load_part(PART))
-    first = np.genfromtxt(out, delimiter=",", names=True, max_rows=401)
     z_mm, proud_um = first["z_mm"], first["proud_um"]
     assert (z_mm[0], z_mm[-1]) == pytest.approx((30.8, 31.2))
     # Ramped up over two turns, the helix lags by one: at the long axis the tracks are whole feeds.
@@ -152,18 +140,14 @@ def test_map_is_that_of_the_exact_tracks(table_of: Callable[[str], Path], tmp_pa
     np.testing.assert_allclose(proud_um, (left - geometry.radius_mm(z_mm)) * 1000, atol=0.03)
 
 
-def test_summary_tells_the_scallop(table_of: Callable[[str], Path], tmp_path: Path) -> None:
+def test_summary_tells_the_scallop(table_of: Callable[[str], Path]) -> None:
     """Only with a nose; the path stands there, too."""
-    summary = tmp_path / "s.json"
-    table = table_of(PART.stem)
-    words = ("--summary", summary, "--rpm", "900", "--feed", "2", "--set", "z_margin_nm=1000000")
-    assert camsim("run", table, *words).returncode == 0
-    found = json.loads(summary.read_text())
+    words = (table_of(PART.stem), "--rpm", 900, "--feed", 2, "--set", "z_margin_nm=1000000")
+    found = cut(*words).summary
     assert "scallop" not in found
     assert found["cut"]["path"] == "ring-helix"
     assert found["cut"]["planned_turns"] == 63
-    assert camsim("run", table, *words, "--nose-mm", "5").returncode == 0
-    scallop = json.loads(summary.read_text())["scallop"]
+    scallop = cut(*words, "--nose-mm", 5).summary["scallop"]
     assert scallop["z_last_mm"] - scallop["z_first_mm"] == pytest.approx(8)
     assert 0 < scallop["peak_to_valley_min_um"] < scallop["peak_to_valley_max_um"] < 110
 

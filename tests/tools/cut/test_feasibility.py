@@ -21,7 +21,7 @@ from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
 from camtools.part.common import MachineLimits, SwingLimits
 from camtools.pipeline.load import parse
 from camtools.pipeline.make_table import Made
-from camtools.sim.camsim import machine_text
+from camtools.sim.machine_file import machine_text
 from camtools.skirt.table.generate import peaks_of_table
 from camtools.table.header import image_limits
 from camtools.table.image import Table, pack, unpack

@@ -14,8 +14,7 @@ from camtools.base.quantities import Floats
 from camtools.forecast.sampling import draw
 from camtools.forecast.statistics import effects, quantile, share_within
 from camtools.forecast.vary import Unknown, default_vary, read_vary
-from camtools.sim.machine_file import find_machine, mistaken, read_machine
-from camtools.sim.machines import names
+from camtools.sim.machine_file import find_machine, mistaken, names, read_machine
 
 SHARES = np.array([0.0, 0.025, 0.1, 0.5, 0.77, 0.975, 1.0])
 

@@ -21,7 +21,7 @@ from camtools.identify.recording import record_of
 from camtools.identify.simulated_drive import CutShortError, SimulatedU
 from camtools.link.controller import Link
 from camtools.link.messages import Refused
-from camtools.sim.machines import machine_bytes, names
+from camtools.sim.machine_file import machine_bytes, names
 from camtools.table.image import pack
 from checks.patience import limit_s
 from tests.tools.cases.camctl_bench import Bench, ready

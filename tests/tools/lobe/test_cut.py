@@ -16,7 +16,16 @@ from camtools.lobe.generate import generate_lobes
 from camtools.lobe.kind import KIND
 from camtools.lobe.lift import Poly345
 from camtools.pipeline.make_table import Made
-from tests.tools.cases.camsim_cases import ROOT, camsim, columns_of, only_error
+from camtools.sim.binding import Rows
+from tests.tools.cases.camsim_cases import (
+    ROOT,
+    camsim,
+    cut,
+    only_error,
+    plain,
+    refusal,
+    while_in,
+)
 from tests.tools.cases.cut_cases import PARTS, TableOf, evaluated, made_of, written
 from tests.tools.cases.lobe_cases import MACHINE, QUICK
 from tests.tools.cases.lobe_cases import cam as cam_of
@@ -25,12 +34,9 @@ SHORT = ("--feed", "2", *QUICK)
 GROUND = (ROOT / "tools" / "parts" / "cam-345-ground.toml").read_text()
 
 
-def ground(table: Path, *words: str | Path, out: Path, status: int = 0) -> dict[str, Any]:
+def ground(table: Path, *words: str, status: int = 0) -> dict[str, Any]:
     """Grind a cam; return the summary."""
-    done = camsim("run", table, "--machine", MACHINE, "--summary", out, *words)
-    assert done.returncode == status, done.stderr
-    summary: dict[str, Any] = json.loads(out.read_text())
-    return summary
+    return cut(table, "--machine", MACHINE, *words, status=status).summary
 
 
 def changed(folder: Path, *changes: tuple[str, str], text: str = GROUND) -> Path:
@@ -47,11 +53,11 @@ def changed(folder: Path, *changes: tuple[str, str], text: str = GROUND) -> Path
     ids=["disc", "learning"],
 )
 def test_ground_profile_is_far_within_a_micrometre(
-    part: str, most_um: float, words: tuple[str, ...], table_of: TableOf, tmp_path: Path
+    part: str, most_um: float, words: tuple[str, ...], table_of: TableOf
 ) -> None:
     """All round and in every turn, measured along the normals; nowhere deeper in any state."""
-    surface = tmp_path / "surface.csv"
-    summary = ground(table_of(part), *words, "--surface", surface, out=tmp_path / "s.json")
+    found = cut(table_of(part), "--machine", MACHINE, *words)
+    summary = found.summary
     form, [lobe] = summary["form_error_um"], summary["cam"]["lobes"]
     assert summary["gauge"]["reference"] == "design"
     assert 0 < form["rms"] <= form["max"] <= most_um
@@ -62,7 +68,7 @@ def test_ground_profile_is_far_within_a_micrometre(
     if part == "cam-disc":
         return
     # radius over angle is that of the contacts, from other equations than the simulator's
-    turn, _, radius_mm, error_nm = columns_of(surface).values()
+    turn, _, radius_mm, error_nm = plain(found.surface)
     theta = np.radians(np.linspace(-180, 180, 72_001))
     touch = contact(Poly345(8, float(np.radians(70))), 20, 10, theta)
     alpha = np.mod(turn + 0.5, 1) - 0.5
@@ -93,7 +99,7 @@ def test_each_lobe_is_gauged_by_itself(
     """
     name = "camshaft" if len(n_samples) == 3 else "camshaft8"
     table = changed(tmp_path, *changes, text=(PARTS / f"{name}.toml").read_text())
-    summary = ground(table, *QUICK, *words, out=tmp_path / "s.json")
+    summary = ground(table, *QUICK, *words)
     lobes = summary["cam"]["lobes"]
     assert len(lobes) == len(n_samples)
     if not changes:
@@ -112,25 +118,25 @@ def test_surface_speed_is_constant_as_far_as_the_spindle_can(
     table_of: TableOf, tmp_path: Path
 ) -> None:
     """The disc within the spindle's ripple; the 3-4-5 cam never much above its base circle."""
-    disc = ground(table_of("cam-disc"), *SHORT, out=tmp_path / "d.json")["cam"]
+    disc = ground(table_of("cam-disc"), *SHORT)["cam"]
     speed = disc["surface_speed_mm_s"]
     assert speed["base_circle"] == pytest.approx(60 / 60 * 2 * np.pi * 20, rel=1e-5)
     assert speed["min"] == pytest.approx(speed["base_circle"], rel=0.004)
     assert speed["max"] == pytest.approx(speed["base_circle"], rel=0.004)
-    cam = ground(table_of("cam-345-ground"), *SHORT, out=tmp_path / "c.json")["cam"]
+    cam = ground(table_of("cam-345-ground"), *SHORT)["cam"]
     speed = cam["surface_speed_mm_s"]
     assert speed["max"] <= 1.03 * speed["base_circle"]
     assert speed["mean"] >= 0.9 * speed["base_circle"]
     assert speed["off_plan_percent"] <= 3.0
     table = changed(tmp_path, ('"constant-surface"', '"uniform"'))
-    speed = ground(table, *SHORT, out=tmp_path / "u.json")["cam"]["surface_speed_mm_s"]
+    speed = ground(table, *SHORT)["cam"]["surface_speed_mm_s"]
     assert speed["max"] >= 8 * speed["base_circle"]
 
 
-def test_gauge_sees_what_the_controller_leaves_out(table_of: TableOf, tmp_path: Path) -> None:
+def test_gauge_sees_what_the_controller_leaves_out(table_of: TableOf) -> None:
     """Without lead and feed-forward the profile is off by tens of micrometres, and told so."""
     words = ("--no-lead", "--no-feed-forward", "--no-learning", "--turns-limit", "2")
-    summary = ground(table_of("cam-345-ground"), *words, out=tmp_path / "s.json", status=1)
+    summary = ground(table_of("cam-345-ground"), *words, status=1)
     assert 30 < summary["form_error_um"]["max"] < 100
 
 
@@ -138,30 +144,28 @@ def test_gauge_sees_what_the_controller_leaves_out(table_of: TableOf, tmp_path: 
 def test_phase_turns_the_cam_on_its_shaft(tmp_path: Path) -> None:
     """The gauge stands still where the drawing has the nose: 5 degrees of phase are millimetres."""
     table = changed(tmp_path, ('law = "poly345"', 'law = "poly345"\nphase_deg = 35'))
-    surface = tmp_path / "surface.csv"
-    summary = ground(table, *SHORT, "--surface", surface, out=tmp_path / "s.json")
-    assert summary["form_error_um"]["max"] <= 0.15
-    cells = columns_of(surface)
+    found = cut(table, "--machine", MACHINE, *SHORT)
+    assert found.summary["form_error_um"]["max"] <= 0.15
+    cells = found.surface
     nose = int(cells["radius_mm"].argmax())
     assert cells["turn"][nose] == pytest.approx(35 / 360, abs=2e-3)
     assert cells["radius_mm"][nose] == pytest.approx(28, abs=1e-3)
-    off = ground(table, *SHORT, "--set", "phase_udeg=5000000", out=tmp_path / "p.json")
-    assert off["form_error_um"]["max"] == pytest.approx(summary["form_error_um"]["max"], abs=0.05)
+    off = ground(table, *SHORT, "--set", "phase_udeg=5000000")
+    assert off["form_error_um"]["max"] == pytest.approx(found.form_error_um, abs=0.05)
 
 
-def test_lobe_that_was_not_cut_all_round_is_not_good(table_of: TableOf, tmp_path: Path) -> None:
+def test_lobe_that_was_not_cut_all_round_is_not_good(table_of: TableOf) -> None:
     """Three quarters of a turn leave the rest unseen: status 1; the feed that is told is good."""
     table = table_of("camshaft")
     slow = ("--rpm", "20", "--set", "stopped_mrpm=2000")
-    words = ("run", table, "--machine", MACHINE, *QUICK, *slow)
-    done = camsim(*words, "--feed", "4", "--summary", tmp_path / "s.json")
-    summary = json.loads((tmp_path / "s.json").read_text())
-    least = summary["cam"]["lobes"][1]["samples"]
+    words = (table, "--machine", MACHINE, *QUICK, *slow)
+    found = cut(*words, "--feed", "4", status=1)
+    least = found.summary["cam"]["lobes"][1]["samples"]
     assert 2600 < least < 2800
-    assert (done.returncode, summary["is_good"]) == (1, False)
+    assert not found.summary["is_good"]
     told = f"not gauged: lobe 1 has {least} samples of the 3600 of a whole turn; give at most"
-    assert done.stderr == f"camsim: {table}: {told} --feed 1.5\n"
-    assert camsim(*words, "--feed", "1.5").returncode == 0
+    assert found.message == f"{table}: {told} --feed 1.5"
+    cut(*words, "--feed", "1.5")
 
 
 def test_listed_lift_is_gauged_against_its_spline(tmp_path: Path) -> None:
@@ -170,16 +174,16 @@ def test_listed_lift_is_gauged_against_its_spline(tmp_path: Path) -> None:
     lift = ", ".join(f"{mm:.9f}" for mm in 2 - 2 * np.cos(np.radians(degrees)))
     points = f'law = "list"\nangle_deg = {degrees.tolist()}\nlift_mm = [{lift}]'
     old = 'law = "poly345"\nlift_mm = 8\nhalf_angle_deg = 70'
-    summary = ground(changed(tmp_path, (old, points)), *SHORT, out=tmp_path / "s.json")
+    summary = ground(changed(tmp_path, (old, points)), *SHORT)
     assert summary["form_error_um"]["max"] <= 0.05
 
 
-def test_turned_profile_and_its_rake(table_of: TableOf, tmp_path: Path) -> None:
+def test_turned_profile_and_its_rake(table_of: TableOf) -> None:
     """The swung tool leaves the drawing and stands along its normal; unswung by the pressure angle.
 
     The bound of the rake is what the swing's drive and the steps of its set-points leave.
     """
-    summary = ground(table_of("cam-345"), *SHORT, out=tmp_path / "s.json")
+    summary = ground(table_of("cam-345"), *SHORT)
     cam = summary["cam"]
     assert summary["form_error_um"]["max"] <= 0.05
     assert summary["cut"]["gouge_um"] <= 0.05
@@ -190,26 +194,24 @@ def test_turned_profile_and_its_rake(table_of: TableOf, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("tip_mm", ["0.05", "10"])
-def test_tip_of_any_size_leaves_the_same_profile(
-    tip_mm: str, table_of: TableOf, tmp_path: Path
-) -> None:
+def test_tip_of_any_size_leaves_the_same_profile(tip_mm: str, table_of: TableOf) -> None:
     """Sharp, or as large as the roller itself: the tip touches where the roller does."""
     words = ("--tool-tip-mm", tip_mm, "--turns-limit", "1")
-    summary = ground(table_of("cam-345"), *SHORT, *words, out=tmp_path / "s.json")
+    summary = ground(table_of("cam-345"), *SHORT, *words)
     assert summary["cam"]["tip_mm"] == float(tip_mm)
     assert summary["form_error_um"]["max"] <= 0.05
 
 
-def test_swing_that_lags_shows_in_the_rake(table_of: TableOf, tmp_path: Path) -> None:
+def test_swing_that_lags_shows_in_the_rake(table_of: TableOf) -> None:
     """Told a millisecond too little of its lag, the tool is off by its speed times that.
 
     A tip of the roller's radius stays where it is; the contact of a smaller one moves along, and
     with it the normal.
     """
-    good = ground(table_of("cam-345"), *SHORT, "--turns-limit", "1", out=tmp_path / "a.json")
+    good = ground(table_of("cam-345"), *SHORT, "--turns-limit", "1")
     lag_ns = good["parameters"]["swing_lag_ns"]
     words = ("--set", f"swing_lag_ns={lag_ns - 1_000_000}", "--tool-tip-mm", "10")
-    cam = ground(table_of("cam-345"), *SHORT, *words, out=tmp_path / "b.json")["cam"]
+    cam = ground(table_of("cam-345"), *SHORT, *words)["cam"]
     report = json.loads(table_of("cam-345").with_suffix(".json").read_text())
     speed_deg_s = report["feasibility"]["needed"]["swing_speed_deg_s"]
     largest = max(-cam["rake_deg"]["min"], cam["rake_deg"]["max"])
@@ -228,7 +230,7 @@ def test_cam_without_its_report_has_no_profile(table_of: TableOf, tmp_path: Path
     assert summary["gauge"]["reference"] == "table"
     assert "cam" not in summary and "removal" not in summary
     other = table_of("cam-345-ground").with_suffix(".json")
-    line = only_error(camsim("run", table, "--machine", MACHINE, "--design", other))
+    line = refusal(table, "--machine", MACHINE, "--design", other)
     assert "belongs to another table" in line
 
 
@@ -245,14 +247,12 @@ def test_cam_without_its_report_has_no_profile(table_of: TableOf, tmp_path: Path
 def test_bad_report_is_refused_by_field(
     key: str, value: object, named: str, table_of: TableOf, tmp_path: Path
 ) -> None:
-    """A report that was spoilt is refused, and nothing is written."""
+    """A report that was spoilt is refused."""
     table = table_of("cam-disc")
     report = json.loads(table.with_suffix(".json").read_text())
     report["design"][key] = value
     (tmp_path / "bad.json").write_text(json.dumps(report))
-    words = ("--design", tmp_path / "bad.json", "--summary", tmp_path / "s.json")
-    assert named in only_error(camsim("run", table, "--machine", MACHINE, *words))
-    assert not (tmp_path / "s.json").exists()
+    assert named in refusal(table, "--machine", MACHINE, "--design", tmp_path / "bad.json")
 
 
 OPTIONS = [
@@ -267,22 +267,20 @@ OPTIONS = [
 
 @pytest.mark.parametrize(("part", "name", "value", "told"), OPTIONS)
 def test_option_without_a_meaning_is_refused(
-    part: str, name: str, value: str, told: str, table_of: TableOf, tmp_path: Path
+    part: str, name: str, value: str, told: str, table_of: TableOf
 ) -> None:
-    """What a ground cam, or a skirt, has not is not passed over; nothing is written."""
-    word = str(tmp_path / value) if value.endswith("csv") else value
+    """What a ground cam, or a skirt, has not is not passed over."""
     machine = () if part == "perkins240" else ("--machine", MACHINE)
-    line = only_error(camsim("run", table_of(part), *machine, name, word))
+    line = refusal(table_of(part), *machine, name, value)
     assert name in line and told in line
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_feed_beyond_the_height_names_the_feed(tmp_path: Path) -> None:
     """No speed would help."""
     text = (PARTS / "cam-disc.toml").read_text()
     table = changed(tmp_path, ("z_mm = [0, 12]", "z_mm = [0, 5]"), text=text)
-    line = only_error(camsim("run", table, "--machine", MACHINE, "--feed", "10"))
-    assert line.startswith("camsim: --feed 10: infeasible:") and "at most --feed 5" in line
+    line = refusal(table, "--machine", MACHINE, "--feed", "10")
+    assert line.startswith("--feed 10: infeasible:") and "at most --feed 5" in line
 
 
 @pytest.mark.long
@@ -296,38 +294,28 @@ def test_speed_that_counts_as_stopped_is_not_recommended(tmp_path: Path) -> None
         text=(PARTS / "camshaft.toml").read_text(),
     )
     fast = ("--set", "u_speed_um_per_s=2000000")
-    words = ("run", table, "--machine", MACHINE, *QUICK, *fast)
-    line = only_error(camsim(*words, "--feed", "5"))
+    words = (table, "--machine", MACHINE, *QUICK, *fast)
+    line = refusal(*words, "--feed", "5")
     found = re.search(r"mm/s2; give at most --feed (\S+)$", line)
     assert found, line
-    done = camsim(*words, "--feed", found[1], "--turns-limit", "0.2")
-    assert done.returncode == 0, done.stderr
+    cut(*words, "--feed", found[1], "--turns-limit", "0.2")
     slow = ("--feed", "5", "--set", "stopped_mrpm=2000")
-    line = only_error(camsim(*words, *slow))
+    line = refusal(*words, *slow)
     found = re.search(r"mm/s2; give at most --rpm (\S+) or --feed \S+$", line)
     assert found, line
-    done = camsim(*words, *slow, "--rpm", found[1], "--turns-limit", "0.2")
-    assert done.returncode == 0, done.stderr
+    cut(*words, *slow, "--rpm", found[1], "--turns-limit", "0.2")
 
 
 def test_spindle_that_counts_as_stopped_is_refused_before_motion(tmp_path: Path) -> None:
     """A slow cam ground at constant surface speed: what the line tells instead is cut."""
     text = re.sub(r"(?m)^spindle_rpm = 60\b", "spindle_rpm = 20", GROUND)
-    words = (
-        "run",
-        changed(tmp_path, text=text),
-        "--machine",
-        MACHINE,
-        "--turns-limit",
-        "1",
-        *QUICK,
-    )
-    line = only_error(camsim(*words))
+    words = (changed(tmp_path, text=text), "--machine", MACHINE, "--turns-limit", "1", *QUICK)
+    line = refusal(*words)
     told = "--rpm 18.26: in a turn it falls to 2.262, and for 172 ms below 5 (stopped_mrpm), which "
     told += "is a fault after 100 ms (stopped_ms); make the table for a faster spindle, or "
-    assert line == f"camsim: {told}--set stopped_mrpm=2262"
-    assert camsim(*words, "--set", "stopped_mrpm=2262").returncode == 0
-    line = only_error(camsim(*words, "--rpm", "4"))
+    assert line == f"{told}--set stopped_mrpm=2262"
+    cut(*words, "--set", "stopped_mrpm=2262")
+    line = refusal(*words, "--rpm", "4")
     assert "--rpm 4: below 5 (stopped_mrpm) the spindle counts as stopped; " in line
 
 
@@ -343,7 +331,6 @@ SPEED_DEG_S, ACCELERATION_DEG_S2 = 1000.0, 100_000.0
 LIFT_MM = 8.0
 OUT_NM = -(1.25 * LIFT_MM + 0.5) * 1e6  # of U beyond the highest point, largest amplitude
 FAST = ("--no-learning", "--feed", "4", "--set", "engage_turns=2", "--set", "disengage_turns=2")
-Columns = dict[str, NDArray[Any]]
 
 
 @pytest.fixture(scope="module")
@@ -352,30 +339,16 @@ def cam(table_of: TableOf, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return Path(shutil.copy(table_of("cam-345"), tmp_path_factory.mktemp("cam")))
 
 
-def read(path: Path) -> Columns:
-    """Return what is needed of a trace."""
-    found = columns_of(path)
-    columns: Columns = {"state": found["state"].astype(str)}
-    for name in (
-        *("t_s", "turn", "z_mm", "true_turn", "speed_q32", "error_nm", "out_outputs", "out_x_nm"),
-        *("u_set_nm", "swing_set_deg", "swing_act_deg"),
-    ):
-        columns[name] = found[name].astype(float)
-    return columns
-
-
-def traced(cam: Path, folder: Path, *words: str, status: int = 0) -> Columns:
+def traced(cam: Path, *words: str, status: int = 0) -> Rows:
     """Cut with a coarse feed, engaging fast; return the trace."""
-    trace = folder / "trace.csv"
-    done = camsim("run", cam, "--machine", MACHINE, *FAST, "--trace", trace, *words)
-    assert done.returncode == status, done.stderr
-    return read(trace)
+    words = ("--machine", str(MACHINE), *FAST, *words)
+    return cut(cam, *words, status=status, tables=["trace"]).trace
 
 
 @pytest.fixture(scope="module")
-def whole(cam: Path, tmp_path_factory: pytest.TempPathFactory) -> Columns:
-    """Return the trace of a whole traced at 60 r/min."""
-    return traced(cam, tmp_path_factory.mktemp("whole"))
+def whole(cam: Path) -> Rows:
+    """Return the trace of a whole cut at 60 r/min."""
+    return traced(cam)
 
 
 def swing_of_table(folder: Path, turn: NDArray[Any], z_mm: NDArray[Any]) -> NDArray[Any]:
@@ -384,37 +357,36 @@ def swing_of_table(folder: Path, turn: NDArray[Any], z_mm: NDArray[Any]) -> NDAr
 
 
 @pytest.mark.long
-def test_tool_swings_as_the_table_wants(whole: Columns, tmp_path: Path) -> None:
+def test_tool_swings_as_the_table_wants(whole: Rows, tmp_path: Path) -> None:
     """Set-points to 6e-4 degrees, index edges included; the drive to 6e-3, where it jumps."""
-    in_cut = np.flatnonzero(whole["state"] == "cutting")[::3]
-    ahead = whole["speed_q32"][in_cut] / 2**32 * LAG_S / TICK_S
-    wanted = swing_of_table(tmp_path, whole["turn"][in_cut] + ahead, whole["z_mm"][in_cut])
-    error_deg = whole["swing_set_deg"][in_cut] - wanted
+    in_cut = while_in(whole, "cutting")[::3]
+    ahead = in_cut["speed_q32"] / 2**32 * LAG_S / TICK_S
+    wanted = swing_of_table(tmp_path, in_cut["turn"] + ahead, in_cut["z_mm"])
+    error_deg = in_cut["swing_set_deg"] - wanted
     assert 1e-4 < np.abs(error_deg).max() < 6e-4
     assert np.sqrt(np.mean(error_deg**2)) < 1.2e-4
-    in_cut = np.flatnonzero(whole["state"] == "cutting")[::3]
-    wanted = swing_of_table(tmp_path, whole["true_turn"][in_cut], whole["z_mm"][in_cut])
-    error_deg = whole["swing_act_deg"][in_cut] - wanted
+    wanted = swing_of_table(tmp_path, in_cut["true_turn"], in_cut["z_mm"])
+    error_deg = in_cut["swing_act_deg"] - wanted
     assert np.abs(error_deg).max() < 6e-3
     assert np.sqrt(np.mean(error_deg**2)) < 5e-4
 
 
-def test_swing_rises_and_falls_with_the_envelope(whole: Columns) -> None:
+def test_swing_rises_and_falls_with_the_envelope(whole: Rows) -> None:
     """From 0 and back to rest at 0; in the traced the pressure angle of the cam to either side."""
     swing_deg = whole["swing_set_deg"]
-    assert np.all(np.abs(swing_deg[whole["state"] == "homing"]) < 1e-6)
-    most = np.abs(swing_deg[whole["state"] == "cutting"]).max()
+    assert np.all(np.abs(while_in(whole, "homing")["swing_set_deg"]) < 1e-6)
+    most = np.abs(while_in(whole, "cutting")["swing_set_deg"]).max()
     assert most == pytest.approx(19.967381, abs=1e-3)
     assert np.abs(swing_deg).max() <= most + 1e-5
     rest = swing_deg[-8:]
     assert np.all(np.abs(rest) < 1e-5)
     assert np.ptp(rest) == 0
     # the clearance of X contains the lift: the roller's centre comes from outside everywhere
-    in_work = np.isin(whole["state"], ["engaging", "cutting", "disengaging"])
-    assert whole["error_nm"][in_work].min() > -200
+    in_work = while_in(whole, "engaging", "cutting", "disengaging")
+    assert in_work["error_nm"].min() > -200
 
 
-def check_set_points(trace: Columns) -> None:
+def check_set_points(trace: Rows) -> None:
     """Check speed and acceleration of the set-point, over the distance of two of them."""
     speed_deg_s = np.diff(trace["swing_set_deg"]) / TICK_S
     assert np.abs(speed_deg_s).max() <= 1.001 * SPEED_DEG_S
@@ -423,35 +395,32 @@ def check_set_points(trace: Columns) -> None:
 
 
 @pytest.mark.parametrize("at_s", ["0.82", pytest.param("1.0", marks=pytest.mark.long)])
-def test_emergency_stop_brings_the_swing_back(cam: Path, tmp_path: Path, at_s: str) -> None:
+def test_emergency_stop_brings_the_swing_back(cam: Path, at_s: str) -> None:
     """Within its limits, and enable holds until it rests at 0; U and X leave beyond the lift."""
-    trace = traced(cam, tmp_path, "--inject", f"estop@{at_s}", status=1)
+    trace = traced(cam, "--inject", f"estop@{at_s}", status=1)
     check_set_points(trace)
-    fault = trace["state"] == "fault"
-    enabled = trace["out_outputs"][fault].astype(int) & 1
-    held = trace["swing_set_deg"][fault][enabled == 0]
+    fault = while_in(trace, "fault")
+    held = fault["swing_set_deg"][fault["out_outputs"].astype(int) & 1 == 0]
     assert len(held) > 0
     assert np.all(np.abs(held) < 1e-4)
     assert trace["u_set_nm"][-1] == pytest.approx(OUT_NM, abs=2)
-    off_mm = (trace["out_x_nm"][-1] - trace["out_x_nm"][fault][0]) * 1e-6
+    off_mm = (trace["out_x_nm"][-1] - fault["out_x_nm"][0]) * 1e-6
     assert off_mm == pytest.approx(1.25 * LIFT_MM + 1, abs=1e-3)
 
 
-def test_stop_of_the_operator_ends_at_rest(cam: Path, tmp_path: Path) -> None:
+def test_stop_of_the_operator_ends_at_rest(cam: Path) -> None:
     """By the envelope, as any traced."""
-    trace = traced(cam, tmp_path, "--inject", "stop@0.3")
+    trace = traced(cam, "--inject", "stop@0.3")
     check_set_points(trace)
     assert abs(trace["swing_set_deg"][-1]) < 1e-5
 
 
-def test_blocked_swing_is_a_fault(cam: Path, tmp_path: Path) -> None:
+def test_blocked_swing_is_a_fault(cam: Path) -> None:
     """It is detected a plan after it is off by its limit of a degree; the tool leaves the work."""
-    trace = traced(cam, tmp_path, "--inject", "swing-block@0.85", status=1)
-    cut_s = trace["t_s"][int(np.argmax(trace["state"] == "cutting"))]
-    start = int(np.argmax(trace["state"] == "fault"))
-    assert 0 < trace["t_s"][start] - cut_s - 0.85 < 0.02
-    behind = np.abs(trace["swing_set_deg"] - trace["swing_act_deg"])
-    assert 1 < behind[start] < 4
+    trace = traced(cam, "--inject", "swing-block@0.85", status=1)
+    fault = while_in(trace, "fault")[0]
+    assert 0 < fault["t_s"] - while_in(trace, "cutting")["t_s"][0] - 0.85 < 0.02
+    assert 1 < abs(fault["swing_set_deg"] - fault["swing_act_deg"]) < 4
     assert trace["u_set_nm"][-1] == pytest.approx(OUT_NM, abs=2)
 
 
@@ -464,26 +433,21 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_infeasible_swing_is_refused_before_motion(cam: Path, tmp_path: Path, name: str) -> None:
+def test_infeasible_swing_is_refused_before_motion(cam: Path, name: str) -> None:
     """With the numbers, and the highest speed where one helps, which then passes."""
-    line = only_error(camsim("run", cam, "--machine", MACHINE, *FAST, "--set", name))
+    line = refusal(cam, "--machine", MACHINE, *FAST, "--set", name)
     assert REFUSED[name] in line
     if "give at most --rpm" in line:
         rpm = line.rsplit(" ", 1)[1]
         words = ("--set", name, "--rpm", rpm, "--turns-limit", "0.1")
-        done = camsim("run", cam, "--machine", MACHINE, *FAST, *words)
-        assert done.returncode == 0, done.stderr
+        cut(cam, "--machine", MACHINE, *FAST, *words)
     else:
         assert "no speed helps" in line
 
 
-def test_machine_without_the_axis_refuses(cam: Path, table_of: TableOf, tmp_path: Path) -> None:
+def test_machine_without_the_axis_refuses(cam: Path, table_of: TableOf) -> None:
     """A speed of 0 in the machine file says that there is none; a skirt does not ask for it."""
-    machine = tmp_path / "m.toml"
-    machine.write_text(MACHINE.read_text() + "\n[swing]\nspeed_deg_per_s = 0\n")
-    line = only_error(camsim("run", cam, "--machine", machine))
+    line = refusal(cam, machine=MACHINE.read_text() + "\n[swing]\nspeed_deg_per_s = 0\n")
     assert "for which there is no axis" in line
-    trace = tmp_path / "t.csv"
-    done = camsim("run", table_of("perkins240"), "--turns-limit", "1", "--trace", trace)
-    assert done.returncode == 0, done.stderr
-    assert "swing" not in trace.read_text().splitlines()[0]
+    trace = cut(table_of("perkins240"), "--turns-limit", "1", tables=["trace"]).trace
+    assert not [name for name in trace.dtype.names or () if "swing" in name]

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Plunge grinding: infeed and spark-out by the turn, wheel width and wear, Z that stands."""
 
-import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -11,17 +10,17 @@ import numpy as np
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.quantities import Floats
 from camtools.lobe.generate import GeneratedLobes, generate_lobes
 from camtools.lobe.kind import KIND
 from camtools.lobe.plunge import left_by_wear_um
 from camtools.lobe.summary import design_of_lobes, make_lobe_summary
 from camtools.ngc.lobe_program import LobeJob, lobe_program
 from camtools.pipeline.make_table import Made
+from camtools.sim.binding import Rows
 from camtools.table.channel import ImageError
 from camtools.table.image import pack, unpack
 from camtools.table.quantise import with_bounds
-from tests.tools.cases.camsim_cases import ROOT, camsim, columns_of, only_error
+from tests.tools.cases.camsim_cases import ROOT, camsim, cut, refusal, while_in
 from tests.tools.cases.cut_cases import made_of, written
 from tests.tools.cases.lobe_cases import MACHINE, cam, evaluate
 
@@ -46,21 +45,15 @@ def text_of(text: str, **keys: object) -> str:
     return text
 
 
-def run(
-    folder: Path, made: GeneratedLobes, wear_um: float
-) -> tuple[dict[str, Any], dict[str, Floats]]:
+def run(folder: Path, made: GeneratedLobes, wear_um: float) -> tuple[dict[str, Any], Rows]:
     """Return summary and trace of a cut whose wheel wears."""
     image = written(Made(KIND, made), folder)
     machine = KIND.machine(made.part).split("[wheel]")[0]
     machine = re.sub(r"(?m)^ripple = .*$", "ripple = 0.0", machine)
-    (folder / "m.toml").write_text(f"{machine}[wheel]\nwear_um_per_lobe = {wear_um!r}\n")
-    paths = ("--summary", folder / "s.json", "--trace", folder / "t.csv", "--trace-every", "20")
-    done = camsim("run", image, "--machine", folder / "m.toml", "--no-learning", *paths)
-    assert done.returncode in (0, 1), done.stderr
-    columns = columns_of(folder / "t.csv")
-    names, is_cutting = ("turn", "z_mm", "out_x_nm", "out_z_nm"), columns["state"] == "cutting"
-    trace = {name: columns[name][is_cutting].astype(float) for name in names}
-    return json.loads((folder / "s.json").read_text()), trace
+    machine += f"[wheel]\nwear_um_per_lobe = {wear_um!r}\n"
+    words = ("--no-learning", "--trace-every", 20)
+    found = cut(image, *words, machine=machine, status=None, tables=["trace"])
+    return found.summary, while_in(found.trace, "cutting")
 
 
 @pytest.mark.long
@@ -162,7 +155,7 @@ def test_keys_that_do_not_belong_together_are_refused(old: str, new: str, told: 
 def test_no_program_is_written_for_a_plunge_cut(made: GeneratedLobes, tmp_path: Path) -> None:
     """It would feed Z over the lobe; a measured Z does not tell the turns."""
     image = written(Made(KIND, made), tmp_path)
-    line = only_error(camsim("run", image, "--machine", MACHINE, "--set", "z_is_measured=1"))
+    line = refusal(image, "--machine", MACHINE, "--set", "z_is_measured=1")
     assert "a measured Z cannot" in line
     with pytest.raises(CamtoolsError, match="plunge-grinding"):
         lobe_program(LobeJob(cam(TEXT), 0.001, False))

@@ -38,15 +38,13 @@ def test_size_is_that_of_the_file(name: str, table_of: TableOf) -> None:
 
 
 @pytest.mark.parametrize("name", ["perkins240", "p4c-35"])
-def test_limits_and_highest_speed_are_the_controllers(
-    name: str, table_of: TableOf, tmp_path: Path
-) -> None:
+def test_limits_and_highest_speed_are_the_controllers(name: str, table_of: TableOf) -> None:
     """What camsim's controller needs of each limit, and the highest speed that it takes."""
     told = stage(answers(text_of(name)), "table")
     loaded = parse(text_of(name).encode(), f"{name}.toml", PARTS)
-    (tmp_path / "machine.toml").write_text(loaded.kind.machine(loaded.part))
-    words = ("--machine", tmp_path / "machine.toml", "--turns-limit", "1", "--no-learning")
-    theirs = cut(table_of(name), tmp_path, *words, "--tolerance-um", "99")["feasibility"]
+    words = ("--turns-limit", "1", "--no-learning", "--tolerance-um", "99")
+    found = cut(table_of(name), *words, machine=loaded.kind.machine(loaded.part))
+    theirs = found.summary["feasibility"]
     # 0.1 r/min: the search in the simulator ends there
     assert told["highest_rpm"] == pytest.approx(theirs["highest_rpm"], abs=0.1)
     ours = {one["field"]: one for one in told["margins"] if one["name"].startswith("u_")}

@@ -25,7 +25,7 @@ from camtools.panel.runs.compare_charts import error_map, over_height, scale_of
 from camtools.panel.runs.options import RunOptions
 from camtools.panel.runs.run_queue import MOST_WAITING, RunQueue
 from camtools.panel.runs.store import DONE, FAILED, OWN, STOPPED, WAITING, RunStore
-from camtools.sim.machines import names
+from camtools.sim.machine_file import names
 from checks.patience import limit_s
 
 SUMMARY = {
@@ -192,12 +192,12 @@ def test_a_queue_has_an_end(store: RunStore) -> None:
 
 def test_options_are_those_of_tools_run() -> None:
     """Its own parser takes every option that the page gives."""
-    from camtools.pipeline.job import RunJob
+    from tests.tools.cases.command_cases import job_of
 
     options = RunOptions(machine=names()[0], rpm=900.0, feed_mm=0.2, learns=False, seed=7)
-    job = RunJob(options.words("part.toml"))
-    assert (job.rpm, job.feed_mm, job.machine is not None) == (900.0, 0.2, True)
-    assert job.extra[:2] == ["--seed", "7"]
+    job = job_of(*options.words("part.toml"))
+    assert (job.rpm, job.feed, job.machine is not None) == (900.0, 0.2, True)
+    assert job.extra[:2] == ("--seed", "7")
     assert "--no-learning" in job.extra
     assert RunOptions.of(options.told()) == options
     for wrong in (RunOptions(rpm=-1.0), RunOptions(rpm=float("nan")), RunOptions(seed=-1)):

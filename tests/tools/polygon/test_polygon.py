@@ -21,7 +21,7 @@ from camtools.polygon.plots import draw_motion
 from camtools.polygon.shapes import cornered, p3g, p4c, regular
 from camtools.polygon.standard_sizes import P3G, P4C
 from tests.tools.cases import polygon_cases as cases
-from tests.tools.cases.camsim_cases import columns_of
+from tests.tools.cases.camsim_cases import columns_of, plain
 from tests.tools.cases.cut_cases import PARTS, cut_made, evaluated, made_of, tip_mm
 from tests.tools.cases.part_cases import ROOT
 
@@ -294,7 +294,7 @@ def test_verdict_is_against_the_drawing(tmp_path: Path) -> None:
     path = tmp_path / "p.toml"
     path.write_text(text.replace("form_error_um = 15.0", "form_error_um = 5.0"))
     found = cut_made(loaded(path), tmp_path, "--feed", "2", status=1)
-    assert found.form_um == pytest.approx(12.0, abs=0.2)
+    assert found.form_error_um == pytest.approx(12.0, abs=0.2)
     assert not found.summary["is_good"]
 
 
@@ -394,7 +394,7 @@ def test_both_senses_cut_the_drawing(direction: int, tmp_path: Path) -> None:
     tail = TAIL.replace("100\n", f"100\ndirection = {direction}\n").replace("12\n", "20\n")
     path = tmp_path / "a.toml"
     path.write_text(HEAD + lines + tail)
-    turn, _, radius, *_ = cut_made(loaded(path), tmp_path).surface.values()
+    turn, _, radius, *_ = plain(cut_made(loaded(path), tmp_path).surface)
     some = np.random.default_rng(1).choice(turn.size, 500, replace=False)
     drawn = cases.rounded_mm(2 * np.pi * turn[some], np.array(corners), 4.0)
     assert np.abs(radius[some] - drawn).max() < 2.5e-3
@@ -419,7 +419,7 @@ def test_about_the_mean_with_run_in(tmp_path: Path) -> None:
         loaded(path)
     more = 'u_zero = "mean"\nrun_in_mm = 1.5\nrun_out_mm = 1.0\n[machine.limits]'
     path.write_text(text.replace("[machine.limits]", more))
-    turn, _, radius, *_ = cut_made(loaded(path), tmp_path).surface.values()
+    turn, _, radius, *_ = plain(cut_made(loaded(path), tmp_path).surface)
     some = np.random.default_rng(2).choice(turn.size, 200, replace=False)
     drawn = radius_of("p3g-25", 2 * np.pi * turn[some])
     assert np.abs(radius[some] - drawn).max() < 2e-4

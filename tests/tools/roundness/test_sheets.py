@@ -19,9 +19,7 @@ from camtools.report.sheet_page import out_of_tolerance, sheet_pages, sheets_jso
 from camtools.report.sheet_plots import draw_lines, draw_section
 from camtools.report.text import verdict_of
 from camtools.roundness.waves import transmission
-from camtools.sim.camsim import Simulator
 from camtools.sim.results import (
-    CUTTING,
     PLACES,
     AnyCut,
     Cut,
@@ -30,12 +28,11 @@ from camtools.sim.results import (
     GaugedSection,
     GaugedSections,
     GaugedSurface,
-    read_sections,
+    sections_of,
 )
-from camtools.sim.trace_file import read_columns
 from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.part.part_file import SkirtPart
-from tests.tools.cases.camsim_cases import camsim, only_error
+from tests.tools.cases.camsim_cases import cut, refusal, while_in
 from tests.tools.cases.cut_cases import made_of, written
 from tests.tools.cases.report_cases import made_up_summary
 
@@ -337,7 +334,7 @@ TURNS = 32
 class RealCut(NamedTuple):
     """A short cut of the Perkins skirt on the default machine."""
 
-    folder: Path
+    table: Path
     gauged: GaugedSections
     turn: Floats  # of every tick of cutting
     z_mm: Floats
@@ -347,17 +344,12 @@ class RealCut(NamedTuple):
 @pytest.fixture(scope="module")
 def real(tmp_path_factory: pytest.TempPathFactory) -> RealCut:
     """Cut the first turns of the skirt, traced."""
-    folder = tmp_path_factory.mktemp("sections")
-    written(made_of("perkins240"), folder)
-    words = ["--sections", "sections.csv", "--sections-mm", ",".join(map(str, HEIGHTS_MM))]
-    words += ["--turns-limit", str(TURNS), "--no-learning"]
-    words += ["--trace", "trace.parquet"]
-    assert Simulator(folder, "perkins240.camtab").run(words, is_quiet=True).status == 0
-    names = ("true_turn", "true_z_mm", "error_nm")
-    found = read_columns(folder / "trace.parquet", ("state", *names))
-    rows = found["state"] == CUTTING
-    turn, z_mm, error_nm = (found[name][rows].astype(np.float64) for name in names)
-    return RealCut(folder, read_sections(folder / "sections.csv"), turn, z_mm, error_nm * 1e-6)
+    table = written(made_of("perkins240"), tmp_path_factory.mktemp("sections"))
+    words = ("--sections-mm", ",".join(map(str, HEIGHTS_MM)), "--turns-limit", TURNS)
+    found = cut(table, *words, "--no-learning", tables=["sections", "trace"])
+    ticks = while_in(found.trace, "cutting")
+    turn, z_mm, error_nm = (ticks[name] for name in ("true_turn", "true_z_mm", "error_nm"))
+    return RealCut(table, sections_of(found.sections), turn, z_mm, error_nm * 1e-6)
 
 
 def of_trace(real: RealCut, z_mm: float) -> Floats:
@@ -407,16 +399,10 @@ def test_lines_are_those_of_the_trace(real: RealCut) -> None:
         assert real.z_mm[0] <= line.z_mm[0] and line.z_mm[-1] <= real.z_mm[-1]
 
 
-def test_file_has_the_same_bytes_again(real: RealCut) -> None:
-    """The same cut writes the same file; without heights there are five."""
-    table, other = real.folder / "perkins240.camtab", real.folder / "again.csv"
-    words = ("--turns-limit", str(TURNS), "--no-learning", "--sections", other)
-    heights = ",".join(map(str, HEIGHTS_MM))
-    assert camsim("run", table, *words, "--sections-mm", heights).returncode == 0
-    assert other.read_bytes() == (real.folder / "sections.csv").read_bytes()
-    words = ("--feed", "1", "--no-learning", "--sections", other)
-    assert camsim("run", table, *words).returncode == 0
-    found = read_sections(other)
+def test_without_heights_there_are_five(real: RealCut) -> None:
+    """They are spread over the part."""
+    rows = cut(real.table, "--feed", 1, "--no-learning", tables=["sections"]).sections
+    found = sections_of(rows)
     assert [one.z_mm for one in found.sections] == pytest.approx([6.2, 18.6, 31, 43.4, 55.8])
     assert all(one.is_whole for one in found.sections)
 
@@ -434,4 +420,4 @@ def test_file_has_the_same_bytes_again(real: RealCut) -> None:
 )
 def test_wrong_heights_are_refused(real: RealCut, words: tuple[str, ...], told: str) -> None:
     """Heights without a file, not rising, no numbers, beyond the part, or too many."""
-    assert told in only_error(camsim("run", real.folder / "perkins240.camtab", *words))
+    assert told in refusal(real.table, *words)

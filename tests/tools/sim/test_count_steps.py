@@ -1,36 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
 """Encoder counts in step with the ticks, and the orientation of a part: MATHS.md (231)."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from tests.tools.cases.camsim_cases import ROOT, camsim
+from camtools.sim.simulate import Result
+from tests.tools.cases.camsim_cases import ROOT, plain
+from tests.tools.cases.camsim_cases import cut as camsim_cut
 
 MACHINES = ROOT / "tests" / "learn" / "machines"
 
 
-def cut(
-    table: Path, folder: Path, machine: str, rpm: float, *words: str
-) -> tuple[str, dict[str, Any]]:
-    """Return what camsim prints of a cut, and its summary."""
-    summary = folder / f"{machine}.json"
-    options: list[str | Path] = ["--machine", MACHINES / f"{machine}.toml", "--rpm", str(rpm)]
-    done = camsim("run", table, *options, "--summary", summary, "--tolerance-um", "9", *words)
-    assert done.returncode == 0, done.stderr
-    return done.stdout, json.loads(summary.read_text())
+def cut(table: Path, machine: str, rpm: float, *words: str) -> Result:
+    """Return a cut on a machine."""
+    options = ("--machine", MACHINES / f"{machine}.toml", "--rpm", rpm, "--tolerance-um", 9)
+    return camsim_cut(table, *options, *words)
 
 
-def test_the_better_speed_is_better(table_of: Callable[[str], Path], tmp_path: Path) -> None:
-    """It is told where edges have no time stamps, and at least halves the error."""
-    printed, bad = cut(table_of("oval30"), tmp_path, "coarse", 3000)
-    assert "do not average" in printed and bad["better_rpm"] == 2990
-    printed, good = cut(table_of("oval30"), tmp_path, "coarse", bad["better_rpm"])
-    assert "do not average" not in printed and "better_rpm" not in good
+def test_the_better_speed_is_better(table_of: Callable[[str], Path]) -> None:
+    """It is reported where edges have no time stamps, and at least halves the error."""
+    bad = cut(table_of("oval30"), "coarse", 3000).summary
+    assert bad["better_rpm"] == 2990
+    good = cut(table_of("oval30"), "coarse", bad["better_rpm"]).summary
+    assert "better_rpm" not in good
     assert good["form_error_um"]["max"] < bad["form_error_um"]["max"] / 2
 
 
@@ -71,43 +66,38 @@ def missed_counts(counts: int, rpm: float) -> float:
     ],
 )
 def test_named_speeds_are_those_of_quantised_counts(
-    table_of: Callable[[str], Path], tmp_path: Path, counts: int, rpm: float, is_named: bool
+    table_of: Callable[[str], Path], counts: int, rpm: float, is_named: bool
 ) -> None:
     """A named speed leaves more than twice as much as the proposed one, others leave as little."""
     coarse = (MACHINES / "coarse.toml").read_text()
-    machine = tmp_path / "machine.toml"
-    machine.write_text(coarse.replace("counts_per_turn = 10000", f"counts_per_turn = {counts}"))
-    words = ("--machine", machine, "--rpm", str(rpm), "--turns-limit", "3")
-    summary = tmp_path / "summary.json"
-    camsim("run", table_of("oval30"), *words, "--summary", summary)
-    better_rpm = json.loads(summary.read_text()).get("better_rpm")
+    machine = coarse.replace("counts_per_turn = 10000", f"counts_per_turn = {counts}")
+    words = ("--rpm", rpm, "--turns-limit", 3)
+    found = camsim_cut(table_of("oval30"), *words, machine=machine, status=None)
+    better_rpm = found.summary.get("better_rpm")
     assert (better_rpm is not None) is is_named
     assert missed_counts(counts, better_rpm or rpm) < 0.02
     if better_rpm is not None:
         assert missed_counts(counts, rpm) > 2 * missed_counts(counts, better_rpm)
 
 
-def test_stamped_edges_need_no_other_speed(table_of: Callable[[str], Path], tmp_path: Path) -> None:
+def test_stamped_edges_need_no_other_speed(table_of: Callable[[str], Path]) -> None:
     """Their counts have no steps."""
-    printed, summary = cut(table_of("oval30"), tmp_path, "stamps", 3000, "--turns-limit", "3")
-    assert "do not average" not in printed and "better_rpm" not in summary
+    summary = cut(table_of("oval30"), "stamps", 3000, "--turns-limit", "3").summary
+    assert "better_rpm" not in summary
 
 
-def test_a_lead_that_is_wrong_turns_the_part(
-    table_of: Callable[[str], Path], tmp_path: Path
-) -> None:
+def test_a_lead_that_is_wrong_turns_the_part(table_of: Callable[[str], Path]) -> None:
     """10 us more at 3000 r/min turn it by 3142 urad, which is nearly all of the error."""
     words = ("--turns-limit", "20", "--set", "learn_harmonics=0", "--set", "rehearse_turns=0")
-    found = []
-    surface = tmp_path / "surface.csv"
-    for lead_ns in (100_000, 110_000):
-        more = ("--set", f"lead_ns={lead_ns}", "--surface", str(surface))
-        _, summary = cut(table_of("oval30"), tmp_path, "known", 3000, *words, *more)
-        found.append(summary["form_error_um"])
+    cuts = [
+        cut(table_of("oval30"), "known", 3000, *words, "--set", f"lead_ns={lead_ns}")
+        for lead_ns in (100_000, 110_000)
+    ]
+    found = [one.summary["form_error_um"] for one in cuts]
     by_urad = found[1]["turned_urad"] - found[0]["turned_urad"]
     assert abs(by_urad) == pytest.approx(2 * 3.14159265 * 50 * 10, rel=0.02)
     assert found[1]["rms_not_turned"] < 0.2 < found[1]["rms"]
-    turn, _, radius_mm, error_nm = np.loadtxt(surface, delimiter=",", skiprows=1)[:, :4].T
+    turn, _, radius_mm, error_nm = plain(cuts[1].surface)[:4]
     angle = 2 * np.pi * turn  # fit the section's harmonics, and turn it back
     order = np.arange(9)
     waves = np.hstack([np.cos(np.outer(angle, order)), np.sin(np.outer(angle, order))])

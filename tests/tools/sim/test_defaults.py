@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Windows, limits and bandwidth that nobody set fit the machine, or are refused with numbers."""
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from camtools.cli.mktables import main as mktables
-from tests.tools.cases.camsim_cases import camsim, columns_of, only_error
+from tests.tools.cases.camsim_cases import cut, refusal, while_in
 
 OVAL = """\
 [part]
@@ -50,64 +49,51 @@ def oval(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "oval.camtab"
 
 
-def machine(folder: Path, tick_hz: int, counts: int, more: str = "") -> Path:
-    """Write a machine file."""
-    path = folder / "machine.toml"
-    path.write_text(
-        f"[machine]\ntick_hz = {tick_hz}\n[encoder]\ncounts_per_turn = {counts}\n{more}"
-    )
-    return path
+def machine(tick_hz: int, counts: int, more: str = "") -> str:
+    """Return a machine file."""
+    return f"[machine]\ntick_hz = {tick_hz}\n[encoder]\ncounts_per_turn = {counts}\n{more}"
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("counts", [4096, 10_000, 65_536, 1_000_000])
 @pytest.mark.parametrize("tick_hz", [1000, 5000, 20_000])
-def test_no_speed_is_taken_for_a_jump(
-    oval: Path, tmp_path: Path, tick_hz: int, counts: int
-) -> None:
+def test_no_speed_is_taken_for_a_jump(oval: Path, tick_hz: int, counts: int) -> None:
     """Every encoder and tick cuts at every speed, with the usual and with slow observers."""
-    lathe = machine(tmp_path, tick_hz, counts)
+    lathe = machine(tick_hz, counts)
     for rpm in (500, 1500, 2000):
         for bandwidth in ((), ("--set", "observer_bandwidth_mHz=20000")):
-            out = tmp_path / "s.json"
-            words = ("--rpm", rpm, "--machine", lathe, "--summary", out, "--tolerance-um", 50)
-            done = camsim("run", oval, *QUICK, *map(str, words), *bandwidth)
-            assert done.returncode == 0, done.stderr
-            assert json.loads(out.read_text())["faults"] == []
+            words = (*QUICK, "--rpm", rpm, "--tolerance-um", 50, *bandwidth)
+            assert cut(oval, *words, machine=lathe).summary["faults"] == []
 
 
-def test_jump_beyond_the_derived_window_is_seen_in_its_tick(oval: Path, tmp_path: Path) -> None:
+def test_jump_beyond_the_derived_window_is_seen_in_its_tick(oval: Path) -> None:
     """A million counts: 67 by MATHS.md (166); twice of it is a jump, an eighth is lost counts."""
-    lathe = machine(tmp_path, 20_000, 1_000_000)
+    lathe = machine(20_000, 1_000_000)
     for counts, fault in ((134, "encoder_jump"), (8, "lost_counts")):
-        words = ("--machine", lathe, "--inject", f"encoder-jump@0.05:{counts}")
-        done = camsim("run", oval, "--rpm", "2000", "--feed", "1", *words)
-        assert f"fault {fault}:" in done.stderr
+        words = ("--rpm", 2000, "--feed", 1, "--inject", f"encoder-jump@0.05:{counts}")
+        assert f"fault {fault}:" in cut(oval, *words, machine=lathe, status=1).message
 
 
 def test_observer_that_is_too_fast_for_the_tick_is_refused_with_what_would_do(
-    oval: Path, tmp_path: Path
+    oval: Path,
 ) -> None:
     """The line names rate and limit, and the limit is taken."""
-    lathe = machine(tmp_path, 1000, 10_000)
-    words = ("--rpm", "1500", "--machine", str(lathe), *QUICK)
-    line = only_error(camsim("run", oval, *words, "--set", "observer_bandwidth_mHz=200000"))
+    lathe, words = machine(1000, 10_000), ("--rpm", 1500, *QUICK)
+    line = refusal(oval, *words, "--set", "observer_bandwidth_mHz=200000", machine=lathe)
     assert "observer_bandwidth_mHz = 200000" in line
     assert "1000 Hz; give at most 80000 " in line
-    assert camsim("run", oval, *words, "--set", "observer_bandwidth_mHz=80000").returncode == 0
+    cut(oval, *words, "--set", "observer_bandwidth_mHz=80000", machine=lathe)
 
 
-def blocked_s(table: Path, rpm: int, at_s: float, folder: Path) -> tuple[float, float]:
+def blocked_s(table: Path, rpm: int, at_s: float) -> tuple[float, float]:
     """Block U in the cut; return [s] until the fault, and the largest following error [um]."""
-    trace = folder / "t.csv"
-    done = camsim("run", table, "--rpm", str(rpm), "--inject", f"u-block@{at_s}", "--trace", trace)
-    assert "fault following_error:" in done.stderr
-    columns = columns_of(trace)
-    state, t_s = columns["state"], columns["t_s"]
-    begin = t_s[(state == "cutting") | (state == "fault")][0] + at_s
-    first = int(np.argmax(state == "fault"))
-    off_um = (columns["u_act_nm"][first] - columns["u_due_nm"][first]) * 1e-3
-    return float(t_s[first] - begin), abs(float(off_um))
+    words = ("--rpm", rpm, "--inject", f"u-block@{at_s}")
+    found = cut(table, *words, status=1, tables=["trace"])
+    assert "fault following_error:" in found.message
+    begin = while_in(found.trace, "cutting", "fault")["t_s"][0] + at_s
+    first = while_in(found.trace, "fault")[0]
+    off_um = (first["u_act_nm"] - first["u_due_nm"]) * 1e-3
+    return float(first["t_s"] - begin), abs(float(off_um))
 
 
 @pytest.mark.parametrize(
@@ -120,11 +106,11 @@ def blocked_s(table: Path, rpm: int, at_s: float, folder: Path) -> tuple[float, 
     ],
 )
 def test_blocked_u_is_seen_within_a_tenth_of_the_ovality_and_the_first_turn(
-    oval: Path, table: Path, tmp_path: Path, at_s: float
+    oval: Path, table: Path, at_s: float
 ) -> None:
     """Wherever U stands: on an oval, and where the ovality is half of the part's largest."""
     for one in (oval, table):
-        late_s, off_um = blocked_s(one, 2400, at_s, tmp_path)
+        late_s, off_um = blocked_s(one, 2400, at_s)
         assert 0 <= late_s <= 60 / 2400
         assert off_um <= 0.1 * OVALITY_UM + 3.0  # and what U would have moved in its tick
 
@@ -136,30 +122,23 @@ def test_wrong_drive_does_not_end_the_approach_in_a_fault(oval: Path) -> None:
             omega = 6.283185307 * 300 * share
             k1, k2 = round(2e9 * damping / omega), round(1e12 / omega**2)
             words = ("--set", f"k1_ns={k1}", "--set", f"k2_us2={k2}", "--tolerance-um", "50")
-            assert camsim("run", oval, "--rpm", "2500", *QUICK, *words).returncode == 0
+            cut(oval, "--rpm", "2500", *QUICK, *words)
 
 
 @pytest.mark.parametrize("stroke_mm", [0.32, 0.5, 0.8, 1.2])
 @pytest.mark.parametrize("tick_hz", [1000, 20_000])
-def test_default_retract_fits_every_stroke(
-    oval: Path, tmp_path: Path, stroke_mm: float, tick_hz: int
-) -> None:
+def test_default_retract_fits_every_stroke(oval: Path, stroke_mm: float, tick_hz: int) -> None:
     """U stays in the stroke to the end, also at coarse ticks, where it overshot by 6 um."""
-    lathe = machine(tmp_path, tick_hz, 10_000, f"[u]\nstroke_mm = {stroke_mm}\n")
-    trace = tmp_path / "t.csv"
-    words = ("--rpm", "1500", *QUICK, "--machine", lathe, "--trace", trace)
-    done = camsim("run", oval, *words)
-    assert done.returncode == 0, done.stderr
-    assert np.abs(columns_of(trace)["u_set_nm"]).max() <= stroke_mm * 5e5
+    lathe = machine(tick_hz, 10_000, f"[u]\nstroke_mm = {stroke_mm}\n")
+    found = cut(oval, "--rpm", "1500", *QUICK, machine=lathe, tables=["trace"])
+    assert np.abs(found.trace["u_set_nm"]).max() <= stroke_mm * 5e5
 
 
-def test_retract_that_was_set_beyond_the_stroke_is_blamed_itself(
-    oval: Path, tmp_path: Path
-) -> None:
+def test_retract_that_was_set_beyond_the_stroke_is_blamed_itself(oval: Path) -> None:
     """The line names the parameter and what would do; that is taken."""
-    lathe = machine(tmp_path, 20_000, 10_000, "[u]\nstroke_mm = 0.8\n")
-    words = ("--rpm", "1500", *QUICK, "--machine", str(lathe))
-    line = only_error(camsim("run", oval, *words, "--set", "u_retract_nm=-450000"))
-    assert line.startswith("camsim: --set u_retract_nm=-450000: infeasible: ")
+    lathe = machine(20_000, 10_000, "[u]\nstroke_mm = 0.8\n")
+    words = ("--rpm", "1500", *QUICK)
+    line = refusal(oval, *words, "--set", "u_retract_nm=-450000", machine=lathe)
+    assert line.startswith("--set u_retract_nm=-450000: infeasible: ")
     most = line.partition("give at least ")[2].partition(",")[0]
-    assert camsim("run", oval, *words, "--set", f"u_retract_nm={most}").returncode == 0
+    cut(oval, *words, "--set", f"u_retract_nm={most}", machine=lathe)

@@ -5,7 +5,6 @@ The limits are those of the plant: a step F of the force moves it by about F / (
 crossover w, whatever controls it. They were found by an independent simulation of the loop.
 """
 
-import json
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -15,11 +14,12 @@ import pytest
 
 from camtools.tune.drive import Drive
 from camtools.tune.parameters import parameters_of
-from tests.tools.cases.camsim_cases import camsim, columns_of
+from tests.tools.cases.camsim_cases import cut, refusal, while_in
 from tests.tools.cases.drive_plant import designed
 
 MASS_KG = 1.5
 PUSH_N = 10.0
+LONG = ("--tolerance-um", "99", "--turns-limit", "150")
 MACHINE = """\
 [machine]
 name = "force"
@@ -59,17 +59,15 @@ def loop_of(amplifier_hz: float, delay_us: float, share: float) -> str:
 
 
 def machine(
-    folder: Path, amplifier_hz: float, delay_us: float, share: float, scale_nm: float = 10.0,
+    amplifier_hz: float, delay_us: float, share: float, scale_nm: float = 10.0,
     believed_kg: float = MASS_KG,
-) -> Path:  # fmt: skip
-    """Write a machine with the loop for it."""
-    file = folder / "force.toml"
+) -> str:  # fmt: skip
+    """Return a machine with the loop for it."""
     text = MACHINE.format(
         delay_us=delay_us, scale_nm=scale_nm, amplifier_hz=amplifier_hz, share=share,
         believed_kg=believed_kg,
     )  # fmt: skip
-    file.write_text(text + loop_of(amplifier_hz, delay_us, share))
-    return file
+    return text + loop_of(amplifier_hz, delay_us, share)
 
 
 @pytest.mark.long
@@ -77,18 +75,18 @@ def machine(
     ("amplifier_hz", "delay_us", "share", "most_um"), [(1500, 25, -0.2, 2.2), (1500, 75, 1.0, 6.0)]
 )
 def test_step_of_force_in_the_cut(
-    table_of: Callable[[str], Path], tmp_path: Path,
+    table_of: Callable[[str], Path],
     amplifier_hz: float, delay_us: float, share: float, most_um: float,
 ) -> None:  # fmt: skip
     """10 N from one tick to the next: peak, 0.1 um after 20 ms; the cut itself learns nothing."""
-    lathe, trace = machine(tmp_path, amplifier_hz, delay_us, share), tmp_path / "trace.csv"
     push = ("--inject", f"u-push@0.5:{PUSH_N}", "--set", "learn_cut_gain_ppm=0")
-    words: list[str | Path] = ["--machine", lathe, "--trace", trace, *push, "--turns-limit", "60"]
-    done = camsim("run", table_of("perkins240"), *words, "--tolerance-um", "99")
-    assert done.returncode == 0, done.stderr
-    columns = columns_of(trace, "t_s", "state", "error_nm")
-    time_s = columns["t_s"] - columns["t_s"][int(np.argmax(columns["state"] == "cutting"))] - 0.5
-    error_um = columns["error_nm"] / 1e3
+    trace = cut(
+        *(table_of("perkins240"), *push, "--turns-limit", "60", "--tolerance-um", "99"),
+        machine=machine(amplifier_hz, delay_us, share),
+        tables=["trace"],
+    ).trace
+    time_s = trace["t_s"] - while_in(trace, "cutting")["t_s"][0] - 0.5
+    error_um = trace["error_nm"] / 1e3
     before = np.abs(error_um[(time_s > -0.1) & (time_s < 0)]).max()
     peak = np.abs(error_um[(time_s > 0) & (time_s < 0.02)]).max()
     late = np.abs(error_um[(time_s > 0.02) & (time_s < 0.1)]).max()
@@ -99,50 +97,32 @@ def test_step_of_force_in_the_cut(
 
 @pytest.mark.long
 @pytest.mark.parametrize(("scale_nm", "most_um"), [(10, 0.05), (100, 0.15), (1000, 1.0)])
-def test_wrong_mass_after_a_rehearsal(
-    oval30: Path, tmp_path: Path, scale_nm: float, most_um: float
-) -> None:
+def test_wrong_mass_after_a_rehearsal(oval30: Path, scale_nm: float, most_um: float) -> None:
     """1 mm at 3000 r/min, mass believed 20 % wrong."""
     for believed_kg in (1.2, 1.8):
-        lathe = machine(tmp_path, 1500, 25, -0.2, scale_nm, believed_kg)
-        surface = tmp_path / "surface.csv"
-        done = camsim(
-            "run", oval30, "--machine", lathe, "--rpm", "3000", "--surface", surface,
-            "--tolerance-um", "99", "--turns-limit", "150",
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr
-        error_nm = columns_of(surface, "error_nm")["error_nm"]
-        assert np.abs(error_nm).max() / 1e3 <= most_um
+        lathe = machine(1500, 25, -0.2, scale_nm, believed_kg)
+        found = cut(oval30, "--rpm", 3000, *LONG, machine=lathe)
+        assert np.abs(found.surface["error_nm"]).max() / 1e3 <= most_um
 
 
 @pytest.mark.long
-def test_slow_loop_learns_only_below_half_its_crossover(oval30: Path, tmp_path: Path) -> None:
+def test_slow_loop_learns_only_below_half_its_crossover(oval30: Path) -> None:
     """A mode on the scale leaves 66 Hz; learned at 3000 r/min the part had 98 um."""
-    lathe, summary = tmp_path / "slow.toml", tmp_path / "summary.json"
-    lathe.write_text(
+    lathe = (
         '[u]\nkind = "force"\nstroke_mm = 3\nmass_kg = 0.21\nmode_hz = 2207\nmode_on_scale = 1\n'
     )
     for rpm, reason, most_um in ((3000, "slow_loop", 1.0), (600, "all", 0.5)):
-        done = camsim(
-            "run", oval30, "--machine", lathe, "--rpm", str(rpm), "--summary", summary,
-            "--tolerance-um", "99", "--turns-limit", "150",
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr
-        found = json.loads(summary.read_text())
+        found = cut(oval30, "--rpm", rpm, *LONG, machine=lathe).summary
         assert found["learning"]["reason"] == reason
         assert found["form_error_um"]["max"] <= most_um
 
 
-def test_continuous_force_below_the_rms_of_a_cut_is_refused(oval30: Path, tmp_path: Path) -> None:
+def test_continuous_force_below_the_rms_of_a_cut_is_refused(oval30: Path) -> None:
     """1 mm at 100 Hz takes 0.5 mm (2 pi 100 Hz)^2 of 1.5 kg, and 5 N of friction."""
-    lathe = machine(tmp_path, 1500, 25, -0.2)
+    lathe, words = machine(1500, 25, -0.2), ("--rpm", 3000, *LONG, "--turns-limit", 3, "--set")
     rms_n = np.hypot(MASS_KG * 0.5e-3 * (200 * np.pi) ** 2 / np.sqrt(2), 5.0)
-    for limit_n, status in ((1.002 * rms_n, 0), (0.998 * rms_n, 2)):
-        done = camsim(
-            "run", oval30, "--machine", lathe, "--rpm", "3000", "--tolerance-um", "99",
-            "--set", f"servo_continuous_mn={1000 * limit_n:.0f}", "--turns-limit", "3",
-        )  # fmt: skip
-        assert done.returncode == status, done.stderr
-    needed = float(done.stderr.split("needs ")[1].split(" N rms")[0])
+    cut(oval30, *words, f"servo_continuous_mn={1002 * rms_n:.0f}", machine=lathe)
+    line = refusal(oval30, *words, f"servo_continuous_mn={998 * rms_n:.0f}", machine=lathe)
+    needed = float(line.split("needs ")[1].split(" N rms")[0])
     assert needed == pytest.approx(rms_n, rel=1e-3)
-    assert "give at most --rpm 29" in done.stderr
+    assert "give at most --rpm 29" in line

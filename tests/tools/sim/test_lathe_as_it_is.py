@@ -24,10 +24,8 @@ def cut(oval30: Path, **sections: dict[str, float | str]) -> dict[str, Any]:
     for name in {**BASE, **sections}:
         keys = {**BASE.get(name, {}), **sections.get(name, {})}
         lines += [f"[{name.replace('_', '.')}]", *(f"{key} = {keys[key]}" for key in keys)]
-    machine = oval30.with_name("m.toml")
-    machine.write_text("\n".join(lines) + "\n")
-    words = ("--machine", machine, "--tolerance-um", "999", "--turns-limit", "65")
-    return camsim_cut(oval30, oval30.parent, *words)
+    words = ("--tolerance-um", "999", "--turns-limit", "65")
+    return camsim_cut(oval30, *words, machine="\n".join(lines)).summary
 
 
 def form_um(summary: dict[str, Any]) -> float:

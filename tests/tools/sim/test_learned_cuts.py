@@ -14,7 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from tests.tools.cases.camsim_cases import ROOT, camsim, columns_of, cut
+from camtools.sim.binding import Rows
+from camtools.sim.results import STATES
+from tests.tools.cases.camsim_cases import ROOT, cut, refusal, while_in
 
 LEARN = ROOT / "tests" / "learn"
 MACHINES = LEARN / "machines"
@@ -73,31 +75,35 @@ def row_cases() -> list[Any]:
 
 
 @pytest.mark.parametrize("row", row_cases())
-def test_what_is_learned_keeps_the_form_error(table_of: TableOf, tmp_path: Path, row: Row) -> None:
+def test_what_is_learned_keeps_the_form_error(table_of: TableOf, row: Row) -> None:
     """The whole cut is gauged, also while the force of the chip rises and falls."""
     words: list[str | Path] = ["--machine", MACHINES / f"{row.machine}.toml", "--rpm", row.rpm]
     words += ["--feed", row.feed] if row.feed else []
-    summary = cut(table_of(row.part), tmp_path, *words, "--tolerance-um", str(row.most_um))
-    assert summary["form_error_um"]["max"] <= row.most_um
+    found = cut(table_of(row.part), *words, "--tolerance-um", row.most_um)
+    assert found.summary["form_error_um"]["max"] <= row.most_um
 
 
-def cut_30(table_of: TableOf, folder: Path, machine: Path, *more: str) -> dict[str, Any]:
+def cut_30(table_of: TableOf, machine: str, *more: str) -> dict[str, Any]:
     """Return the summary of a cut of the oval with 1 mm of tool motion at 3000 r/min."""
-    words = ("--machine", machine, "--rpm=3000", "--tolerance-um=99")
-    return cut(table_of("oval30"), folder, *words, *more)
+    words = ("--rpm=3000", "--tolerance-um=99", *more)
+    return cut(table_of("oval30"), *words, machine=machine).summary
 
 
-def test_corrections_stay_within_the_stroke(table_of: TableOf, tmp_path: Path) -> None:
+def of(machine: str) -> str:
+    """Return a machine file of the table."""
+    return (MACHINES / f"{machine}.toml").read_text()
+
+
+def test_corrections_stay_within_the_stroke(table_of: TableOf) -> None:
     """A correction of the whole force would leave it, which was the fault `command`."""
-    summary = cut_30(table_of, tmp_path, MACHINES / "tight.toml", "--feed=0.3")
+    summary = cut_30(table_of, of("tight"), "--feed=0.3")
     assert summary["faults"] == []
     assert summary["learning"]["reason"] == "limited"
 
 
-def test_another_speed_beside_a_mode(table_of: TableOf, tmp_path: Path) -> None:
+def test_another_speed_beside_a_mode(table_of: TableOf) -> None:
     """At 3300 r/min harmonic 15 is beside the mode of 800 Hz: it diverged to 36 um."""
-    words = ("--inject", "spindle-override@2:110")
-    summary = cut_30(table_of, tmp_path, MACHINES / "mode.toml", *words)
+    summary = cut_30(table_of, of("mode"), "--inject", "spindle-override@2:110")
     assert 15 in summary["learning"]["masked"]
     assert summary["form_error_um"]["max"] < 0.6
 
@@ -126,54 +132,42 @@ MIDDLE = SMALL | {"stroke_mm": 2.1}
 TOO_SMALL = SMALL | {"hz": 178, "damping": 0.64, "believed_hz": 213, "believed_damping": 0.64}
 
 
-def just(folder: Path, stroke: dict[str, float]) -> Path:
-    """Return a machine whose stroke just suffices, or not."""
-    machine = folder / "just.toml"
-    machine.write_text(JUST.format(**stroke))
-    return machine
-
-
 @pytest.mark.parametrize("stroke", [SMALL, MIDDLE])
-def test_stroke_that_just_suffices(
-    table_of: TableOf, tmp_path: Path, stroke: dict[str, float]
-) -> None:
+def test_stroke_that_just_suffices(table_of: TableOf, stroke: dict[str, float]) -> None:
     """A hundredth or a twentieth of the motion is left for friction and corrections."""
-    summary = cut_30(table_of, tmp_path, just(tmp_path, stroke))
+    summary = cut_30(table_of, JUST.format(**stroke))
     assert summary["end"] == "done"
     assert summary["form_error_um"]["max"] < 0.3
 
 
-def test_stroke_that_just_does_not_suffice(table_of: TableOf, tmp_path: Path) -> None:
+def test_stroke_that_just_does_not_suffice(table_of: TableOf) -> None:
     """The rehearsal ends with one fault, which names the command of U, and nothing is cut."""
-    words = ("--machine", just(tmp_path, TOO_SMALL), "--rpm=3000", "--tolerance-um=99")
-    [line] = camsim("run", table_of("oval30"), *words).stderr.splitlines()
-    assert "fault command: an axis command exceeds its limits" in line
-    assert ", rehearsing at " in line
-    summary = cut(table_of("oval30"), tmp_path, *words, status=1)
+    words, lathe = ("--rpm=3000", "--tolerance-um=99"), JUST.format(**TOO_SMALL)
+    found = cut(table_of("oval30"), *words, status=1, machine=lathe)
+    assert "fault command: an axis command exceeds its limits" in found.message
+    assert ", rehearsing at " in found.message
+    summary = found.summary
     assert summary["faults"] == ["command"]
     assert summary["form_error_um"]["max"] is None  # no point of the part was cut
 
 
-def test_missing_stroke_is_named_in_advance(table_of: TableOf, tmp_path: Path) -> None:
+def test_missing_stroke_is_named_in_advance(table_of: TableOf) -> None:
     """The configured feed-forward alone needs 2.4 um more: one refusal with both and a remedy."""
     drive = {"hz": 160, "damping": 0.7, "believed_hz": 192, "believed_damping": 0.8}
-    machine = just(tmp_path, MIDDLE | drive)
-    done = camsim("run", table_of("oval30"), "--machine", machine, "--rpm=3000")
-    assert done.returncode == 2
-    assert done.stderr == (
-        "camsim: --rpm 3000: infeasible: the feed-forward would command U beyond its stroke: "
-        "needs 1.052429 mm, limit 1.05 mm; give at most --rpm 2945.818\n"
+    line = refusal(table_of("oval30"), "--rpm=3000", machine=JUST.format(**MIDDLE | drive))
+    assert line == (
+        "--rpm 3000: infeasible: the feed-forward would command U beyond its stroke: "
+        "needs 1.052429 mm, limit 1.05 mm; give at most --rpm 2945.818"
     )
 
 
 @pytest.mark.long
 @pytest.mark.parametrize(("rpm", "turns"), [(40, 22), pytest.param(72, 40, marks=pytest.mark.long)])
-def test_a_slow_cam_is_learned(table_of: TableOf, tmp_path: Path, rpm: float, turns: int) -> None:
+def test_a_slow_cam_is_learned(table_of: TableOf, rpm: float, turns: int) -> None:
     """30 000 and 16 667 ticks a turn: from micrometres to a tenth within some turns."""
-    machine, believed = tmp_path / "m.toml", "[believed.u]\nbandwidth_hz = 270\n"
-    machine.write_text(f"{REAL.with_name('cam.toml').read_text()}\n{believed}")
-    words = ("--rpm", str(rpm), "--tolerance-um", "99", "--turns-limit", str(turns))
-    found = cut(table_of("cam-345"), tmp_path, "--machine", machine, *words)
+    machine = f"{REAL.with_name('cam.toml').read_text()}\n[believed.u]\nbandwidth_hz = 270\n"
+    words = ("--rpm", rpm, "--tolerance-um", 99, "--turns-limit", turns)
+    found = cut(table_of("cam-345"), *words, machine=machine).summary
     errors = [e for e in found["error_per_turn_um"] if e is not None]
     assert len(errors) >= turns - 5 and max(errors[15 : turns - 5]) < 0.2
     learned = found["learning"]
@@ -181,16 +175,12 @@ def test_a_slow_cam_is_learned(table_of: TableOf, tmp_path: Path, rpm: float, tu
     assert learned["k1_ns"] == pytest.approx(-82_500, rel=0.05)  # 1.4 / w of 300 and 270 Hz
 
 
-def errors_of(
-    table: Path, folder: Path, machine: Path, feed: str
-) -> tuple[np.ndarray, dict[str, Any]]:
+def errors_of(table_of: TableOf, machine: str, feed: str) -> tuple[np.ndarray, dict[str, Any]]:
     """Cut the Perkins skirt; return height [mm] and error [um] of its surface, and the summary."""
-    surface = folder / "surface.csv"
-    words = ("--machine", machine, "--feed", feed, "--surface", surface, "--tolerance-um=99")
-    summary = cut(table, folder, *words)
-    found = columns_of(surface, "z_mm", "error_nm")
-    rows = np.column_stack([found["z_mm"], found["error_nm"] / 1e3])
-    return rows, summary
+    words = ("--feed", feed, "--tolerance-um=99")
+    found = cut(table_of("perkins240"), *words, machine=machine)
+    rows = np.column_stack([found.surface["z_mm"], found.surface["error_nm"] / 1e3])
+    return rows, found.summary
 
 
 def largest_um(rows: np.ndarray, low_mm: float, high_mm: float) -> float:
@@ -199,23 +189,22 @@ def largest_um(rows: np.ndarray, low_mm: float, high_mm: float) -> float:
     return float(np.abs(rows[inside, 1]).max())
 
 
-def test_first_turns_are_as_good_as_the_middle(table_of: TableOf, tmp_path: Path) -> None:
+def test_first_turns_are_as_good_as_the_middle(table_of: TableOf) -> None:
     """They had 0.6 um."""
-    rows, _ = errors_of(table_of("perkins240"), tmp_path, REAL, "0.1")
+    rows, _ = errors_of(table_of, REAL.read_text(), "0.1")
     assert largest_um(rows, 0.0, 1.0) <= 0.3
 
 
-def test_last_turns_at_a_large_feed(table_of: TableOf, tmp_path: Path) -> None:
+def test_last_turns_at_a_large_feed(table_of: TableOf) -> None:
     """They had 2.3 um. Most of what is left is the tool, which bends beyond the scale."""
-    rows, _ = errors_of(table_of("perkins240"), tmp_path, REAL, "0.5")
+    rows, _ = errors_of(table_of, REAL.read_text(), "0.5")
     assert largest_um(rows, 57.5, 62.0) <= 0.5
     assert largest_um(rows, 0.5, 62.0) <= 0.75
 
 
-def test_spring_deflects_alike_by_the_mean(table_of: TableOf, tmp_path: Path) -> None:
+def test_spring_deflects_alike_by_the_mean(table_of: TableOf) -> None:
     """A position drive is a spring: both coefficients are its share of the force."""
-    machine = MACHINES / "chip.toml"
-    rows, summary = errors_of(table_of("perkins240"), tmp_path, machine, "0.5")
+    rows, summary = errors_of(table_of, of("chip"), "0.5")
     assert largest_um(rows, 1.0, 62.0) <= 0.1
     learned = summary["learning"]
     expected = 700 * 0.3 / (1.5 * (2 * np.pi * 300) ** 2 * 1e-9)
@@ -235,21 +224,16 @@ slot_2_high_mm = 35
 """
 
 
-def slotted(machine: Path, folder: Path) -> Path:
+def slotted(machine: str) -> str:
     """Return a machine whose blank has two slots on the short axis, 25 mm high."""
-    file = folder / "slotted.toml"
-    file.write_text(machine.read_text().replace("[cut]\n", f"[cut]\n{SLOTS}"))
-    return file
+    return machine.replace("[cut]\n", f"[cut]\n{SLOTS}")
 
 
 @pytest.mark.parametrize(("name", "most_um"), [("chip", 0.05), ("real", 0.31)])
-def test_slots_do_not_harm_the_rest(
-    table_of: TableOf, tmp_path: Path, name: str, most_um: float
-) -> None:
+def test_slots_do_not_harm_the_rest(table_of: TableOf, name: str, most_um: float) -> None:
     """The rest of the surface is as good as without, after the first turns at either end."""
-    machines = {"real": REAL, "chip": MACHINES / "chip.toml"}
-    machine = slotted(machines[name], tmp_path)
-    rows, summary = errors_of(table_of("perkins240"), tmp_path, machine, "0.1")
+    machine = slotted(REAL.read_text() if name == "real" else of(name))
+    rows, summary = errors_of(table_of, machine, "0.1")
     assert summary["learning"]["masked"] == []
     for low_mm, high_mm in ((1, 9.9), (14, 34.9), (39, 61)):
         assert largest_um(rows, low_mm, high_mm) <= most_um, low_mm
@@ -267,26 +251,20 @@ def test_slots_do_not_harm_the_rest(
         ('slot = "90"', 'line 3: cut.slot = "90": unknown; see host_sim/machines/default.toml'),
     ],
 )  # fmt: skip
-def test_slots_that_leave_nothing_or_are_none(
-    table_of: TableOf, tmp_path: Path, keys: str, message: str
-) -> None:
+def test_slots_that_leave_nothing_or_are_none(table_of: TableOf, keys: str, message: str) -> None:
     """One line each: a slot all around the part, heights that are exchanged or none, no number."""
-    machine = tmp_path / "machine.toml"
-    machine.write_text(f"[cut]\nslot_width_deg = 360\n{keys}\n")
-    done = camsim("run", table_of("perkins240"), "--machine", machine, "--feed", "2")
-    assert done.returncode in (1, 2)
-    assert message in done.stderr and "stop" not in done.stderr
-    assert len(done.stderr.splitlines()) == 1
+    table, machine = table_of("perkins240"), f"[cut]\nslot_width_deg = 360\n{keys}\n"
+    if message.startswith("not gauged"):
+        line = cut(table, "--feed", 2, machine=machine, status=1).message
+    else:
+        line = refusal(table, "--feed", 2, machine=machine)
+    assert message in line and "stop" not in line
 
 
-def test_slots_hold_no_metal(table_of: TableOf, tmp_path: Path) -> None:
+def test_slots_hold_no_metal(table_of: TableOf) -> None:
     """Two windows of 40 degrees and 25 of 62 mm, at the short axis, where the cut is deepest."""
-    whole = MACHINES / "chip.toml"
-    table = table_of("perkins240")
-    cuts = [
-        errors_of(table, tmp_path, machine, "0.5")[1]
-        for machine in (whole, slotted(whole, tmp_path))
-    ]
+    whole = of("chip")
+    cuts = [errors_of(table_of, machine, "0.5")[1] for machine in (whole, slotted(whole))]
     removed, slotted_removed = (one["cut"]["removed_mm3"] for one in cuts)
     depth_mm, radius_mm = 0.21, 45.9  # mean of the windows
     missing_mm3 = 2 * np.radians(40) * radius_mm * 25 * depth_mm
@@ -295,10 +273,9 @@ def test_slots_hold_no_metal(table_of: TableOf, tmp_path: Path) -> None:
     assert volumes[0] - volumes[1] == pytest.approx(missing_mm3, rel=0.1)
 
 
-def test_what_is_learned_survives_slots_at_a_large_feed(table_of: TableOf, tmp_path: Path) -> None:
+def test_what_is_learned_survives_slots_at_a_large_feed(table_of: TableOf) -> None:
     """The steps of the force do not end in the coefficient: the last turns are good."""
-    machine = slotted(REAL, tmp_path)
-    rows, _ = errors_of(table_of("perkins240"), tmp_path, machine, "0.5")
+    rows, _ = errors_of(table_of, slotted(REAL.read_text()), "0.5")
     assert largest_um(rows, 57.5, 62.0) <= 0.8
 
 
@@ -306,32 +283,32 @@ AGREEING = 1 / 512
 LOOSE = ("--machine", MACHINES / "loose.toml", "--rpm", "3000", "--turns-limit", "30")
 
 
-def test_first_turns_are_right_while_the_spindle_settles(table_of: TableOf, tmp_path: Path) -> None:
+def test_first_turns_are_right_while_the_spindle_settles(table_of: TableOf) -> None:
     """Without a rehearsal: 1.89 um where the cut began in the spindle's run-up."""
     words = ("--tolerance-um", "1", "--set", "rehearse_turns=0")
-    summary = cut(table_of("oval30"), tmp_path, *LOOSE, *words)
+    summary = cut(table_of("oval30"), *LOOSE, *words).summary
     first = [e for e in summary["error_per_turn_um"][:8] if e is not None]
     assert len(first) >= 7 and max(first) < 0.13
 
 
 @pytest.mark.parametrize("rpm", ["500", "1000"])
 def test_first_turns_without_rehearsal_have_the_ripple_in_force(
-    table_of: TableOf, tmp_path: Path, rpm: str
+    table_of: TableOf, rpm: str
 ) -> None:
     """A learned ripple of 1 % is never worse: it left 0.44 and 0.6 um instead of 0.14 and 0.39."""
     place = ("--machine", MACHINES / "ripple.toml", "--rpm", rpm, "--turns-limit", "20")
     options = ("--set", "rehearse_turns=0", "--tolerance-um", "9")
     largest_um = [
-        cut(table_of("oval30"), tmp_path, *place, *options, *words)["form_error_um"]["max"]
+        cut(table_of("oval30"), *place, *options, *words).summary["form_error_um"]["max"]
         for words in ([], ["--set", "ripple_turns=0", "--set", "observer_bandwidth_mHz=200000"])
     ]
     assert largest_um[0] < min(largest_um[1], 0.15)
 
 
-def speeds(trace: Path) -> list[tuple[str, float, float]]:
+def speeds(trace: Rows) -> list[tuple[str, float, float]]:
     """Return state, turn and true speed in turns per second, for windows of a turn."""
-    columns = columns_of(trace, "state", "true_turn", "t_s").values()
-    rows = list(zip(*(column.tolist() for column in columns), strict=True))
+    states = [STATES[int(number)] for number in trace["state"]]
+    rows = list(zip(states, trace["true_turn"].tolist(), trace["t_s"].tolist(), strict=True))
     found, begin = [], rows[0]
     for row in rows[1:]:
         if row[1] - begin[1] >= 1.0:
@@ -341,27 +318,23 @@ def speeds(trace: Path) -> list[tuple[str, float, float]]:
 
 
 @pytest.mark.parametrize("rehearse", [0, 20])
-def test_no_turn_of_a_cut_is_unsteady(table_of: TableOf, tmp_path: Path, rehearse: int) -> None:
+def test_no_turn_of_a_cut_is_unsteady(table_of: TableOf, rehearse: int) -> None:
     """The true speed of the first turns in which U moves changes by less than 1/512 per turn."""
-    trace = tmp_path / "t.csv"
-    words = ("--tolerance-um", "1", "--set", f"rehearse_turns={rehearse}", "--trace", trace)
-    cut(table_of("oval30"), tmp_path, *LOOSE, *words)
-    found = speeds(trace)
+    words = ("--tolerance-um", "1", "--set", f"rehearse_turns={rehearse}")
+    found = speeds(cut(table_of("oval30"), *LOOSE, *words, tables=["trace"]).trace)
     change = [abs(b[2] / a[2] - 1) for a, b in pairwise(found)]
     in_cut = [c for c, row in zip(change, found[1:], strict=True) if row[0] == "cutting"]
     assert max(in_cut) < AGREEING
     assert max(change[3:]) > 4 * AGREEING  # the run-up itself is not steady
 
 
-def test_a_spindle_that_never_settles_ends_the_start(table_of: TableOf, tmp_path: Path) -> None:
+def test_a_spindle_that_never_settles_ends_the_start(table_of: TableOf) -> None:
     """15 rad/s2 up to 3000 r/min last 21 s; the patience ends after 10 s without a fault."""
-    machine = tmp_path / "m.toml"
-    text = (MACHINES / "loose.toml").read_text()
-    machine.write_text(text.replace("bandwidth_rad_per_s = 5", "torque_Nm = 1.5"))
-    words = ("--machine", machine, "--rpm", "3000", "--turns-limit", "30")
-    told = camsim("run", table_of("oval30"), *words).stderr
-    assert "ended the start after 1" in told and "do not agree" in told
-    summary = cut(table_of("oval30"), tmp_path, *words, status=1)
+    lathe = of("loose").replace("bandwidth_rad_per_s = 5", "torque_Nm = 1.5")
+    words = ("--rpm", "3000", "--turns-limit", "30")
+    found = cut(table_of("oval30"), *words, status=1, machine=lathe)
+    assert "ended the start after 1" in found.message and "do not agree" in found.message
+    summary = found.summary
     assert summary["end"] == "unsteady" and summary["state"] == "ready"
     assert summary["faults"] == []
 
@@ -377,19 +350,16 @@ CASES: dict[str, tuple[str, tuple[str, ...], float]] = {
 
 @pytest.mark.long
 @pytest.mark.parametrize("case", CASES)
-def test_the_tip_stays_off_the_blank(table_of: TableOf, tmp_path: Path, case: str) -> None:
+def test_the_tip_stays_off_the_blank(table_of: TableOf, case: str) -> None:
     """While U plays, the tip stays outside of the largest radius that is cut and its stock."""
     part, words, stock_mm = CASES[case]
-    trace = tmp_path / "t.csv"
     words += ("--set", "rehearse_turns=3", "--turns-limit", "3", "--trace-every", "11")
     words += ("--tolerance-um", "1000")
     status = int(part == "skirt_passes")  # whose first pass was not cut to its full depth
-    summary = cut(table_of(part), tmp_path, *words, "--trace", trace, status=status)
-    columns = columns_of(trace, "state", "in_u_nm", "in_x_nm")
-    state, u_mm, x_mm = columns["state"], columns["in_u_nm"] * 1e-6, columns["in_x_nm"] * 1e-6
-    tip_mm = x_mm - u_mm
-    plays = (state == "rehearsing") & (u_mm > 0.1 * u_mm.max())
-    blank_mm = tip_mm[state == "cutting"].max() + stock_mm
-    assert u_mm[plays].max() > 0.9 * u_mm[state == "cutting"].max()
-    assert tip_mm[plays].min() > blank_mm
-    assert summary["faults"] == []
+    found = cut(table_of(part), *words, status=status, tables=["trace"])
+    in_cut, plays = (while_in(found.trace, state) for state in ("cutting", "rehearsing"))
+    plays = plays[plays["in_u_nm"] > 0.1 * found.trace["in_u_nm"].max()]
+    blank_nm = (in_cut["in_x_nm"] - in_cut["in_u_nm"]).max() + 1e6 * stock_mm
+    assert plays["in_u_nm"].max() > 0.9 * in_cut["in_u_nm"].max()
+    assert (plays["in_x_nm"] - plays["in_u_nm"]).min() > blank_nm
+    assert found.summary["faults"] == []

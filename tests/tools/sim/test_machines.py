@@ -7,9 +7,9 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.cli.run import main
-from camtools.pipeline.job import RunJob
-from camtools.sim.machines import MACHINES, machine_bytes, machine_path, names
+from camtools.sim.machine_file import MACHINES, machine_bytes, machine_path, names
 from tests.tools.cases.camsim_cases import camsim
+from tests.tools.cases.command_cases import job_of
 
 LEARN = Path(__file__).parents[2] / "learn" / "machines"
 
@@ -29,8 +29,8 @@ def test_any_file_is_a_machine(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_bytes(b"[u]\nfriction_m_per_s2 = 4\n")
     assert machine_path(str(path)) == path
-    assert RunJob(["--machine", str(path)]).machine == path.read_bytes()
-    assert RunJob([]).machine is None
+    assert job_of("--machine", str(path)).machine == path.read_bytes()
+    assert job_of().machine is None
 
 
 @pytest.mark.parametrize("word", ["nosuch", "", "tools", "no/such.toml"])

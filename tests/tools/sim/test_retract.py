@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a retract costs, as FAULTS.md states it: emergency stops at 24 angles."""
 
-import json
 import math
 import re
 from collections.abc import Callable
@@ -12,7 +11,7 @@ import pytest
 
 from camtools.sim.results import STATES
 from camtools.sim.simulate import simulate
-from tests.tools.cases.camsim_cases import ROOT, camsim
+from tests.tools.cases.camsim_cases import ROOT
 
 STEP_LIMIT_NM = 20_000  # 400 mm/s at 20 kHz
 RETRACT_NM = -500_000
@@ -44,30 +43,14 @@ def retract(table: Path, at: str, feed_mm: float = 0.1, state: str = "") -> dict
     [(60, 0.793, 10**6, None), (500, 0.76, 2 * 10**9, 1000), (500, 1.424, 10**6, 0)],
 )
 def test_slow_tick_retracts_within_the_stroke_by_single_steps(
-    table_of: Callable[[str], Path],
-    tmp_path: Path,
-    rpm: int,
-    at_s: float,
-    jerk: int,
-    k2_us2: int | None,
+    table_of: Callable[[str], Path], rpm: int, at_s: float, jerk: int, k2_us2: int | None
 ) -> None:
     """With a window of one tick U brakes in the coarsest steps, and no second fault is raised."""
-    machine, summary = tmp_path / "slow.toml", tmp_path / "summary.json"
-    machine.write_text("[machine]\ntick_hz = 1000\n")
-    words: list[str | Path] = [
-        "--machine",
-        machine,
-        "--rpm",
-        str(rpm),
-        "--set",
-        f"u_jerk_m_per_s3={jerk}",
-    ]
-    words += [] if k2_us2 is None else ["--set", f"k2_us2={k2_us2}"]
-    done = camsim(
-        "run", table_of("perkins240"), *words, "--inject", f"bus@{at_s}", "--summary", summary
-    )
-    assert done.returncode == 1
-    assert json.loads(summary.read_text())["faults"] == ["bus"]
+    settings = {"u_jerk_m_per_s3": jerk} | ({} if k2_us2 is None else {"k2_us2": k2_us2})
+    slow, options = {"machine": {"tick_hz": 1000}}, ["--inject", f"bus@{at_s}"]
+    found = simulate(table_of("perkins240"), slow, rpm=rpm, set=settings, options=options)
+    assert found.status == 1
+    assert found.summary["faults"] == ["bus"]
 
 
 @pytest.mark.long

@@ -3,6 +3,7 @@
 
 import json
 import re
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,11 +12,10 @@ import numpy as np
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.sim.binding import PROTOTYPES, Ending, SimSession, library_path
-from camtools.sim.camsim import Simulator
+from camtools.sim.binding import PROTOTYPES, SimSession, library_path
 from camtools.sim.machine_file import Machine
 from camtools.sim.results import STATES
-from camtools.sim.simulate import ONE_AT_A_TIME, Result, simulate
+from camtools.sim.simulate import Result, begun, simulate
 from tests.tools.cases.camsim_cases import ROOT, camsim
 from tests.tools.cases.prototypes import declared_in, named
 
@@ -146,24 +146,20 @@ def test_second_session_is_refused_until_the_first_ends(table: Path) -> None:
         assert 0 < other.progress() < 0.01
 
 
-def test_simulator_holds_the_lock_of_simulate(table: Path) -> None:
-    """It changes the working folder, so the cuts of other threads wait."""
-    with Simulator(table.parent, table.name).begun(CUT):
-        assert ONE_AT_A_TIME.locked()
-    assert not ONE_AT_A_TIME.locked()
+def test_cuts_of_other_threads_wait(table: Path) -> None:
+    """Until the first one ends."""
+    ended: list[float] = []
 
+    def other() -> None:
+        ended.append(simulate(table, rpm=2500, turns=1).status)
 
-def test_cut_that_fails_has_no_summary(
-    table: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """What the controller refuses is an error before the last results are written."""
-    monkeypatch.setattr(SimSession, "finish", lambda *_: Ending(2, "refused", "{}\n"))
-    surface, summary = tmp_path / "surface.csv", tmp_path / "summary.json"
-    words = (*CUT, "--surface", str(surface), "--summary", str(summary))
-    with pytest.raises(CamtoolsError, match="refused"):
-        Simulator(table.parent, table.name).run(words)
-    assert not summary.exists()
-    assert len(surface.read_text().splitlines()) == 1
+    thread = threading.Thread(target=other)
+    with begun([str(table), *CUT]) as session:
+        thread.start()
+        session.run(1000)
+        assert ended == []
+    thread.join()
+    assert ended == [0]
 
 
 def test_prototypes_are_those_of_the_header() -> None:

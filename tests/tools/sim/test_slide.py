@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from tests.tools.cases.camsim_cases import camsim, columns_of
+from tests.tools.cases.camsim_cases import cut
 
 TICK_S, DELAY_S = 50e-6, 75e-6
 OMEGA, DAMPING = 2 * np.pi * 300.0, 0.7
@@ -69,27 +69,13 @@ def piece(
 
 
 @pytest.mark.parametrize("friction", [pytest.param(5.0, marks=pytest.mark.long), 20.0])
-def test_slide_with_friction_moves_as_the_closed_form(
-    oval30: Path, tmp_path: Path, friction: float
-) -> None:
+def test_slide_with_friction_moves_as_the_closed_form(oval30: Path, friction: float) -> None:
     """Every tick agrees within the header's bound and the rounding of the trace."""
-    machine, trace = tmp_path / "m.toml", tmp_path / "t.csv"
-    machine.write_text(MACHINE.format(friction=friction))
-    words: list[str | Path] = [
-        "--machine",
-        machine,
-        "--trace",
-        trace,
-        "--turns-limit",
-        "3",
-        "--tolerance-um",
-        "999",
-    ]
-    assert camsim("run", oval30, *words).returncode == 0
-    columns = columns_of(trace)
-    enabled = columns["out_outputs"] & 1
-    command = np.round(columns["out_u_nm"] / 10) * 10
-    seen = columns["u_act_nm"].astype(float)
+    words = ("--turns-limit", 3, "--tolerance-um", 999)
+    trace = cut(oval30, *words, machine=MACHINE.format(friction=friction), tables=["trace"]).trace
+    enabled = trace["out_outputs"].astype(int) & 1
+    command = np.round(trace["out_u_nm"] / 10) * 10
+    seen = trace["u_act_nm"]
     first = int(np.argmax(enabled))
     assert seen[first] == 0
     pos, vel, stuck, off = 0.0, 0.0, 0, []

@@ -17,7 +17,8 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats, omega_rad_s
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import Made
-from camtools.sim.results import read_removal
+from camtools.sim.results import removal_of
+from camtools.sim.simulate import Result
 from camtools.skirt.geometry.scan import joined
 from camtools.skirt.geometry.scan_text import read_scan_text
 from camtools.skirt.geometry.skirt_geometry import make_geometry
@@ -30,10 +31,9 @@ from camtools.skirt.table.speed import motion_played
 from camtools.table.channel import RATIO_ONE
 from camtools.table.evaluate import evaluate_at
 from camtools.table.image import pack
-from tests.tools.cases.camsim_cases import columns_of
+from tests.tools.cases.camsim_cases import plain, while_in
 from tests.tools.cases.cut_cases import (
     PARTS,
-    Cut,
     cut,
     cut_made,
     evaluated,
@@ -86,7 +86,7 @@ def test_equal_volume_evens_the_removal_rate(tmp_path: Path) -> None:
     assert next(volumes) == pytest.approx(next(volumes), rel=1e-3)
     # the encoder's half count shows where its edges come in step with the ticks, here at 240 r/min,
     # which the modulated spindle passes in every turn: the bound is that of uniform turning there
-    in_step = cut_made(plain, tmp_path / "step", *coarse, "--rpm", "240").form_um
+    in_step = cut_made(plain, tmp_path / "step", *coarse, "--rpm", "240").form_error_um
     assert even["form_error_um"]["max"] <= in_step < 0.1
     assert even["cut"]["seconds"] == pytest.approx(rough["cut"]["seconds"], rel=2e-3)
 
@@ -95,10 +95,9 @@ def test_equal_volume_evens_the_removal_rate(tmp_path: Path) -> None:
 def test_spindle_stays_within_its_acceleration(tmp_path: Path) -> None:
     """The set-points of the trace, seen as a speed, never exceed what the spindle can do."""
     modulated = skirt_of("perkins240_equal_volume")
-    words = ("--turns-limit", "8", "--trace", tmp_path / "t.csv")
-    cut_made(Made(KIND, modulated), tmp_path, *words)
-    trace = columns_of(tmp_path / "t.csv")
-    turn, t_s = (trace[name][trace["state"] == "cutting"] for name in ("true_turn", "t_s"))
+    found = cut_made(Made(KIND, modulated), tmp_path, "--turns-limit", "8", tables=["trace"])
+    trace = while_in(found.trace, "cutting")
+    turn, t_s = trace["true_turn"], trace["t_s"]
     step = 40  # 2 ms: the encoder's truth is smooth, the kinematic ripple of 0.2 % is not counted
     speed = 2 * np.pi * (turn[step:] - turn[:-step]) / (t_s[step:] - t_s[:-step])
     alpha = (speed[step:] - speed[:-step]) / (t_s[step:-step] - t_s[: -2 * step])
@@ -147,10 +146,10 @@ def drawn_radius_mm(turn: Floats, z_mm: Floats) -> Floats:
     return np.asarray(np.where(phi < joint, oval, circle), dtype=np.float64)
 
 
-def turns(made: Made, folder: Path, *words: str, status: int | None = 0) -> tuple[Cut, Floats]:
+def turns(made: Made, folder: Path, *words: str, status: int | None = 0) -> tuple[Result, Floats]:
     """Cut a part without learning; return the cut and the rows of its surface."""
     found = cut(written(made, folder), "--no-learning", *words, status=status)
-    return found, np.column_stack(list(found.surface.values()))
+    return found, plain(found.surface).T
 
 
 def test_corner_is_judged_by_the_drawing(tmp_path: Path) -> None:
@@ -172,8 +171,8 @@ def test_corner_is_judged_by_the_drawing(tmp_path: Path) -> None:
     assert set(own) == {"max", "rms", "roundness", "max_at_turn", "max_at_z_mm"}
     words = ("--turns-limit", "20", "--tolerance-um", "5")
     found, _ = turns(made_of("weichai3a"), tmp_path, *words, status=1)
-    assert "form error 15.9" in found.done.stderr
-    assert "the table itself is off the drawing" in found.done.stderr
+    assert "form error 15.9" in found.message
+    assert "the table itself is off the drawing" in found.message
 
 
 def test_part_that_plays_its_drawing_has_one_error(tmp_path: Path) -> None:
@@ -204,8 +203,8 @@ def test_points_are_the_drawing_of_a_measured_part(tmp_path: Path) -> None:
     )
     inside = turn[near] < 357 / 360
     off_um = 1e3 * np.abs(radius_mm[near] - (a_mm[near] - points))[inside]
-    assert off_um.max() < found.form_um + 0.3
-    assert found.form_um >= geometry.off_points_um - 0.05
+    assert off_um.max() < found.form_error_um + 0.3
+    assert found.form_error_um >= geometry.off_points_um - 0.05
     assert found.summary["control_error_um"]["max"] < 0.05
 
 
@@ -282,9 +281,8 @@ def made(text: str) -> GeneratedSkirt:
 
 def measure(result: GeneratedSkirt, folder: Path) -> tuple[float, float]:
     """Cut a part; return the largest differences of measured and promised ripple, in points."""
-    words = ("--removal", folder / "removal.csv", "--no-learning")
-    cut_made(Made(KIND, result), folder, *words)
-    z_mm, ripple = ripple_by_turn(read_removal(folder / "removal.csv"))
+    found = cut_made(Made(KIND, result), folder, "--no-learning", tables=["removal"])
+    z_mm, ripple = ripple_by_turn(removal_of(found.removal))
     assert result.speed is not None
     promised = np.interp(z_mm, result.speed.z_mm, result.speed.played)
     off = 100 * (ripple - promised)[MADE_UP:-MADE_UP]

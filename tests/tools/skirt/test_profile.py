@@ -68,7 +68,7 @@ def cut_radii(
     found = cut(written(made_skirt(part, tolerance_nm), folder), "--feed", "0.2")
     on_axis = found.surface["turn"] % 0.5 < 1 / 720
     assert found.summary["is_good"]
-    return found.surface["z_mm"][on_axis], found.surface["radius_mm"][on_axis], found.form_um
+    return found.surface["z_mm"][on_axis], found.surface["radius_mm"][on_axis], found.form_error_um
 
 
 def test_splines_that_overshoot() -> None:

@@ -35,11 +35,10 @@ from camtools.sim.results import (
     CutVariant,
     GaugedSurface,
     Removal,
-    read_removal,
     read_surface,
     read_trace,
 )
-from camtools.sim.trace_file import ParquetFile
+from camtools.sim.table_file import ParquetFile
 from camtools.skirt.geometry.composite import fold
 from camtools.skirt.report.cut_plots import (
     around_joint,
@@ -125,11 +124,6 @@ def test_files_are_read_by_the_names_of_their_columns(tmp_path: Path) -> None:
     assert trace.speed_rpm == pytest.approx([300, 300])
     assert trace.x_nm.tolist() == [46e6, 46e6]
     path = tmp_path / "surface.csv"
-    path.write_text(
-        "turn,t_s,z_mm,volume_mm3,rate_mm3_s,power_w,rate_force_n,chip_force_n\n1,2,3,4,5,6,7,8\n"
-    )
-    found = read_removal(path)
-    assert (found.t_s[0], found.turn[0], found.chip_force_n[0]) == (2, 1, 8)
     path.write_text("turn,z_mm,radius_mm,error_nm\n")
     assert read_surface(path).turn.size == 0
     path.write_text("turn,z_mm\n0,0\n")

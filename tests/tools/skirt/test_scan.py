@@ -25,6 +25,7 @@ from camtools.skirt.geometry.scan_text import HEADER, MAX_POINTS, read_scan_text
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import generate
+from tests.tools.cases.camsim_cases import plain
 from tests.tools.cases.cut_cases import PARTS, cut, made_skirt, written
 from tests.tools.cases.part_cases import load_part
 
@@ -317,7 +318,7 @@ def test_cut_from_uneven_points_is_the_formula(tmp_path: Path) -> None:
     """What the simulator leaves of the work is the measured section."""
     points_of(tmp_path, own_text(), direction=-1)
     made = made_skirt(load_part(tmp_path / "points.toml"))
-    turn, z_mm, radius_mm, *_ = cut(written(made, tmp_path)).surface.values()
+    turn, z_mm, radius_mm, *_ = plain(cut(written(made, tmp_path)).surface)
     off_um = 1e3 * np.abs(radius_mm - RADIUS_MM + reduction_mm(360 * turn, z_mm))
     assert off_um.max() < 0.3
 
@@ -386,10 +387,10 @@ def test_remedy_of_a_long_scan_makes_the_table(tmp_path: Path) -> None:
     geometry = made.table.geometry
     assert geometry.off_points_um == pytest.approx(float(told[2]), rel=0.01)
     found = cut(written(made, tmp_path), "--turns-limit", "20")
-    turn, z_mm, radius_mm, *_ = found.surface.values()
+    turn, z_mm, radius_mm, *_ = plain(found.surface)
     off_um = 1e3 * (geometry.radius_mm(z_mm) - radius_mm) - true_um(2 * np.pi * turn, 0 * z_mm)
     assert np.abs(off_um).max() < 0.15  # filtered noise, control
-    assert found.summary["control_error_um"]["max"] < 0.05 < found.form_um
+    assert found.summary["control_error_um"]["max"] < 0.05 < found.form_error_um
 
 
 @pytest.mark.long
@@ -398,7 +399,7 @@ def test_long_scan_of_one_height_is_read_and_gauged(tmp_path: Path) -> None:
     part = scan_part(tmp_path, 3600, [0.0], 0.05, harmonics=15, single_height=True)
     table = written(made_skirt(part), tmp_path)
     assert table.with_suffix(".json").stat().st_size < 1_000_000
-    assert "control error" in cut(table, "--turns-limit", "20").done.stdout
+    assert "control_error_um" in cut(table, "--turns-limit", "20").summary
 
 
 def test_a_jump_between_heights_is_refused(tmp_path: Path) -> None:

@@ -28,7 +28,7 @@ from camtools.skirt.geometry.skirt_geometry import Geometry, OvalSurface, make_g
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.part.profile_keys import Ovality, Profile
 from camtools.skirt.tool.turning import turning_at
-from tests.tools.cases.camsim_cases import camsim, only_error
+from tests.tools.cases.camsim_cases import plain, refusal
 from tests.tools.cases.cut_cases import (
     PARTS,
     cut,
@@ -354,7 +354,7 @@ def test_cut_part_is_the_formula(tmp_path: Path, name: str, direction: int) -> N
     text = text.replace("feed_mm = 0.1", f"feed_mm = 1\ndirection = {direction}")
     made = made_skirt(parse_part(text.encode(), "part.toml"))
     found = cut(written(made, tmp_path), "--tolerance-um", "0.5")
-    turn, z_mm, radius_mm, error_nm = found.surface.values()
+    turn, z_mm, radius_mm, error_nm = plain(found.surface)
     exact_mm = DRAWN[name](360 * turn, z_mm)
     assert turn.size > 20_000
     assert np.abs(radius_mm - exact_mm).max() < 0.5e-3
@@ -468,7 +468,7 @@ def test_broken_design_is_refused_by_the_gauge(name: str, tmp_path: Path) -> Non
     text = json.dumps(json.loads(report.read_text()))
     assert old in text
     report.write_text(text.replace(old, new))
-    line = only_error(camsim("run", table))
+    line = refusal(table)
     assert f"{report}: {problem}" in line
     assert line.endswith("make the table again with tools/mktables, or give --design")
 

@@ -12,9 +12,9 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.cli.run import main as run
 from camtools.part.tool import Tool, check_tracks
-from camtools.pipeline.job import RunJob
 from camtools.polygon.generate import generate_polygon
 from camtools.polygon.part import example_polygon
+from camtools.sim.simulate import Result
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from camtools.skirt.part.part_file import SkirtPart, example_part
 from camtools.skirt.report.text import track_row
@@ -22,16 +22,16 @@ from camtools.skirt.table.generate import generate
 from camtools.skirt.tool.heel import check_heel, steepest_heel
 from camtools.skirt.tool.nose import NoseGeometry, tip_geometry
 from camtools.table.image import pack
+from tests.tools.cases.command_cases import job_of
 from tests.tools.cases.cut_cases import (
     PARTS,
-    Cut,
     cut,
     geometry_of_part,
     made_skirt,
     skirt_of,
     written,
 )
-from tests.tools.cases.part_cases import PERKINS, ROOT, load_part
+from tests.tools.cases.part_cases import PERKINS, load_part
 
 NM = 1e6
 
@@ -172,7 +172,7 @@ def test_a_point_changes_no_byte(name: str) -> None:
     assert pack(generate(part.model_copy(update={"tool": tool})).table) == bare
 
 
-def coarse(part: SkirtPart, folder: Path, *words: str | Path, status: int = 0) -> Cut:
+def coarse(part: SkirtPart, folder: Path, *words: str | Path, status: int = 0) -> Result:
     """Cut a part by a table of 10 nm."""
     return cut(written(made_skirt(part, 10.0), folder), "--feed", "1", *words, status=status)
 
@@ -184,16 +184,14 @@ def test_the_gauge_shows_a_nose_that_the_table_does_not_know(tmp_path: Path) -> 
     found = coarse(pointed, tmp_path, "--nose-mm", "0.8", status=1)
     z = np.linspace(0, 62, 2001)
     slope = make_geometry(pointed).radius_mm(z, 1) - 0.5 * 0.1 / 42
-    assert found.form_um == pytest.approx(800 * (np.hypot(1, slope).max() - 1), abs=0.3)
-    assert coarse(pointed, tmp_path).form_um < 0.1
+    assert found.form_error_um == pytest.approx(800 * (np.hypot(1, slope).max() - 1), abs=0.3)
+    assert coarse(pointed, tmp_path).form_error_um < 0.1
     table = written(made_skirt(steep(0.8), 10.0), tmp_path)
-    assert cut(table, "--feed", "1").form_um < 0.1
+    assert cut(table, "--feed", "1").form_error_um < 0.1
     # the machine file names the tool in use: a point leaves what the nose would have taken
-    machine = tmp_path / "machine.toml"
-    machine.write_text("[tool]\nnose_mm = 0\n")
-    found = cut(table, "--feed", "1", "--machine", machine, status=None)
-    assert 11 < found.form_um < 14
-    assert "the table is made for another nose" in found.done.stderr
+    found = cut(table, "--feed", "1", status=None, machine="[tool]\nnose_mm = 0\n")
+    assert 11 < found.form_error_um < 14
+    assert "the table is made for another nose" in found.message
 
 
 @pytest.mark.parametrize("run_mm", [0, 3])
@@ -202,7 +200,7 @@ def test_an_end_that_rises_comes_out_well(run_mm: float, tmp_path: Path) -> None
     tree = part_of([0, 20, 40, 60], [60, 66, 72, 78], tool={"nose_radius_mm": 0.8}).model_dump()
     tree["process"] |= {"run_in_mm": run_mm, "run_out_mm": run_mm}
     tree["piston"] |= {"ovality": {"height_mm": [0, 60], "ovality_mm": [0.15, 0.3]}}
-    assert coarse(SkirtPart.model_validate(tree), tmp_path).form_um < 0.2
+    assert coarse(SkirtPart.model_validate(tree), tmp_path).form_error_um < 0.2
 
 
 def test_a_worn_tool_cuts_well_with_its_offset(tmp_path: Path) -> None:
@@ -210,12 +208,10 @@ def test_a_worn_tool_cuts_well_with_its_offset(tmp_path: Path) -> None:
     worn = tmp_path / "worn.toml"
     worn.write_text("[tool]\nwear_um = 25\n")
     found = coarse(example_part(), tmp_path, "--machine", worn, status=1)
-    assert round(found.form_um) == 25
-    assert "the tool is worn: set x_trim_nm" in found.done.stderr
-    assert (
-        coarse(example_part(), tmp_path, "--machine", worn, "--set", "x_trim_nm=-25000").form_um
-        < 0.1
-    )
+    assert round(found.form_error_um) == 25
+    assert "the tool is worn: set x_trim_nm" in found.message
+    words = ("--machine", worn, "--set", "x_trim_nm=-25000")
+    assert coarse(example_part(), tmp_path, *words).form_error_um < 0.1
 
 
 RINGS = """\
@@ -269,7 +265,7 @@ def test_ridges_and_tracks() -> None:
     with_nose = {"cut": {"feed_mm": 1.5}, "tool": {"nose_mm": 0.8}}
     assert track_row(with_nose, Tool()).value == told
     with pytest.raises(CamtoolsError, match=r"tolerance_nm = 1e\+09: must be above 0"):
-        RunJob([str(ROOT / "none.toml"), "--tolerance-nm", "1e9"])
+        job_of("--tolerance-nm", "1e9")
     check_tracks(Tool(nose_radius_mm=0.8), 1.59)
     check_tracks(Tool(), 2.0)
     with pytest.raises(CamtoolsError, match=r"metal stays; feed less than 1\.6 mm"):
@@ -278,7 +274,7 @@ def test_ridges_and_tracks() -> None:
     with pytest.raises(CamtoolsError, match=r"feed of 0\.1 mm"):
         generate(part)
     with pytest.raises(CamtoolsError, match=r"feed of 0\.5 mm"):
-        RunJob(["--feed", "0.5"]).check_feed(part)
+        job_of("--feed", "0.5").check_feed(part)
 
 
 ANGLES_DEG = np.arange(0, 360, 0.5)

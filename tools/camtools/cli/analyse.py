@@ -7,13 +7,12 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
-from pathlib import Path
+from dataclasses import fields
 
 import numpy as np
 
-from camtools.base.command import Parser, run_command
+from camtools.base.arguments import Folder, PartFile, command, option_of
 from camtools.base.csv_text import csv_text
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import emit_json
@@ -27,94 +26,6 @@ from camtools.plots.panels import Drawers, pictures
 from camtools.skirt.part.part_file import SkirtPart
 
 _DRAWN_DEG = 0.25  # step of the curves of a cam
-
-
-def _arguments(argv: list[str] | None) -> argparse.Namespace:
-    parser = Parser(
-        prog="tools/analyse",
-        description="Analyse one section of a piston: areas, equal parts, speed law, forces "
-        "and, for a section with a corner, its refit. Analyse a cam: motion of the tool or wheel, "
-        "speed, contact and curvature. A cam takes only --step-deg and --rpm.",
-        allow_abbrev=False,
-    )
-    add = parser.add_argument
-    add("part", type=Path, metavar="PART.toml", help="part file")
-    add("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the results")
-    add(
-        "--height",
-        type=float,
-        metavar="MM",
-        help="height of the section in mm (default: of the largest diameter)",
-    )
-    add(
-        "--step-deg",
-        type=float,
-        default=3.0,
-        metavar="D",
-        help="step of Table 1 in degrees (default: 3)",
-    )
-    add(
-        "--parts", type=int, metavar="N", help="equal parts of a quarter turn (default: the part's)"
-    )
-    add(
-        "--turns",
-        type=int,
-        default=1,
-        metavar="N",
-        help="turns in the tables of axis positions (default: 1)",
-    )
-    add(
-        "--slice-volume-mm3",
-        type=float,
-        default=0.04,
-        metavar="V",
-        help="largest volume of a slice in mm3 (default: 0.04)",
-    )
-    add(
-        "--cycle-us",
-        type=float,
-        default=50.0,
-        metavar="T",
-        help="controller cycle in us (default: 50)",
-    )
-    add(
-        "--kc-n-mm2",
-        type=float,
-        default=700.0,
-        metavar="K",
-        help="specific cutting force in N/mm2 (default: 700)",
-    )
-    add(
-        "--kc-exponent",
-        type=float,
-        default=0.0,
-        metavar="M",
-        help="exponent of its size effect (default: 0, none)",
-    )
-    add(
-        "--nose-mm",
-        type=float,
-        default=0.8,
-        metavar="R",
-        help="nose radius of the tool in mm (default: 0.8)",
-    )
-    add("--rpm", type=float, metavar="N", help="mean spindle speed in r/min (default: the part's)")
-    return parser.parse_args(argv)
-
-
-def _wishes(arguments: argparse.Namespace) -> AnalysisWishes:
-    return AnalysisWishes(
-        height_mm=arguments.height,
-        step_deg=arguments.step_deg,
-        parts=arguments.parts,
-        slice_volume_mm3=arguments.slice_volume_mm3,
-        cycle_us=arguments.cycle_us,
-        kc_n_mm2=arguments.kc_n_mm2,
-        kc_exponent=arguments.kc_exponent,
-        rpm=arguments.rpm,
-        turns=arguments.turns,
-        nose_mm=arguments.nose_mm,
-    )
 
 
 def _files(found: Analysis, nose_mm: float, *, with_pictures: bool) -> dict[str, bytes]:
@@ -160,15 +71,14 @@ def lobe_products(
     return lobe.lobe_text(figures), files
 
 
-def _lobe_wishes(arguments: argparse.Namespace) -> LobeWishes:
+def _lobe_wishes(given: AnalysisWishes) -> LobeWishes:
     """Return the wishes for a cam; refuse options that it has no use for."""
-    given, plain = vars(arguments), vars(_arguments([str(arguments.part), "-o", "x"]))
-    for name, value in given.items():
-        if name not in ("part", "output", "step_deg", "rpm") and value != plain[name]:
-            option = f"--{name.replace('_', '-')}"
-            problem = f"{option} {value}: has no meaning for a cam"
+    for one in fields(given):
+        name, value = one.name, getattr(given, one.name)
+        if name not in LobeWishes._fields and value != one.default:
+            problem = f"{option_of(name)} {value}: has no meaning for a cam"
             raise CamtoolsError([f"{problem}; leave it out"])
-    return LobeWishes(arguments.step_deg, arguments.rpm)
+    return LobeWishes(given.step_deg, given.rpm)
 
 
 def skirt_products(
@@ -189,25 +99,28 @@ def skirt_products(
     return told, files
 
 
-def _run(arguments: argparse.Namespace) -> int:
-    part = load_able("analyse", arguments.part)
+def analyse(part: PartFile, output: Folder, wishes: AnalysisWishes) -> int:
+    """Analyse one section of a piston, or a cam.
+
+    Of a piston: areas, equal parts, speed law, forces and, for a section with a corner, its refit.
+    Of a cam: motion of the tool or wheel, speed, contact and curvature; a cam takes only --step-deg
+    and --rpm.
+    """
+    loaded = load_able("analyse", part)
     try:
-        if isinstance(part, LobePart):
-            told, files = lobe_products(part, _lobe_wishes(arguments))
+        if isinstance(loaded, LobePart):
+            told, files = lobe_products(loaded, _lobe_wishes(wishes))
         else:
-            assert isinstance(part, SkirtPart)
-            told, files = skirt_products(part, _wishes(arguments))
+            assert isinstance(loaded, SkirtPart)
+            told, files = skirt_products(loaded, wishes)
     except CamtoolsError as error:
-        raise CamtoolsError([f"{arguments.part}: {line}" for line in error.lines]) from error
-    write_all(arguments.output, files)
+        raise CamtoolsError([f"{part}: {line}" for line in error.lines]) from error
+    write_all(output, files)
     sys.stdout.write(told)
     return 0
 
 
-def main(argv: list[str] | None = None) -> int:
-    """Run the command; return its exit status: 0 done, 2 bad input, 128 + n on signal n."""
-    return run_command("analyse", lambda: _run(_arguments(argv)))
-
+main = command("tools/analyse", analyse)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -1,33 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
 """The bus on a command line: its options, and how it is opened.
 
->>> parser = argparse.ArgumentParser()
->>> add_bus_options(parser)
->>> arguments = parser.parse_args(["-i", "socketcand", "--option", "port=29536"])
->>> bus_arguments(arguments)
+>>> Interface("socketcand", option=(("port", 29536),)).words()
 {'interface': 'socketcand', 'port': 29536}
 """
 
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from dataclasses import dataclass
+from typing import Annotated, Any
 
 import can
 
+from camtools.base.arguments import Option, whole_within
 from camtools.base.errors import CamtoolsError
 from camtools.link.bus import configured, open_bus
 from camtools.link.controller import DBC_NODE
 from camtools.link.live_lathes import only_lathe
 
 _NAMED = ("interface", "channel", "bitrate")
-
-
-def _node(text: str) -> int:
-    value = int(text)
-    if not 1 <= value <= 127:
-        raise argparse.ArgumentTypeError(f"{text}: give 1 .. 127")
-    return value
 
 
 def _value(text: str) -> Any:  # noqa: ANN401 - of whatever type the interface wants
@@ -47,65 +39,71 @@ def _pair(text: str) -> tuple[str, Any]:
     return name, _value(value)
 
 
-def add_interface_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that name a bus."""
-    parser.add_argument(
-        "--interface", "-i", help="CAN interface of python-can: socketcan, pcan, slcan, ..."
-    )
-    parser.add_argument("--channel", "-c", help="channel of the CAN interface, for example can0")
-    parser.add_argument(
-        "--bitrate", "-b", type=int, help="bit rate in bit/s (default: the interface's)"
-    )
-    parser.add_argument(
-        "--option",
-        type=_pair,
-        action="append",
-        default=[],
-        metavar="NAME=VALUE",
-        help="further setting of the CAN interface, for example host=192.168.1.7; repeatable",
-    )
+@dataclass(frozen=True)
+class Interface:
+    """The options that name a bus."""
+
+    interface: Annotated[
+        str | None,
+        Option("CAN interface of python-can: socketcan, pcan, slcan, ...", short="-i"),
+    ] = None
+    channel: Annotated[
+        str | None, Option("channel of the CAN interface, for example can0", short="-c")
+    ] = None
+    bitrate: Annotated[
+        int | None, Option("bit rate in bit/s (default: the interface's)", short="-b")
+    ] = None
+    option: Annotated[
+        tuple[tuple[str, Any], ...],
+        Option(
+            "further setting of the CAN interface, for example host=192.168.1.7; repeatable",
+            "NAME=VALUE",
+            read=_pair,
+        ),
+    ] = ()
+
+    def words(self) -> dict[str, Any]:
+        """Return what the options give of the arguments of can.Bus."""
+        asked = {name: getattr(self, name) for name in _NAMED}
+        return {name: value for name, value in asked.items() if value is not None} | dict(
+            self.option
+        )
 
 
-def add_bus_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that name a bus and a controller on it."""
-    add_interface_options(parser)
-    parser.add_argument(
-        "--live", metavar="NAME", help="name of the live lathe (default: the only one running)"
-    )
-    parser.add_argument(
-        "--node",
-        "-n",
-        type=_node,
-        help=f"node of the controller, 1 .. 127 (default: the live lathe's, else {DBC_NODE})",
-    )
+@dataclass(frozen=True)
+class BusOptions(Interface):
+    """The options that name a bus and a controller on it."""
 
+    live: Annotated[
+        str | None, Option("name of the live lathe (default: the only one running)", "NAME")
+    ] = None
+    node: Annotated[
+        int | None,
+        Option(
+            f"node of the controller, 1 .. 127 (default: the live lathe's, else {DBC_NODE})",
+            short="-n",
+            read=whole_within(1, 127),
+        ),
+    ] = None
 
-def bus_arguments(arguments: argparse.Namespace) -> dict[str, Any]:
-    """Return what the options give of the arguments of can.Bus."""
-    asked = {name: getattr(arguments, name) for name in _NAMED}
-    return {name: value for name, value in asked.items() if value is not None} | dict(
-        arguments.option
-    )
+    def opened(self) -> tuple[can.BusABC, str, int]:
+        """Return the bus, its name for messages, and the controller's node.
 
+        Where no bus is named, neither here nor by the environment, it is that of the live lathe.
 
-def open_controller(arguments: argparse.Namespace) -> tuple[can.BusABC, str, int]:
-    """Return the bus that the options name, how to call it in messages, and the controller's node.
-
-    Where no bus is named, neither here nor by the environment, it is that of the live lathe.
-
-    Raises
-    ------
-    CamtoolsError
-        It cannot be opened, several live lathes run, or both a bus and a live lathe are named.
-    """
-    given, node = bus_arguments(arguments), arguments.node
-    if arguments.live is not None and given:
-        first = next(iter(given))
-        raise CamtoolsError([f"--live {arguments.live}: has its own bus; leave out {first}"])
-    if arguments.live is not None or "interface" not in configured(given):
-        lathe = only_lathe(arguments.live)
-        if lathe is not None:
-            bus, where = open_bus(lathe.bus | given)
-            return bus, f"live lathe {lathe.name}, {where}", node or lathe.node
-    bus, where = open_bus(given)
-    return bus, where, node or DBC_NODE
+        Raises
+        ------
+        CamtoolsError
+            It cannot be opened, several live lathes run, or both a bus and a live lathe are named.
+        """
+        given = self.words()
+        if self.live is not None and given:
+            first = next(iter(given))
+            raise CamtoolsError([f"--live {self.live}: has its own bus; leave out {first}"])
+        if self.live is not None or "interface" not in configured(given):
+            lathe = only_lathe(self.live)
+            if lathe is not None:
+                bus, where = open_bus(lathe.bus | given)
+                return bus, f"live lathe {lathe.name}, {where}", self.node or lathe.node
+        bus, where = open_bus(given)
+        return bus, where, self.node or DBC_NODE

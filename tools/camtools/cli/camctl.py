@@ -8,312 +8,333 @@ or its configuration files.
 from __future__ import annotations
 
 import argparse
-import contextlib
 import csv
 import fnmatch
 import shutil
 import sys
-import time
 from collections.abc import Callable, Sequence
-from typing import TextIO
+from pathlib import Path
+from typing import Annotated, TextIO
 
-from camtools.base.command import Interrupted, run_command
+from camtools.base.arguments import (
+    Commands,
+    Function,
+    Group,
+    Option,
+    Word,
+    finite,
+    make_parser,
+    positive,
+    read_arguments,
+    whole,
+)
+from camtools.base.command import run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import growing
-from camtools.cli import camctl_cut, camctl_hand, camctl_rights
-from camtools.cli.bus import open_controller
+from camtools.cli import camctl_cut, camctl_hand, camctl_params, camctl_rights
+from camtools.cli.bus import BusOptions
+from camtools.cli.camctl_control import SECONDS_HELP, Control
 from camtools.cli.camctl_excite import excite, learned
-from camtools.cli.camctl_options import PLAIN, QUICK, make_parser
-from camtools.cli.camctl_params import params
-from camtools.cli.camctl_scope import blackbox, scope_ticks
+from camtools.cli.camctl_rights import RightsOptions
+from camtools.cli.camctl_scope import blackbox, scope
 from camtools.link.controller import Link, Status
 from camtools.link.download import check_image, download, select_table
-from camtools.link.messages import NUMBERS, Answer, Refused
-from camtools.link.refusal_text import ask_done
+from camtools.link.manual_axes import AXES
+from camtools.link.messages import NUMBERS, Refused
 from camtools.link.settings import set_quick
 from camtools.link.status_text import COLUMNS, Dashboard, line, report, row, table_report
 
 REFUSED = 1
 HOME_S = 60.0
 IN_WORK = ("rehearsing", "engaging", "cutting", "holding", "disengaging")
+_PLAIN = {
+    "enable": "Enable the drives and home.",
+    "disable": "Switch the drives off.",
+    "manual": "Enable the drives without the spindle, to move axes by hand.",
+    "stop": "End the cut and retract; in manual: brake the axes.",
+    "hold": "Pause Z after a whole turn; U continues.",
+    "resume": "Continue after a hold.",
+    "reset": "Clear the faults.",
+}
+_QUICK = {
+    "speed": "Set the spindle speed in r/min for the next start (0: the table's).",
+    "feed": "Set the feed in mm per turn for the next start (0: the table's).",
+    "amplitude": "Scale the stroke of U, in %%; ramped.",
+    "phase": "Rotate the oval on the part, in degrees; ramped.",
+}
+_EPILOG = """\
+Choose the CAN bus by options, for example
+  tools/camctl --interface socketcan --channel can0 status
+or by the environment: CAN_INTERFACE, CAN_CHANNEL, CAN_BITRATE. Without either, camctl uses the live
+lathe of tools/live.
+Each order takes command while it runs and then gives it back; reading and `stop` do not need it.
+`who` shows who has command; --take-over takes it from that sender.
+Exit status: 0 done, 1 refused by the controller or no answer, 2 wrong usage or bad input."""
 
 
-class Control:
-    """What the subcommands do, over one link."""
-
-    def __init__(self, link: Link, out: TextIO) -> None:
-        self.link, self.out = link, out
-
-    def say(self, text: str) -> None:
-        """Print a line, at once."""
-        self.out.write(f"{text}\n")
-        self.out.flush()
-
-    def ask(self, command: str, parameter: int = 0, **value: float) -> Answer:
-        """Send a command that must be accepted.
-
-        Raises
-        ------
-        Refused
-            It is not.
-        CamtoolsError
-            The value is outside the range of its signal.
-        """
-        return ask_done(self.link, command, parameter, **value)
-
-    def wait_state(self, wanted: Sequence[str], timeout_s: float) -> str:
-        """Wait for one of some states; a fault is refused."""
-        status = self.link.status
-        self.link.listen()
-        if not self.link.wait(lambda: status.state in (*wanted, "fault"), timeout_s):
-            raise Refused(f"{self.link.where}: still {status.state} after {timeout_s:.0f} s")
-        if status.state == "fault":
-            self.link.wait(lambda: bool(status.faults), 0.1)
-            raise Refused(f"fault: {', '.join(status.faults)}; see status, then reset")
-        return status.state
-
-    # Subcommands
-
-    def plain(self, arguments: argparse.Namespace) -> None:
-        """Carry out a command without a value."""
-        command: str = arguments.command
-        if command == "home" and arguments.axis:
-            camctl_hand.home_axis(self.link, arguments.axis, self.say)
-            return
-        self.ask(command)
-        # The state of before is in the status until the next tick's.
-        self.link.wait(lambda: False, 0.05)
-        self.link.status.signals.pop("state", None)
-        if command == "home":
-            self.wait_state(["ready"], HOME_S)
-        elif command == "start":
-            self.say(camctl_cut.follow_cut(self.link, self.out))
-            return
-        self.say(f"{command}: {self.link.listen().state}")
-
-    def quick(self, arguments: argparse.Namespace) -> None:
-        """Set speed, feed, amplitude or phase."""
-        self.say(set_quick(self.link, arguments.command, arguments.value))
-
-    def _index(self, name: str) -> int:
-        if name not in NUMBERS["parameter"]:
-            raise CamtoolsError([f"{name}: no such parameter; tools/camctl list prints all"])
-        return NUMBERS["parameter"][name]
-
-    def get(self, arguments: argparse.Namespace) -> None:
-        """Print parameters."""
-        indices = [self._index(name) for name in arguments.names]
-        for name, index in zip(arguments.names, indices, strict=True):
-            self.say(f"{name} = {self.ask('get_parameter', index).value:.0f}")
-
-    def set(self, arguments: argparse.Namespace) -> None:
-        """Set a parameter; what does not fit the message is out of range for sure."""
-        index = self._index(arguments.name)
-        if not -(2**31) <= arguments.value < 2**31:
-            low, high = (self.ask(f"get_{end}", index).value for end in ("minimum", "maximum"))
-            what = f"set parameter = {arguments.value}"
-            raise Refused(f"{what}: out of range; {arguments.name} is {low:.0f} .. {high:.0f}")
-        answer = self.ask("set_parameter", index, value=arguments.value)
-        self.say(f"{arguments.name} = {answer.value:.0f}")
-
-    def list(self, arguments: argparse.Namespace) -> None:
-        """Print parameters with their ranges."""
-        names = [n for n in NUMBERS["parameter"] if fnmatch.fnmatch(n, arguments.pattern)]
-        if not names:
-            raise CamtoolsError(
-                [f"{arguments.pattern}: no parameter matches; tools/camctl list prints all"]
-            )
-        for name in names:
-            index = NUMBERS["parameter"][name]
-            value, low, high = (
-                self.ask(f"get_{what}", index).value for what in ("parameter", "minimum", "maximum")
-            )
-            self.say(f"{name:<34}{value:12.0f}   {low:.0f} .. {high:.0f}")
-
-    def status(self, _arguments: argparse.Namespace) -> None:
-        """Print all of the status."""
-        for text in report(self.link.listen()):
-            self.say(text)
-
-    def _follow(
-        self,
-        seconds: float | None,
-        on_row: Callable[[Status, float], None],
-        is_over: Callable[[Status], bool] = lambda status: False,
-    ) -> None:
-        """Call for every row of status, until it is over, time is up or the user interrupts."""
-        start_s = time.monotonic()
-        self.link.listen()
-        self.link.on_row = lambda status: on_row(status, time.monotonic() - start_s)
-        with contextlib.suppress(Interrupted):
-            while not is_over(self.link.status) and (
-                seconds is None or time.monotonic() - start_s < seconds
-            ):
-                if not self.link.next_row(2.0):
-                    raise Refused(f"{self.link.where}: the status stopped; is the controller on?")
-
-    def watch(self, arguments: argparse.Namespace) -> None:
-        """Draw the dashboard, or print lines where the output is no terminal."""
-        is_drawn = self.out.isatty()
-        board = Dashboard(shutil.get_terminal_size().columns)
-        due_s, every_s = 0.0, arguments.every or (0.1 if is_drawn else 1.0)
-
-        def show(status: Status, t_s: float) -> None:
-            nonlocal due_s
-            board.add(status)
-            if t_s >= due_s:
-                due_s = t_s + every_s
-                self.out.write(board.page(status) if is_drawn else f"{line(status)}\n")
-                self.out.flush()
-
-        if is_drawn:
-            self.out.write("\x1b[2J")
-        self._follow(arguments.seconds, show)
-
-    def record(self, arguments: argparse.Namespace) -> None:
-        """Write the status into a CSV file, a row every 10 ms."""
-        self.link.listen()  # before a file is touched
-        n = 0
-
-        def write(status: Status, t_s: float) -> None:
-            nonlocal n
-            if n == 0:
-                writer.writerow(COLUMNS)
-            n += 1
-            writer.writerow(row(status, t_s))
-
-        def is_over(status: Status) -> bool:
-            return arguments.cut and status.state not in IN_WORK
-
-        try:
-            with growing(arguments.file) as file:
-                writer = csv.writer(file, lineterminator="\n")
-                self._follow(arguments.seconds, write, is_over)
-        except OSError as error:
-            raise CamtoolsError([f"{arguments.file}: {error.strerror}; check the path"]) from error
-        self.say(f"{arguments.file}: {n} rows" if n else f"{arguments.file}: no rows, not written")
-        if arguments.cut and self.link.status.faults:
-            raise Refused(f"the cut ended in a fault: {', '.join(self.link.status.faults)}")
-
-    def table(self, arguments: argparse.Namespace) -> None:
-        """Print what is known about the table in use, or download another one."""
-        if arguments.table == "info":
-            for text in table_report(self.link.listen()):
-                self.say(text)
-            return
-        try:
-            image = arguments.file.read_bytes()
-        except OSError as error:
-            raise CamtoolsError([f"{arguments.file}: {error.strerror}; check the path"]) from error
-        check_image(image, str(arguments.file))
-        self._download(image)
-        if arguments.table == "next" or arguments.select:
-            self.select(arguments)
-
-    def _download(self, image: bytes) -> None:
-        last_percent = -1
-
-        def progress(stored: int, seconds: float) -> None:
-            nonlocal last_percent
-            percent = stored * 100 // len(image)
-            if self.out.isatty() or percent // 10 > last_percent // 10 or stored == len(image):
-                end = "\r" if self.out.isatty() and stored < len(image) else "\n"
-                rate = stored / seconds / 1000 if seconds > 0 else 0.0
-                self.out.write(f"{stored} of {len(image)} bytes, {percent} %, {rate:.1f} kB/s{end}")
-                self.out.flush()
-            last_percent = percent
-
-        download(self.link, image, progress)
-        self.say("downloaded and checked; select activates it")
-
-    def select(self, _arguments: argparse.Namespace) -> None:
-        """Take the downloaded table into use, or check the one in its place anew."""
-        select_table(self.link)
-        for text in table_report(self.link.status):
-            self.say(text)
-
-    def override(self, arguments: argparse.Namespace) -> None:
-        """Set or print an override."""
-        camctl_cut.override(self.link, arguments, self.say)
-
-    def trim(self, arguments: argparse.Namespace) -> None:
-        """Set or print the trim of X."""
-        camctl_cut.trim(self.link, arguments, self.say)
-
-    def parts(self, arguments: argparse.Namespace) -> None:
-        """Set or print the number of parts."""
-        camctl_cut.parts(self.link, arguments, self.say)
-
-    def jog(self, arguments: argparse.Namespace) -> None:
-        """Move an axis by hand."""
-        camctl_hand.jog_axis(self.link, arguments, self.say)
-
-    def zero(self, arguments: argparse.Namespace) -> None:
-        """Say where the tool is."""
-        camctl_hand.zero(self.link, arguments, self.say)
-
-    def tool(self, arguments: argparse.Namespace) -> None:
-        """Print, set or choose tools."""
-        camctl_hand.tool(self.link, arguments, self.say)
-
-    def where(self, _arguments: argparse.Namespace) -> None:
-        """Print where the axes are."""
-        camctl_hand.where(self.link, self.say)
-
-    def excite(self, arguments: argparse.Namespace) -> None:
-        """Let U play a wave and write what was recorded."""
-        excite(self.link, arguments, self.say)
-
-    def scope(self, arguments: argparse.Namespace) -> None:
-        """Record signals of ticks, write and draw them."""
-        scope_ticks(self.link, arguments, self.say)
-
-    def blackbox(self, arguments: argparse.Namespace) -> None:
-        """Tell, read or clear what was recorded before a fault."""
-        blackbox(self.link, arguments, self.say)
-
-    def params(self, arguments: argparse.Namespace) -> None:
-        """Save, load or compare all parameters, or change what the controller keeps."""
-        params(self.link, arguments, self.say)
-
-    def who(self, _arguments: argparse.Namespace) -> None:
-        """Print who commands."""
-        camctl_rights.who(self.link, self.say)
-
-    def unlock(self, _arguments: argparse.Namespace) -> None:
-        """Unlock the controller, and stay."""
-        camctl_rights.unlock(self.link, self.say)
-
-    def lock(self, _arguments: argparse.Namespace) -> None:
-        """Lock the controller."""
-        camctl_rights.lock(self.link, self.say)
-
-    def learned(self, arguments: argparse.Namespace) -> None:
-        """Print, save or bring back what the controller has learned."""
-        learned(self.link, arguments, self.say)
+def _order(control: Control, command: str) -> None:
+    """Give an order without a value; the status that follows is that of after it."""
+    control.ask(command)
+    control.link.wait(lambda: False, 0.05)
+    control.link.status.signals.pop("state", None)
 
 
-def _run(arguments: argparse.Namespace, out: TextIO) -> int:
-    bus, where, node = open_controller(arguments)
+def _plain(command: str, text: str) -> Callable[[Control], None]:
+    def carry_out(control: Control) -> None:
+        _order(control, command)
+        control.say(f"{command}: {control.link.listen().state}")
+
+    carry_out.__doc__ = text
+    return carry_out
+
+
+def _quick(command: str, text: str) -> Callable[..., None]:
+    def carry_out(control: Control, value: Annotated[float, Word("", read=finite)]) -> None:
+        control.say(set_quick(control.link, command, value))
+
+    carry_out.__doc__ = text
+    return carry_out
+
+
+def home(
+    control: Control,
+    axis: Annotated[str | None, Word("only this axis", choices=tuple(AXES))] = None,
+) -> None:
+    """Find the spindle index and wait until ready; with an axis, in manual: home that axis."""
+    if axis is not None:
+        camctl_hand.home_axis(control, axis)
+        return
+    _order(control, "home")
+    control.say(f"home: {control.wait_state(['ready'], HOME_S)}")
+
+
+def start(control: Control, *, wait: Annotated[bool, Option(argparse.SUPPRESS)] = False) -> None:
+    """Cut a part and wait for its end; control-C stops the cut."""
+    _order(control, "start")
+    control.say(camctl_cut.follow_cut(control.link, control.out))
+
+
+def _index(name: str) -> int:
+    if name not in NUMBERS["parameter"]:
+        raise CamtoolsError([f"{name}: no such parameter; tools/camctl list prints all"])
+    return NUMBERS["parameter"][name]
+
+
+def get_parameters(
+    control: Control, names: Annotated[tuple[str, ...], Word("parameters; `list` prints all")]
+) -> None:
+    """Print parameters."""
+    for name, index in [(name, _index(name)) for name in names]:
+        control.say(f"{name} = {control.ask('get_parameter', index).value:.0f}")
+
+
+def set_parameter(
+    control: Control,
+    name: Annotated[str, Word("parameter; `list` prints all")],
+    value: Annotated[int, Word("whole number, in the unit of the name", read=whole)],
+) -> None:
+    """Set a parameter."""
+    index = _index(name)
+    if not -(2**31) <= value < 2**31:  # what does not fit the message is out of range for sure
+        low, high = (control.ask(f"get_{end}", index).value for end in ("minimum", "maximum"))
+        what = f"set parameter = {value}"
+        raise Refused(f"{what}: out of range; {name} is {low:.0f} .. {high:.0f}")
+    answer = control.ask("set_parameter", index, value=value)
+    control.say(f"{name} = {answer.value:.0f}")
+
+
+def list_parameters(
+    control: Control,
+    pattern: Annotated[str, Word("only names that match, with * and ? (default: all)")] = "*",
+) -> None:
+    """Print parameters with their ranges."""
+    names = [n for n in NUMBERS["parameter"] if fnmatch.fnmatch(n, pattern)]
+    if not names:
+        raise CamtoolsError([f"{pattern}: no parameter matches; tools/camctl list prints all"])
+    for name in names:
+        index = NUMBERS["parameter"][name]
+        value, low, high = (
+            control.ask(f"get_{what}", index).value for what in ("parameter", "minimum", "maximum")
+        )
+        control.say(f"{name:<34}{value:12.0f}   {low:.0f} .. {high:.0f}")
+
+
+def status(control: Control) -> None:
+    """Print the status."""
+    for text in report(control.link.listen()):
+        control.say(text)
+
+
+def watch(
+    control: Control,
+    *,
+    seconds: Annotated[float | None, Option(SECONDS_HELP, read=positive)] = None,
+    every: Annotated[
+        float | None,
+        Option(
+            "time between updates (default: 0.1 on a terminal, else 1)", "SECONDS", read=positive
+        ),
+    ] = None,
+) -> None:
+    """Live view: angle, U, following error, faults."""
+    out = control.out
+    is_drawn = out.isatty()
+    board = Dashboard(shutil.get_terminal_size().columns)
+    due_s, every_s = 0.0, every or (0.1 if is_drawn else 1.0)
+
+    def show(now: Status, t_s: float) -> None:
+        nonlocal due_s
+        board.add(now)
+        if t_s >= due_s:
+            due_s = t_s + every_s
+            out.write(board.page(now) if is_drawn else f"{line(now)}\n")
+            out.flush()
+
+    if is_drawn:
+        out.write("\x1b[2J")
+    control.follow(seconds, show)
+
+
+def record(
+    control: Control,
+    file: Annotated[Path, Word("CSV file to write")],
+    *,
+    seconds: Annotated[float | None, Option(SECONDS_HELP, read=positive)] = None,
+    cut: Annotated[bool, Option("stop at the end of the cut in progress")] = False,
+) -> None:
+    """Record the status to a CSV file, one row every 10 ms."""
+    control.link.listen()  # before a file is touched
+    n = 0
+
+    def write(now: Status, t_s: float) -> None:
+        nonlocal n
+        if n == 0:
+            writer.writerow(COLUMNS)
+        n += 1
+        writer.writerow(row(now, t_s))
+
     try:
-        control = Control(Link(bus, where, node), out)
-        command: str = arguments.command
-        group = "plain" if command in PLAIN else "quick" if command in QUICK else command
-        with camctl_rights.commanding(control.link, node, arguments):
-            getattr(control, group)(arguments)
-    except Refused as refused:
-        sys.stderr.write(f"camctl: {refused}\n")
-        return REFUSED
-    finally:
-        bus.shutdown()
-    return 0
+        with growing(file) as stream:
+            writer = csv.writer(stream, lineterminator="\n")
+            control.follow(seconds, write, lambda now: cut and now.state not in IN_WORK)
+    except OSError as error:
+        raise CamtoolsError([f"{file}: {error.strerror}; check the path"]) from error
+    control.say(f"{file}: {n} rows" if n else f"{file}: no rows, not written")
+    if cut and control.link.status.faults:
+        raise Refused(f"the cut ended in a fault: {', '.join(control.link.status.faults)}")
+
+
+_TableFile = Annotated[Path, Word("table, NAME.camtab")]
+
+
+def table_info(control: Control) -> None:
+    """Print name, size, CRC-32 and generation of the active table."""
+    for text in table_report(control.link.listen()):
+        control.say(text)
+
+
+def table_next(control: Control, file: _TableFile) -> None:
+    """Download a table and activate it; also allowed in ready."""
+    table_download(control, file, select=True)
+
+
+def table_download(
+    control: Control,
+    file: _TableFile,
+    *,
+    select: Annotated[bool, Option("activate it after the download")] = False,
+) -> None:
+    """Download and check a table; the active one stays."""
+    try:
+        image = file.read_bytes()
+    except OSError as error:
+        raise CamtoolsError([f"{file}: {error.strerror}; check the path"]) from error
+    check_image(image, str(file))
+    last_percent, out = -1, control.out
+
+    def progress(stored: int, seconds: float) -> None:
+        nonlocal last_percent
+        percent = stored * 100 // len(image)
+        if out.isatty() or percent // 10 > last_percent // 10 or stored == len(image):
+            end = "\r" if out.isatty() and stored < len(image) else "\n"
+            rate = stored / seconds / 1000 if seconds > 0 else 0.0
+            out.write(f"{stored} of {len(image)} bytes, {percent} %, {rate:.1f} kB/s{end}")
+            out.flush()
+        last_percent = percent
+
+    download(control.link, image, progress)
+    control.say("downloaded and checked; select activates it")
+    if select:
+        select_downloaded(control)
+
+
+def select_downloaded(control: Control) -> None:
+    """Activate the downloaded table."""
+    select_table(control.link)
+    for text in table_report(control.link.status):
+        control.say(text)
+
+
+COMMANDS: Commands = {
+    **{name: _plain(name, text) for name, text in _PLAIN.items()},
+    "home": home,
+    "start": start,
+    **{name: _quick(name, text) for name, text in _QUICK.items()},
+    "jog": camctl_hand.jog_axis,
+    "zero": camctl_hand.zero,
+    "tool": camctl_hand.tool,
+    "where": camctl_hand.where,
+    "override": camctl_cut.override,
+    "trim": camctl_cut.trim,
+    "parts": camctl_cut.parts,
+    "get": get_parameters,
+    "set": set_parameter,
+    "list": list_parameters,
+    "params": Group("save, load, compare or store all parameters", camctl_params.COMMANDS),
+    "who": camctl_rights.who,
+    "unlock": camctl_rights.unlock,
+    "lock": camctl_rights.lock,
+    "status": status,
+    "watch": watch,
+    "record": record,
+    "scope": scope,
+    "blackbox": blackbox,
+    "excite": excite,
+    "learned": learned,
+    "table": Group(
+        "show the active table, or download another one",
+        dict[str, Function | Group](info=table_info, next=table_next, download=table_download),
+    ),
+    "select": select_downloaded,
+}
+
+
+def camctl(bus: BusOptions, rights: RightsOptions) -> None:
+    """Command and monitor a camturn controller over CAN."""
 
 
 def main(argv: Sequence[str] | None = None, out: TextIO | None = None) -> int:
     """Run the command; 0 done, 1 refused or no answer, 2 wrong usage or bad input."""
-    arguments = make_parser().parse_args(argv)
+    given = read_arguments(
+        make_parser("tools/camctl", camctl, COMMANDS, epilog=_EPILOG), camctl, argv
+    )
     to = sys.stdout if out is None else out
-    return run_command("camctl", lambda: _run(arguments, to))
+
+    def act() -> int:
+        chosen, arguments = given["chosen"]
+        bus, where, node = given["bus"].opened()
+        try:
+            control = Control(Link(bus, where, node), to)
+            with given["rights"].commanding(control.link, node):
+                chosen(control, **arguments)
+        except Refused as refused:
+            sys.stderr.write(f"camctl: {refused}\n")
+            return REFUSED
+        finally:
+            bus.shutdown()
+        return 0
+
+    return run_command("camctl", act)
 
 
 if __name__ == "__main__":

@@ -1,20 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Subcommands of camctl about what changes while a part is cut: overrides, trim, parts.
+"""Commands of camctl about what changes while a part is cut: overrides, trim, parts.
 
->>> parser = Parser(prog="tools/camctl")
->>> add_cut(parser.add_subparsers())
->>> parser.parse_args(["override", "feed", "90"]).what
-'feed'
+>>> signals = {"has_end": 1, "turns_left": 250.0, "turns_whole": 1000.0, "pass_speed": 500.0}
+>>> _reached_text("cutting", signals | {"pass": 2, "passes": 3})
+'in pass 2 of 3 at 75 %, 750 of 1000 turns'
 """
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Callable, Mapping
-from typing import TextIO
+from collections.abc import Mapping
+from typing import Annotated, TextIO
 
-from camtools.base.argument_types import finite, whole
-from camtools.base.command import Interrupted, Parser
+from camtools.base.arguments import Word, finite, whole
+from camtools.base.command import Interrupted
+from camtools.cli.camctl_control import Control
 from camtools.link.controller import Link, Status
 from camtools.link.messages import NAMES, Refused
 from camtools.link.progress import IN_CUT, cut_progress
@@ -30,43 +29,9 @@ from camtools.link.settings import (
     value_text,
 )
 
-Say = Callable[[str], None]
 _OVER = ("ready", "off", "fault")
 _ROW_S = 2.0
 _SAME_LINE = "\x1b[K\r"
-
-
-def add_cut(commands: argparse._SubParsersAction[Parser]) -> None:
-    """Add the subcommands to the command line."""
-    one = commands.add_parser(
-        "override", help="print or set the override of feed or spindle speed; the change is ramped"
-    )
-    one.add_argument("what", choices=OVERRIDES, help="what to override")
-    one.add_argument(
-        "percent",
-        nargs="?",
-        type=finite,
-        help="override in %%: feed 0 .. 150, spindle 50 .. 120 (default: print it)",
-    )
-    one = commands.add_parser(
-        "trim", help="print or set the wear offset of X; ramped, also while cutting"
-    )
-    one.add_argument("measure", choices=MEASURES, help="what the offset is measured on")
-    one.add_argument(
-        "value",
-        nargs="?",
-        type=finite,
-        metavar="MM",
-        help="offset in mm, positive for a larger part (default: print it)",
-    )
-    one = commands.add_parser("parts", help="print or set the part counter")
-    one.add_argument(
-        "number",
-        nargs="?",
-        type=whole,
-        metavar="N",
-        help="new value of the counter (default: print it)",
-    )
 
 
 def _until_over(link: Link) -> None:
@@ -142,12 +107,7 @@ def follow_cut(link: Link, out: TextIO) -> str:
 
 
 def _reached_text(state: str, signals: Mapping[str, float]) -> str:
-    """Return how far a cut has come.
-
-    >>> signals = {"has_end": 1, "turns_left": 250.0, "turns_whole": 1000.0, "pass_speed": 500.0}
-    >>> _reached_text("cutting", signals | {"pass": 2, "passes": 3})
-    'in pass 2 of 3 at 75 %, 750 of 1000 turns'
-    """
+    """Return how far a cut has come."""
     fraction = cut_progress(state, signals).fraction
     if fraction is None:
         return f"while {state}"
@@ -162,26 +122,43 @@ def _parts(link: Link) -> int:
     return int(ask_done(link, "get_parts").value)
 
 
-def override(link: Link, arguments: argparse.Namespace, say: Say) -> None:
-    """Set an override, or print it."""
-    name = f"{arguments.what}_override"
-    if arguments.percent is None:
-        say(f"override {arguments.what} = {value_text(name, value_of(link, name))}")
+def override(
+    control: Control,
+    what: Annotated[str, Word("what to override", choices=OVERRIDES)],
+    percent: Annotated[
+        float | None,
+        Word("override in %%: feed 0 .. 150, spindle 50 .. 120 (default: print it)", read=finite),
+    ] = None,
+) -> None:
+    """Print or set the override of feed or spindle speed; the change is ramped."""
+    name, link = f"{what}_override", control.link
+    if percent is None:
+        control.say(f"override {what} = {value_text(name, value_of(link, name))}")
     else:
-        say(set_override(link, arguments.what, arguments.percent))
+        control.say(set_override(link, what, percent))
 
 
-def trim(link: Link, arguments: argparse.Namespace, say: Say) -> None:
-    """Set the trim of X, or print it."""
-    if arguments.value is None:
-        say(trim_text(value_of(link, "trim")))
-    else:
-        say(set_trim(link, arguments.measure, arguments.value))
+def trim(
+    control: Control,
+    measure: Annotated[str, Word("what the offset is measured on", choices=MEASURES)],
+    value: Annotated[
+        float | None,
+        Word("offset in mm, positive for a larger part (default: print it)", "MM", read=finite),
+    ] = None,
+) -> None:
+    """Print or set the wear offset of X; ramped, also while cutting."""
+    link = control.link
+    control.say(
+        trim_text(value_of(link, "trim")) if value is None else set_trim(link, measure, value)
+    )
 
 
-def parts(link: Link, arguments: argparse.Namespace, say: Say) -> None:
-    """Set the number of parts, or print it."""
-    if arguments.number is None:
-        say(f"parts = {ask_done(link, 'get_parts').value:.0f}")
-    else:
-        say(set_parts(link, arguments.number))
+def parts(
+    control: Control,
+    number: Annotated[
+        int | None, Word("new value of the counter (default: print it)", "N", read=whole)
+    ] = None,
+) -> None:
+    """Print or set the part counter."""
+    link = control.link
+    control.say(f"parts = {_parts(link)}" if number is None else set_parts(link, number))

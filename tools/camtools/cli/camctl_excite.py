@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-r"""Subcommands of camctl about the excitation of U and learned values.
+r"""Commands of camctl about the excitation of U and learned values.
 
 >>> wave_of(b"force_mn\n3\n-4\n", "w.csv")
 (array([ 3, -4]), 'mN')
@@ -7,18 +7,19 @@ r"""Subcommands of camctl about the excitation of U and learned values.
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
 
+from camtools.base.arguments import Option, Word, whole
 from camtools.base.errors import CamtoolsError
 from camtools.base.input_file import read_limited
 from camtools.base.output import write_all
-from camtools.cli.camctl_files import Say, names_of, write_raw
+from camtools.cli.camctl_control import Control
+from camtools.cli.camctl_files import DEFAULT_SIGNALS, Signals, count, names_of, write_raw
 from camtools.link import excitation
-from camtools.link.controller import Link
 from camtools.link.learned_file import (
     get_learned,
     learned_text,
@@ -67,33 +68,49 @@ def wave_of(data: bytes, name: str) -> tuple[npt.NDArray[np.int64], excitation.U
     return np.array(samples, np.int64), unit
 
 
-def excite(link: Link, arguments: argparse.Namespace, say: Say) -> None:
-    """Let U play the wave of a file, and write what was recorded until its amplitude falls."""
-    samples, unit = wave_of(_read(arguments.wave), str(arguments.wave))
+def excite(
+    control: Control,
+    wave: Annotated[
+        Path,
+        Word("CSV with the heading u_nm, then one position in nm per tick; or force_mn and forces"),
+    ],
+    file: Annotated[Path, Word("CSV file to write")],
+    *,
+    periods: Annotated[int, Option("periods at full amplitude (default: 5)", "N", read=count)] = 5,
+    fade_ticks: Annotated[
+        int, Option("ticks of fading in and out (default: 2000)", "N", read=count)
+    ] = 2000,
+    place_nm: Annotated[int, Option("mean position of U in nm (default: 0)", "NM", read=whole)] = 0,
+    signals: Signals = DEFAULT_SIGNALS,
+) -> None:
+    """In ready: move U along a wave and record it."""
+    samples, unit = wave_of(_read(wave), str(wave))
     recording = excitation.excite(
-        link,
-        samples,
-        arguments.periods,
+        *(control.link, samples, periods),
         unit=unit,
-        fade_ticks=arguments.fade_ticks,
-        place_nm=arguments.place_nm,
-        signals=names_of(arguments.signals),
+        fade_ticks=fade_ticks,
+        place_nm=place_nm,
+        signals=names_of(signals),
     )
-    write_raw(arguments.file, recording.played(), say)
+    write_raw(file, recording.played(), control.say)
 
 
-def learned(link: Link, arguments: argparse.Namespace, say: Say) -> None:
-    """Print what learning does, save what was learned, or bring it back."""
-    if (arguments.action is None) != (arguments.file is None):
+def learned(
+    control: Control,
+    action: Annotated[str | None, Word("default: print", choices=("save", "load"))] = None,
+    file: Annotated[Path | None, Word("TOML file, with save and load")] = None,
+) -> None:
+    """Print, save or load the learned correction."""
+    link = control.link
+    if (action is None) != (file is None):
         raise CamtoolsError(["learned: give save FILE or load FILE, or neither"])
-    path: Path = arguments.file
-    if arguments.action == "save":
-        text = learned_text(get_learned(link), link.listen().table_name)
-        write_all(path.parent, {path.name: text.encode()})
-        say(f"{path}: saved")
-    elif arguments.action == "load":
-        set_learned(link, learned_values(_read(path), str(path)))
-        say(f"{path}: in force")
-    else:
+    if file is None:
         for line in learning_report(link.listen()):
-            say(line)
+            control.say(line)
+    elif action == "save":
+        text = learned_text(get_learned(link), link.listen().table_name)
+        write_all(file.parent, {file.name: text.encode()})
+        control.say(f"{file}: saved")
+    else:
+        set_learned(link, learned_values(_read(file), str(file)))
+        control.say(f"{file}: in force")

@@ -14,10 +14,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import pyarrow as pa
 
+from camtools.base.arguments import Option, whole_within
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
 from camtools.base.parquet import parquet_bytes
@@ -25,6 +26,12 @@ from camtools.link import scope
 from camtools.link.signals import faults_in, physical
 
 Say = Callable[[str], None]
+DEFAULT_SIGNALS = ",".join(scope.DEFAULT_SIGNALS)
+Signals = Annotated[
+    str,
+    Option("signals to record; tools/docs/SCOPE.md lists them (default: %(default)s)", "A,B,.."),
+]
+count = whole_within(1, 1_000_000)
 _SUFFIXES = (".csv", ".parquet")
 ABOUT = "camturn.recording"
 

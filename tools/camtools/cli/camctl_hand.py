@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Subcommands of camctl about axes by hand: jog, homing, zero, tools.
+"""Commands of camctl about axes by hand: jog, homing, zero, tools.
 
 >>> speed_of("-", 2.5)
 -2.5
@@ -7,12 +7,13 @@
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Callable
+from typing import Annotated
 
+from camtools.base.arguments import Option, Word, finite, not_negative, positive, whole
 from camtools.base.command import Interrupted
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
+from camtools.cli.camctl_control import SECONDS_HELP, Control
 from camtools.link.controller import Link
 from camtools.link.manual_axes import (
     AXES,
@@ -25,8 +26,6 @@ from camtools.link.manual_axes import (
     usual_mm_per_s,
 )
 from camtools.link.settings import N_TOOLS, parameter, set_tool, set_tool_offset, set_zero
-
-Say = Callable[[str], None]
 
 
 def speed_of(sense: str, mm_per_s: float) -> float:
@@ -43,47 +42,94 @@ def _to_its_end(link: Link, command: str, axis: str, **value: float) -> str:
         return "interrupted"
 
 
-def jog_axis(link: Link, arguments: argparse.Namespace, say: Say) -> None:
-    """Move an axis while this runs, or by a step."""
-    axis: str = arguments.axis
-    if (arguments.sense is None) == (arguments.step is None):
+def jog_axis(
+    control: Control,
+    axis: Annotated[str, Word("axis to move", choices=tuple(AXES))],
+    sense: Annotated[
+        str | None, Word("direction; leave out with --step", choices=("+", "-"))
+    ] = None,
+    *,
+    speed: Annotated[
+        float | None,
+        Option("speed in mm/s (default: 1, or the axis limit if lower)", read=positive),
+    ] = None,
+    seconds: Annotated[float | None, Option(SECONDS_HELP, read=positive)] = None,
+    step: Annotated[
+        float | None,
+        Option("signed distance in mm, moved at the highest jog speed", "MM", read=finite),
+    ] = None,
+) -> None:
+    """In manual: move an axis until control-C, or by one step."""
+    link = control.link
+    if (sense is None) == (step is None):
         raise CamtoolsError([f"jog {axis}: give either + or -, or --step MM"])
-    if arguments.step is not None:
-        if arguments.speed is not None or arguments.seconds is not None:
+    if step is not None:
+        if speed is not None or seconds is not None:
             raise CamtoolsError(
                 [f"jog {axis}: a step has no --speed and no --seconds; leave them out"]
             )
-        say(end_text(link, axis, _to_its_end(link, "step", axis, step=arguments.step), "jog"))
+        control.say(end_text(link, axis, _to_its_end(link, "step", axis, step=step), "jog"))
         return
-    speed = usual_mm_per_s(link, axis) if arguments.speed is None else arguments.speed
+    mm_per_s = usual_mm_per_s(link, axis) if speed is None else speed
     end = "done"
     try:
-        end = jog(link, axis, speed_of(arguments.sense, speed), for_seconds(arguments.seconds))
+        end = jog(link, axis, speed_of(str(sense), mm_per_s), for_seconds(seconds))
     except Interrupted:  # how a jog that is held ends
         rest(link, axis)
-    say(end_text(link, axis, end, "jog"))
+    control.say(end_text(link, axis, end, "jog"))
 
 
-def home_axis(link: Link, axis: str, say: Say) -> None:
+def home_axis(control: Control, axis: str) -> None:
     """Find the home of an axis and wait until it is found."""
-    say(f"home {end_text(link, axis, _to_its_end(link, 'home_axis', axis), 'home')}")
+    link = control.link
+    control.say(f"home {end_text(link, axis, _to_its_end(link, 'home_axis', axis), 'home')}")
 
 
-def zero(link: Link, arguments: argparse.Namespace, say: Say) -> None:
-    """Tell the controller where the tool is."""
-    axis: str = arguments.axis
-    given, other = ("diameter", "height") if axis == "x" else ("height", "diameter")
-    value: float | None = getattr(arguments, given)
-    if value is None or getattr(arguments, other) is not None:
+def zero(
+    control: Control,
+    axis: Annotated[str, Word("axis to set", choices=("x", "z"))],
+    *,
+    diameter: Annotated[
+        float | None,
+        Option("diameter that the tool tip touches, for x", "MM", read=not_negative),
+    ] = None,
+    height: Annotated[
+        float | None,
+        Option("height on the drawing that the tip touches, for z", "MM", read=finite),
+    ] = None,
+) -> None:
+    """Set the position of an axis to a known value; nothing moves."""
+    value, other = (diameter, height) if axis == "x" else (height, diameter)
+    if value is None or other is not None:
+        given = "diameter" if axis == "x" else "height"
         raise CamtoolsError([f"zero {axis}: give --{given} MM, and nothing else"])
-    say(set_zero(link, axis, value))
+    control.say(set_zero(control.link, axis, value))
 
 
-def tool(link: Link, arguments: argparse.Namespace, say: Say) -> None:
-    """Print the tools, set the offsets of one, choose one."""
-    number: int | None = arguments.number
-    for axis in ("x", "z"):
-        offset: float | None = getattr(arguments, axis)
+def tool(
+    control: Control,
+    number: Annotated[
+        int | None,
+        Word(
+            f"tool 1 .. {N_TOOLS}, 0 for none (default: print all)",
+            "N",
+            read=whole,
+            choices=range(N_TOOLS + 1),
+        ),
+    ] = None,
+    *,
+    x: Annotated[
+        float | None,
+        Option("X offset of the tip in mm, away from the spindle axis", "MM", read=finite),
+    ] = None,
+    z: Annotated[
+        float | None,
+        Option("Z offset of the tip in mm, towards greater heights", "MM", read=finite),
+    ] = None,
+) -> None:
+    """Print the tool offsets, select a tool, set its offsets."""
+    link, say = control.link, control.say
+    for axis, offset in (("x", x), ("z", z)):
         if offset is None:
             continue
         if not number:
@@ -95,14 +141,15 @@ def tool(link: Link, arguments: argparse.Namespace, say: Say) -> None:
         set_tool(link, number)
     chosen = round(parameter(link, "tool"))
     for n in range(1, N_TOOLS + 1):
-        x, z = (parameter(link, f"tool_{n}_{axis}_nm") / NM_PER_MM for axis in ("x", "z"))
-        say(f"tool {n}: x {x:.6f} mm, z {z:.6f} mm{', in use' if n == chosen else ''}")
+        x_mm, z_mm = (parameter(link, f"tool_{n}_{axis}_nm") / NM_PER_MM for axis in ("x", "z"))
+        say(f"tool {n}: x {x_mm:.6f} mm, z {z_mm:.6f} mm{', in use' if n == chosen else ''}")
     if not chosen:
         say("no tool is in use")
 
 
-def where(link: Link, say: Say) -> None:
-    """Print where the axes are."""
+def where(control: Control) -> None:
+    """Print the axis positions."""
+    link, say = control.link, control.say
     s = link.listen().signals
     part = {"u": s["u_actual"], "x": s["x"], "z": s["z"]}
     for axis in AXES:

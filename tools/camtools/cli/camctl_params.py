@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-r"""Subcommand of camctl about all parameters: files, and what the controller keeps.
+r"""Commands of camctl about all parameters: files, and what the controller keeps.
 
 >>> print(*table({"lead_ns": (50000, 60000)}, ("file", "controller")), sep="\n")
 parameter           file  controller
@@ -8,14 +8,15 @@ lead_ns            50000       60000
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Annotated
 
+from camtools.base.arguments import Commands, Option, Word
 from camtools.base.errors import CamtoolsError
 from camtools.base.input_file import read_limited
 from camtools.base.output import write_all
-from camtools.link.controller import Link
+from camtools.cli.camctl_control import Control
 from camtools.link.messages import Refused
 from camtools.link.parameters import (
     INFOS,
@@ -29,12 +30,8 @@ from camtools.link.parameters import (
 )
 
 _MOST_BYTES = 1024 * 1024
-FILES = {
-    "save": "save all parameters to a TOML file",
-    "load": "set the parameters of a file, all or none",
-    "diff": "compare a file with the controller; status 1 where they differ",
-}
 Say = Callable[[str], None]
+TomlFile = Annotated[Path, Word("TOML file")]
 
 
 def table(pairs: Mapping[str, tuple[int, int]], heads: tuple[str, str]) -> list[str]:
@@ -51,7 +48,9 @@ def _read(path: Path, say: Say) -> dict[str, int]:
         raise CamtoolsError([f"{path}: {error.strerror}; check the path"]) from error
 
 
-def _save(link: Link, path: Path, say: Say) -> None:
+def save(control: Control, file: TomlFile) -> None:
+    """Save all parameters to a TOML file."""
+    link, path, say = control.link, file, control.say
     values = get_all(link)
     s = link.listen().signals
     if int(s["params_checksum"]) != checksum(values):
@@ -65,7 +64,14 @@ def _save(link: Link, path: Path, say: Say) -> None:
     say(f"{path}: {len(values)} parameters, {origin}")
 
 
-def _load(link: Link, path: Path, say: Say) -> None:
+def load(
+    control: Control,
+    file: TomlFile,
+    *,
+    keep: Annotated[bool, Option("also store them in the controller, for its next start")] = False,
+) -> None:
+    """Set the parameters of a file, all or none."""
+    link, path, say = control.link, file, control.say
     values = _read(path, say)
     try:
         changes = set_all(link, values)
@@ -74,9 +80,13 @@ def _load(link: Link, path: Path, say: Say) -> None:
     for line in table(changes, ("before", "now")) if changes else []:
         say(line)
     say(f"{path}: {len(changes)} of {len(values)} parameters changed")
+    if keep:
+        say(change_kept(link, "keep"))
 
 
-def _diff(link: Link, path: Path, say: Say) -> None:
+def diff(control: Control, file: TomlFile) -> None:
+    """Compare a file with the controller; status 1 where they differ."""
+    link, path, say = control.link, file, control.say
     values = _read(path, say)
     is_whole = len(values) == len(INFOS)
     if is_whole and int(link.listen().signals["params_checksum"]) == checksum(values):
@@ -91,18 +101,17 @@ def _diff(link: Link, path: Path, say: Say) -> None:
     say(f"{path}: equal; {len(INFOS) - len(values)} parameters are not in the file")
 
 
-def params(link: Link, arguments: argparse.Namespace, say: Say) -> None:
-    """Save, load or compare a file, or change what the controller keeps.
+def _memory(action: str, text: str) -> Callable[[Control], None]:
+    def carry_out(control: Control) -> None:
+        control.say(change_kept(control.link, action))
 
-    Raises
-    ------
-    Refused
-        The controller refuses, or a comparison finds a difference.
-    """
-    action: str = arguments.action
-    if action in MEMORY:
-        say(change_kept(link, action))
-        return
-    {"save": _save, "load": _load, "diff": _diff}[action](link, arguments.file, say)
-    if action == "load" and arguments.keep:
-        say(change_kept(link, "keep"))
+    carry_out.__doc__ = text
+    return carry_out
+
+
+COMMANDS: Commands = {
+    "save": save,
+    "load": load,
+    "diff": diff,
+    **{name: _memory(name, text) for name, (_, text) in MEMORY.items()},
+}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Subcommands of camctl about the recorder: scope and blackbox.
+"""Commands of camctl about the recorder: scope and blackbox.
 
 >>> numbered(Path("run.csv"), 2, 12), numbered(Path("run.csv"), 1, 1)
 (PosixPath('run-02.csv'), PosixPath('run.csv'))
@@ -7,21 +7,32 @@
 
 from __future__ import annotations
 
-import argparse
 import contextlib
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
+from camtools.base.arguments import Option, Word, not_negative, positive
 from camtools.base.command import Interrupted
 from camtools.base.errors import CamtoolsError
-from camtools.cli.camctl_files import Say, check_name, names_of, write
-from camtools.link import scope
+from camtools.cli.camctl_control import Control
+from camtools.cli.camctl_files import (
+    DEFAULT_SIGNALS,
+    Say,
+    Signals,
+    check_name,
+    count,
+    names_of,
+    write,
+)
+from camtools.link import scope as recorder
 from camtools.link.controller import Link
 from camtools.link.messages import FAULT_TEXTS, NUMBERS, Refused
 from camtools.link.signals import BITS, faults_in, physical, state_name
 from camtools.link.status_text import sparkline
-from camtools.link.trigger import arm, trigger_of
+from camtools.link.trigger import GRAMMAR, arm, trigger_of
 
 _PATIENCE_S = 3600.0
 _BARS = 60
@@ -36,31 +47,68 @@ def numbered(path: Path, number: int, of: int) -> Path:
     return path.with_stem(f"{path.stem}-{number:0{len(str(of))}d}")
 
 
+@dataclass(frozen=True)
+class Pictures:
+    """How a recording is written and drawn."""
+
+    raw: Annotated[bool, Option("write the controller's integers instead of physical units")] = (
+        False
+    )
+    plot: Annotated[Path | None, Option("plot the signals over time into this file", "PNG")] = None
+    over_angle: Annotated[
+        Path | None, Option("plot the signals over the spindle angle into this file", "PNG")
+    ] = None
+    keep: Annotated[bool, Option("keep the recording in the controller's memory")] = False
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What is recorded."""
+
+    signals: Signals = DEFAULT_SIGNALS
+    trigger: Annotated[str, Option(f"start of the recording: {GRAMMAR} (default: now)")] = "now"
+    before: Annotated[
+        float, Option("seconds kept before the trigger (default: 0)", read=not_negative)
+    ] = 0.0
+    seconds: Annotated[
+        float | None, Option("length in all (default: until memory is full)", read=positive)
+    ] = None
+    every: Annotated[int, Option("record one tick of N (default: 1)", "N", read=count)] = 1
+    from_state: Annotated[
+        str | None,
+        Option("record only in this state (default: in any)", choices=tuple(NUMBERS["state"])),
+    ] = None
+    repeat: Annotated[
+        int, Option("number of recordings, into numbered files (default: 1)", "N", read=count)
+    ] = 1
+    again: Annotated[bool, Option("read the recording already in memory")] = False
+
+
 # What is drawn and said of a recording
 
 
-def _pictures(arguments: argparse.Namespace, recording: scope.Recording) -> dict[str, bytes]:
-    """Return the pictures that were asked for, by their option."""
-    if not (arguments.plot or arguments.over_angle):
+def _pictures(wanted: Pictures, recording: recorder.Recording) -> dict[Path, bytes]:
+    """Return the pictures that were asked for, by their files."""
+    if not (wanted.plot or wanted.over_angle):
         return {}
     from camtools.plots.recording import angle_picture, time_picture  # takes a second to load
 
     columns = physical(recording)
     made = {}
-    if arguments.plot:
+    if wanted.plot:
         states = {int(n): state_name(int(n)) for n in np.unique(columns.get("state", []))}
         names = faults_in(recording.faults)
-        made["plot"] = time_picture(recording.t_s, columns, states, ", ".join(names), BITS)
-    if arguments.over_angle:
+        made[wanted.plot] = time_picture(recording.t_s, columns, states, ", ".join(names), BITS)
+    if wanted.over_angle:
         if _OF_ANGLE not in recording.signals:
             raise CamtoolsError(
                 [f"--over-angle: {_OF_ANGLE} was not recorded; add it to --signals"]
             )
-        made["over_angle"] = angle_picture(columns)
+        made[wanted.over_angle] = angle_picture(columns)
     return made
 
 
-def _lines(recording: scope.Recording) -> list[str]:
+def _lines(recording: recorder.Recording) -> list[str]:
     """Return a line for each signal: its range, and its course as bars."""
     lines = []
     for name, values in physical(recording).items():
@@ -73,7 +121,7 @@ def _lines(recording: scope.Recording) -> list[str]:
     return lines
 
 
-def _read(link: Link, say: Say) -> scope.Recording:
+def _read(link: Link, say: Say) -> recorder.Recording:
     """Read the recording that is there, with a line at every tenth."""
     last = 0
 
@@ -84,29 +132,33 @@ def _read(link: Link, say: Say) -> scope.Recording:
             say(f"{there} of {in_all} bytes read, {percent} %")
         last = percent
 
-    return scope.read(link, progress)
+    return recorder.read(link, progress)
 
 
 def _finish(
-    link: Link, arguments: argparse.Namespace, recording: scope.Recording, path: Path, say: Say
+    control: Control, recording: recorder.Recording, path: Path, wanted: Pictures, number: str = ""
 ) -> None:
-    """Write what was read and give the memory back to the black box."""
-    options = ("plot", "over_angle")
-    made = _pictures(arguments, recording)
-    names = {name: getattr(arguments, name) for name in options if name in made}
-    stem = path.stem.removeprefix(arguments.file.stem)  # the number, of several
-    pictures = {one.with_stem(one.stem + stem): made[name] for name, one in names.items()}
-    write(path, recording, pictures, say, is_raw=arguments.raw)
+    """Write what was read and give the memory back to the black box.
+
+    Parameters
+    ----------
+    number : str
+        What the names of pictures get behind their stems, of several.
+    """
+    say = control.say
+    made = _pictures(wanted, recording)
+    pictures = {one.with_stem(one.stem + number): data for one, data in made.items()}
+    write(path, recording, pictures, say, is_raw=wanted.raw)
     for line in _lines(recording):
         say(line)
-    if not arguments.keep:
-        scope.release(link)
+    if not wanted.keep:
+        recorder.release(control.link)
 
 
 # scope
 
 
-def _read_or_pause(link: Link, say: Say) -> scope.Recording:
+def _read_or_pause(link: Link, say: Say) -> recorder.Recording:
     """Read the recording that is there; a failure names what that means for the black box."""
     try:
         return _read(link, say)
@@ -118,39 +170,39 @@ def _read_or_pause(link: Link, say: Say) -> scope.Recording:
         raise Refused(f"{error}; {paused}") from error
 
 
-def _configure(link: Link, arguments: argparse.Namespace) -> None:
+def _configure(link: Link, wanted: Recording, *, has_angle: bool) -> None:
     """Set what the recordings are to be."""
-    tick_hz = scope.get(link, "tick_hz")
-    trigger = trigger_of(arguments.trigger, tick_hz)
-    per_s = tick_hz / arguments.every
-    rows = max(1, round(arguments.seconds * per_s)) if arguments.seconds else 0
-    before = round(arguments.before * per_s)
+    tick_hz = recorder.get(link, "tick_hz")
+    trigger = trigger_of(wanted.trigger, tick_hz)
+    per_s = tick_hz / wanted.every
+    rows = max(1, round(wanted.seconds * per_s)) if wanted.seconds else 0
+    before = round(wanted.before * per_s)
     if max(rows, before) >= 2**31:
         name = "seconds" if rows > before else "before"
-        value = getattr(arguments, name)
+        value = getattr(wanted, name)
         raise CamtoolsError([f"--{name} {value:g}: give less than {2**31 / per_s:.0f} s"])
     if rows and before >= rows:
-        text = f"--before {arguments.before:g}: give less than --seconds {arguments.seconds:g}"
+        text = f"--before {wanted.before:g}: give less than --seconds {wanted.seconds:g}"
         raise CamtoolsError([text])
-    names = names_of(arguments.signals)
-    signals = names if not arguments.over_angle or _OF_ANGLE in names else [*names, _OF_ANGLE]
-    scope.configure(link, signals, arguments.every, rows)
+    names = names_of(wanted.signals)
+    signals = names if not has_angle or _OF_ANGLE in names else [*names, _OF_ANGLE]
+    recorder.configure(link, signals, wanted.every, rows)
     arm(link, trigger, before)
-    state = arguments.from_state
-    scope.put(link, "from_state", -1 if state is None else NUMBERS["state"][state])
+    state = wanted.from_state
+    recorder.put(link, "from_state", -1 if state is None else NUMBERS["state"][state])
 
 
 def _record(link: Link, say: Say) -> bool:
     """Record once; return whether it ended by itself."""
-    scope.start(link)
+    recorder.start(link)
     try:
-        scope.wait(link, _PATIENCE_S)
+        recorder.wait(link, _PATIENCE_S)
     except Interrupted:
         say("interrupted: reading what was recorded so far")
         return False
     finally:
         with contextlib.suppress(Refused):
-            scope.stop(link)
+            recorder.stop(link)
     return True
 
 
@@ -168,8 +220,13 @@ def shorter(asked_s: float, n_rows: int, rows_per_s: float) -> str:
     return f"{there}; record fewer signals, or give a larger --every"
 
 
-def scope_ticks(link: Link, arguments: argparse.Namespace, say: Say) -> None:
-    """Record signals of ticks in the controller's memory, and write, draw and tell them.
+def scope(
+    control: Control,
+    file: Annotated[Path, Word("file to write, .csv or .parquet")],
+    wanted: Recording,
+    pictures: Pictures,
+) -> None:
+    """Record signals tick by tick, write and plot them.
 
     Interrupted, it writes what is there by then. With `again` it reads the recording that is there.
 
@@ -178,26 +235,27 @@ def scope_ticks(link: Link, arguments: argparse.Namespace, say: Say) -> None:
     Refused
         The controller refuses, or ticks were lost; then their rows are not written.
     """
-    check_name(arguments.file)
-    if not arguments.again:
-        _configure(link, arguments)
-    for number in range(1, arguments.repeat + 1):
-        is_whole = arguments.again or _record(link, say)
-        path = numbered(arguments.file, number, arguments.repeat)
+    link, say = control.link, control.say
+    check_name(file)
+    if not wanted.again:
+        _configure(link, wanted, has_angle=pictures.over_angle is not None)
+    for number in range(1, wanted.repeat + 1):
+        is_whole = wanted.again or _record(link, say)
+        path = numbered(file, number, wanted.repeat)
         recording = _read_or_pause(link, say)
-        if not recording.is_whole and not arguments.keep:
-            scope.release(link)
+        if not recording.is_whole and not pictures.keep:
+            recorder.release(link)
         link.rights.release()  # to write and draw takes longer than command lasts without a word
         if not recording.is_whole:
             raise Refused(
                 f"{path}: not written: {recording.n_lost} ticks were lost after row "
                 f"{len(recording.rows)}; record fewer signals"
             )
-        if is_whole and arguments.seconds and not (arguments.again or arguments.from_state):
+        if is_whole and wanted.seconds and not (wanted.again or wanted.from_state):
             n_rows, per_s = len(recording.rows), recording.tick_hz / recording.every
-            if line := shorter(arguments.seconds, n_rows, per_s):
+            if line := shorter(wanted.seconds, n_rows, per_s):
                 say(line)
-        _finish(link, arguments, recording, path, say)
+        _finish(control, recording, path, pictures, path.stem.removeprefix(file.stem))
         if not is_whole:
             return
 
@@ -206,12 +264,12 @@ def scope_ticks(link: Link, arguments: argparse.Namespace, say: Say) -> None:
 
 
 def _is_unread(link: Link) -> bool:
-    return scope.USES[scope.get(link, "use")] == "box" and scope.phase(link) == "done"
+    return recorder.USES[recorder.get(link, "use")] == "box" and recorder.phase(link) == "done"
 
 
 def _tell(link: Link, say: Say) -> None:
     """Say which fault the box is of, or why there is none."""
-    use = scope.USES[scope.get(link, "use")]
+    use = recorder.USES[recorder.get(link, "use")]
     if not _is_unread(link):
         texts = {
             "box": "recording; no fault since it was last read",
@@ -220,9 +278,9 @@ def _tell(link: Link, say: Say) -> None:
         }
         say(f"black box         {texts[use]}")
         return
-    names = faults_in(scope.get(link, "faults"))
-    tick, every = scope.get(link, "trigger_tick"), scope.get(link, "every")
-    hz, n, before = (scope.get(link, name) for name in ("tick_hz", "n_rows", "n_before"))
+    names = faults_in(recorder.get(link, "faults"))
+    tick, every = recorder.get(link, "trigger_tick"), recorder.get(link, "every")
+    hz, n, before = (recorder.get(link, name) for name in ("tick_hz", "n_rows", "n_before"))
     say(f"black box         unread: {', '.join(names)} in tick {tick}")
     for name in names:
         say(f"                  {FAULT_TEXTS[name]}")
@@ -230,23 +288,32 @@ def _tell(link: Link, say: Say) -> None:
     say(f"                  {seconds[0]:.3f} s before it and {seconds[1]:.3f} s after it")
 
 
-def blackbox(link: Link, arguments: argparse.Namespace, say: Say) -> None:
-    """Tell what the black box holds, read it into a file, or clear it.
+def blackbox(
+    control: Control,
+    pictures: Pictures,
+    file: Annotated[
+        Path | None, Word("file to write, .csv or .parquet (default: only show what is held)")
+    ] = None,
+    *,
+    clear: Annotated[bool, Option("discard the recorded fault and record again")] = False,
+) -> None:
+    """Show or read the recording from before the last fault.
 
     Raises
     ------
     Refused
         There is no fault to be read.
     """
-    if arguments.file is not None:
-        check_name(arguments.file)
-    _tell(link, say)
-    if arguments.clear:
-        scope.release(link)
-        say("black box         cleared; recording")
+    link = control.link
+    if file is not None:
+        check_name(file)
+    _tell(link, control.say)
+    if clear:
+        recorder.release(link)
+        control.say("black box         cleared; recording")
         return
-    if arguments.file is None:
+    if file is None:
         return
     if not _is_unread(link):
-        raise Refused(f"{arguments.file}: not written: the black box holds no fault")
-    _finish(link, arguments, _read(link, say), arguments.file, say)
+        raise Refused(f"{file}: not written: the black box holds no fault")
+    _finish(control, _read(link, control.say), file, pictures)

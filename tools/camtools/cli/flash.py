@@ -9,7 +9,6 @@ st-flash --connect-under-reset --reset write a.camtab 0x08100000
 
 from __future__ import annotations
 
-import argparse
 import os
 import shlex
 import shutil
@@ -19,8 +18,9 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
-from camtools.base.command import Parser, run_command
+from camtools.base.arguments import Option, UsageError, command
 from camtools.base.errors import CamtoolsError
 from camtools.base.project_paths import ROOT
 
@@ -165,64 +165,49 @@ def _choose(wanted: str | None, *, is_dry: bool) -> str:
     raise CamtoolsError([f"no programmer is installed; install one of {names}, or use --dry-run"])
 
 
-def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
-    parser = Parser(
-        prog="tools/flash",
-        usage="tools/flash [--firmware] [--table TABLE.camtab] [--programmer NAME] [--dry-run]",
-        description="Write firmware, table, or both into a NUCLEO-H743ZI2.",
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
-    parser.add_argument("--firmware", action="store_true", help="build and write the firmware")
-    parser.add_argument(
-        "--table", type=Path, metavar="TABLE.camtab", help="check this table and write it"
-    )
-    parser.add_argument(
-        "--programmer",
-        choices=PROGRAMMERS,
-        help="program that writes (default: the first one installed)",
-    )
-    parser.add_argument(
-        "--dry-run", action="store_true", help="check the files and only print the command lines"
-    )
-    arguments = parser.parse_args(argv)
-    if not arguments.firmware and arguments.table is None:
-        parser.error("nothing to write: give --firmware, --table or both")
-    return arguments
-
-
-def _checked(arguments: argparse.Namespace) -> list[Write]:
+def _checked(table: Path | None, *, firmware: bool) -> list[Write]:
     """Return what is to be written; everything is checked before anything is."""
     writes = []
-    if arguments.firmware:
+    if firmware:
         file = Path(os.environ.get("CAMTURN_FIRMWARE") or _FIRMWARE_FILE)
         check_firmware(file)
         writes.append(Write(file, FIRMWARE.address))
-    if arguments.table is not None:
-        check_table(arguments.table)
-        writes += [Write(arguments.table, TABLE.address), Write(FIRST_PLACE, LOG.address)]
+    if table is not None:
+        check_table(table)
+        writes += [Write(table, TABLE.address), Write(FIRST_PLACE, LOG.address)]
     return writes
 
 
-def _run(arguments: argparse.Namespace) -> int:
-    writes = _checked(arguments)
-    programmer = _choose(arguments.programmer, is_dry=arguments.dry_run)
-    for line in command_lines(programmer, writes):
+def flash(
+    *,
+    firmware: Annotated[bool, Option("build and write the firmware")] = False,
+    table: Annotated[Path | None, Option("check this table and write it", "TABLE.camtab")] = None,
+    programmer: Annotated[
+        str | None,
+        Option("program that writes (default: the first one installed)", choices=PROGRAMMERS),
+    ] = None,
+    dry_run: Annotated[bool, Option("check the files and only print the command lines")] = False,
+) -> int:
+    """Write firmware, table, or both into a NUCLEO-H743ZI2."""
+    if not firmware and table is None:
+        raise UsageError("nothing to write: give --firmware, --table or both")
+    writes = _checked(table, firmware=firmware)
+    chosen = _choose(programmer, is_dry=dry_run)
+    for line in command_lines(chosen, writes):
         sys.stdout.write(f"{shlex.join(line)}\n")
         sys.stdout.flush()
-        if not arguments.dry_run and (status := subprocess.run(line, check=False).returncode) != 0:
-            sys.stderr.write(
-                f"flash: {programmer} ended with status {status}; the flash may be incomplete\n"
-            )
+        if not dry_run and (status := subprocess.run(line, check=False).returncode) != 0:
+            problem = f"{chosen} ended with status {status}; the flash may be incomplete"
+            sys.stderr.write(f"flash: {problem}\n")
             return 1
     return 0
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; return its exit status: 0 written, 1 the programmer failed, 2 bad input."""
-    return run_command("flash", lambda: _run(_arguments(argv)))
-
+main = command(
+    *("tools/flash", flash),
+    usage="tools/flash [--firmware] [--table TABLE.camtab] [--programmer NAME] [--dry-run]",
+    epilog=_EPILOG,
+)
 
 if __name__ == "__main__":
     sys.exit(main())

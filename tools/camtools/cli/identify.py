@@ -7,19 +7,26 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 import tempfile
-from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple, TextIO
+from typing import Annotated, NamedTuple
 
-from camtools.base.argument_types import not_negative, positive
-from camtools.base.command import Parser, run_command
+from camtools.base.arguments import (
+    Option,
+    UsageError,
+    Word,
+    command,
+    not_negative,
+    option_of,
+    positive,
+    whole_within,
+)
 from camtools.base.output import write_all
 from camtools.base.project_paths import ROOT
-from camtools.cli.connected_u import add_u_options, check_u_options, connected_u
+from camtools.cli.connected_u import UOptions, connected_u
 from camtools.cli.record_text import record_text
 from camtools.identify.bode import bode_png
 from camtools.identify.configured_drive import Believed
@@ -37,7 +44,7 @@ from camtools.link.messages import Refused
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import Made, make
 from camtools.report.text import plain
-from camtools.sim.machines import machine_bytes
+from camtools.sim.machine_file import machine_bytes
 from camtools.table.image import pack
 
 NOT_GOOD = 1
@@ -51,101 +58,80 @@ Exit status: 0 done; 1 the fit is not good enough to be applied, refused by the 
 answer; 2 wrong usage or bad input."""
 
 
-def _periods(text: str) -> int:
-    value = int(text)
-    if not 3 <= value <= 100:
-        raise argparse.ArgumentTypeError(f"{text}: give 3 .. 100")
-    return value
+@dataclass(frozen=True)
+class Options:
+    """Which drive is identified, and how.
 
+    Raises
+    ------
+    UsageError
+        Options do not go together.
+    """
 
-def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
-    parser = Parser(
-        prog="tools/identify",
-        description="Excite U, identify its drive, and report the matching controller parameters.",
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
+    u: UOptions
+    part: Annotated[Path | None, Word("part whose form error is predicted", "PART.toml")] = None
+    machine: Annotated[
+        str | None,
+        Option("simulated machine: a name or a machine file", "M", one_of="where!"),
+    ] = None
+    bus: Annotated[bool, Option("real controller over CAN, in state ready", one_of="where!")] = (
+        False
     )
-    parser.add_argument(
-        "part", nargs="?", type=Path, metavar="PART.toml", help="part whose form error is predicted"
-    )
-    where = parser.add_mutually_exclusive_group(required=True)
-    where.add_argument("--machine", metavar="M", help="simulated machine: a name or a machine file")
-    where.add_argument(
-        "--bus", action="store_true", help="real controller over CAN, in state ready"
-    )
-    where.add_argument(
-        "--record",
-        type=Path,
-        metavar="FILE.csv",
-        help="recording of another instrument: time_s, command_um or force_n, position_um",
-    )
-    add_u_options(parser)
-    parser.add_argument(
-        "--rpm", type=positive, metavar="N", help="spindle speed in r/min (default: the part's)"
-    )
-    parser.add_argument(
-        "--rms-um",
-        type=positive,
-        metavar="A",
-        help="rms amplitude in um (default: 25, or 100 for a coarse scale)",
-    )
-    parser.add_argument(
-        "--carrier-um",
-        type=not_negative,
-        metavar="A",
-        help="amplitude of the 20 Hz carrier in um (default: 300)",
-    )
-    parser.add_argument(
-        "--highest-hz",
-        type=positive,
-        default=700.0,
-        metavar="F",
-        help="highest frequency in Hz, at least 50 (default: 700)",
-    )
-    parser.add_argument(
-        "--form-error-um",
-        type=positive,
-        metavar="E",
-        help="also accept a fit that leaves a form error of at most E um",
-    )
-    parser.add_argument(
-        "--periods",
-        type=_periods,
-        default=5,
-        metavar="N",
-        help="periods of 0.2 s, 3 .. 100; the first is discarded (default: 5)",
-    )
-    parser.add_argument(
-        "--apply", action="store_true", help="set the parameters if the fit is good"
-    )
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="DIR",
-        help="folder for plot, results and machine file (default: none are written)",
-    )
-    arguments = parser.parse_args(argv)
-    _check(parser, arguments)
-    return arguments
+    record: Annotated[
+        Path | None,
+        Option(
+            "recording of another instrument: time_s, command_um or force_n, position_um",
+            "FILE.csv",
+            one_of="where!",
+        ),
+    ] = None
+    rpm: Annotated[
+        float | None,
+        Option("spindle speed in r/min (default: the part's)", "N", read=positive),
+    ] = None
+    rms_um: Annotated[
+        float | None,
+        Option("rms amplitude in um (default: 25, or 100 for a coarse scale)", "A", read=positive),
+    ] = None
+    carrier_um: Annotated[
+        float | None,
+        Option("amplitude of the 20 Hz carrier in um (default: 300)", "A", read=not_negative),
+    ] = None
+    highest_hz: Annotated[
+        float, Option("highest frequency in Hz, at least 50 (default: 700)", "F", read=positive)
+    ] = 700.0
+    form_error_um: Annotated[
+        float | None,
+        Option("also accept a fit that leaves a form error of at most E um", "E", read=positive),
+    ] = None
+    periods: Annotated[
+        int,
+        Option(
+            "periods of 0.2 s, 3 .. 100; the first is discarded (default: 5)",
+            "N",
+            read=whole_within(3, 100),
+        ),
+    ] = 5
+    apply: Annotated[bool, Option("set the parameters if the fit is good")] = False
+    output: Annotated[
+        Path | None,
+        Option(
+            "folder for plot, results and machine file (default: none are written)", "DIR", "-o"
+        ),
+    ] = None
 
-
-def _check(parser: Parser, arguments: argparse.Namespace) -> None:
-    """End with a line when options do not go together."""
-    if arguments.apply and arguments.machine is not None and arguments.output is None:
-        parser.error("--apply: needs a folder for the machine file: add -o DIR")
-    if arguments.form_error_um is not None and arguments.part is None:
-        parser.error("--form-error-um: needs a part: add PART.toml")
-    if arguments.rpm is not None and arguments.part is None:
-        parser.error("--rpm: needs a part: add PART.toml")
-    if arguments.highest_hz < 50:
-        parser.error(f"--highest-hz {arguments.highest_hz:g}: give at least 50")
-    if arguments.record is not None:
-        given = {"PART.toml": arguments.part, "--apply": arguments.apply}
-        for name in (name for name, value in given.items() if value):
-            parser.error(f"{name}: has no effect with --record; leave it out")
-    check_u_options(parser, arguments)
+    def __post_init__(self) -> None:
+        if self.apply and self.machine is not None and self.output is None:
+            raise UsageError("--apply: needs a folder for the machine file: add -o DIR")
+        for name in ("form_error_um", "rpm"):
+            if getattr(self, name) is not None and self.part is None:
+                raise UsageError(f"{option_of(name)}: needs a part: add PART.toml")
+        if self.highest_hz < 50:
+            raise UsageError(f"--highest-hz {self.highest_hz:g}: give at least 50")
+        if self.record is not None and (self.part or self.apply):
+            name = "PART.toml" if self.part else "--apply"
+            raise UsageError(f"{name}: has no effect with --record; leave it out")
+        self.u.check(is_bus=self.bus, machine=self.machine)
 
 
 class _Part:
@@ -183,7 +169,7 @@ def _played(excitation: Excitation) -> str:
     )
 
 
-def _one(u: U, arguments: argparse.Namespace, part: _Part | None, out: TextIO) -> _Found:
+def _one(u: U, arguments: Options, part: _Part | None) -> _Found:
     """Excite, fit and report."""
     believed = u.believed()
     wishes = Wishes(
@@ -199,8 +185,8 @@ def _one(u: U, arguments: argparse.Namespace, part: _Part | None, out: TextIO) -
     motion, name = (part.motion, part.name) if part is not None else (None, "")
     lines += report(found, believed, Limits(), motion, name, is_good=is_good)
     lines = [plain(line) for line in lines]
-    out.write("\n".join(lines) + "\n")
-    out.flush()
+    sys.stdout.write("\n".join(lines) + "\n")
+    sys.stdout.flush()
     settings = believed.settings(chosen(found, Limits(), motion))
     return _Found(found, believed, lines, is_good, settings)
 
@@ -226,26 +212,25 @@ class _Found(NamedTuple):
     settings: dict[str, int]
 
 
-def _simulate(arguments: argparse.Namespace, out: TextIO) -> int:
-    machine = machine_bytes(arguments.machine)
-    name = Path(arguments.machine).stem
+def _simulate(arguments: Options, given: str) -> int:
+    machine, name = machine_bytes(given), Path(given).stem
     wanted = _Part(arguments.part or _ANY_PART, arguments.rpm)
     part = wanted if arguments.part is not None else None
     with tempfile.TemporaryDirectory(prefix="identify.") as folder:
-        u = SimulatedU(Path(folder), machine, arguments.machine, wanted.image)
-        one = _one(u, arguments, part, out)
+        u = SimulatedU(Path(folder), machine, given, wanted.image)
+        one = _one(u, arguments, part)
     if arguments.output is not None:
         files = _files(name, one.found, one.believed, one.lines, part)
         if arguments.apply and one.is_good:
             text = with_keys(machine.decode("utf-8"), "controller", one.settings)
             files[f"{name}_identified.toml"] = text.encode("utf-8")
         write_all(arguments.output, files)
-    return _status(one, arguments, out, f"{name}_identified.toml" if arguments.apply else "")
+    return _status(one, arguments, f"{name}_identified.toml" if arguments.apply else "")
 
 
-def _status(one: _Found, arguments: argparse.Namespace, out: TextIO, applied: str) -> int:
+def _status(one: _Found, arguments: Options, applied: str) -> int:
     if one.is_good and applied:
-        out.write(f"applied: {applied}\n")
+        sys.stdout.write(f"applied: {applied}\n")
     if not one.is_good:
         what = "nothing was applied" if arguments.apply else "the fit is not good enough to apply"
         first = one.found.problems(Limits())[0]
@@ -253,10 +238,10 @@ def _status(one: _Found, arguments: argparse.Namespace, out: TextIO, applied: st
     return 0 if one.is_good else NOT_GOOD
 
 
-def _connect(arguments: argparse.Namespace, out: TextIO) -> int:
+def _connect(arguments: Options) -> int:
     part = _Part(arguments.part, arguments.rpm) if arguments.part is not None else None
-    with connected_u(arguments, "identify") as (u, node):
-        one = _one(u, arguments, part, out)
+    with connected_u(arguments.u, "identify") as (u, node):
+        one = _one(u, arguments, part)
         if arguments.output is not None:
             name = f"node{node}"
             files = _files(name, one.found, one.believed, one.lines, part)
@@ -264,39 +249,39 @@ def _connect(arguments: argparse.Namespace, out: TextIO) -> int:
         if arguments.apply and one.is_good:
             u.apply(one.settings)
     what = "k1_ns, k2_us2, lead_ns, u_friction_nm; the drives are off, enable and home again"
-    return _status(one, arguments, out, what if arguments.apply else "")
+    return _status(one, arguments, what if arguments.apply else "")
 
 
-def _recorded(arguments: argparse.Namespace, out: TextIO) -> int:
+def _recorded(csv: Path, output: Path | None) -> int:
     """Fit a recording of another instrument."""
-    file = str(arguments.record)
-    record = parse_record(record_text(arguments.record), file)
+    record = parse_record(record_text(csv), str(csv))
     found = identify_record(record)
-    lines = list(record_lines(found, record))
-    out.write("\n".join(lines) + "\n")
-    if arguments.output is not None:
-        name = f"{arguments.record.stem}_identified"
-        results = json.dumps(record_numbers(found, record), indent=2)
-        files = {f"{name}.json": f"{results}\n", f"{name}.txt": "\n".join(lines) + "\n"}
-        write_all(arguments.output, {key: one.encode("utf-8") for key, one in files.items()})
+    text = "\n".join(record_lines(found, record)) + "\n"
+    sys.stdout.write(text)
+    if output is not None:
+        name, results = (
+            f"{csv.stem}_identified",
+            json.dumps(record_numbers(found, record), indent=2),
+        )
+        files = {f"{name}.json": f"{results}\n".encode(), f"{name}.txt": text.encode()}
+        write_all(output, files)
     return NOT_GOOD if found.problems else 0
 
 
-def _run(arguments: argparse.Namespace, out: TextIO) -> int:
+def identify_drive(arguments: Options) -> int:
+    """Excite U, identify its drive, and report the matching controller parameters."""
     if arguments.record is not None:
-        return _recorded(arguments, out)
+        return _recorded(arguments.record, arguments.output)
     try:
-        return _connect(arguments, out) if arguments.bus else _simulate(arguments, out)
+        if arguments.machine is None:
+            return _connect(arguments)
+        return _simulate(arguments, arguments.machine)
     except (Refused, CutShortError) as refused:
         sys.stderr.write(f"identify: {refused}\n")
         return NOT_GOOD
 
 
-def main(argv: Sequence[str] | None = None, out: TextIO | None = None) -> int:
-    """Run the command; return its exit status: 0 done, 1 not good or refused, 2 bad input."""
-    to = sys.stdout if out is None else out
-    return run_command("identify", lambda: _run(_arguments(argv), to))
-
+main = command("tools/identify", identify_drive, epilog=_EPILOG)
 
 if __name__ == "__main__":
     sys.exit(main())

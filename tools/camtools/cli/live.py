@@ -19,30 +19,30 @@ import tempfile
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, suppress
+from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import can
 
-from camtools.base.command import BAD_INPUT, Interrupted, Parser, run_command
+from camtools.base.arguments import Option, Word, Words, command
+from camtools.base.command import BAD_INPUT, Interrupted
 from camtools.base.errors import CamtoolsError
-from camtools.base.project_paths import ROOT, with_names
+from camtools.base.project_paths import with_names
 from camtools.base.quantities import NM_PER_MM
-from camtools.cli.bus import add_interface_options, bus_arguments
+from camtools.cli.bus import Interface
 from camtools.link.bus import open_bus
 from camtools.link.controller import DBC_NODE
 from camtools.link.live_lathes import LiveLathe, announced, live_lathes, runtime_folder
 from camtools.link.pipe_bridge import Bridge
-from camtools.pipeline.job import write_files
+from camtools.pipeline.job import DEFAULT_PART, MACHINE_HELP, write_files
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import Made, make
-from camtools.sim.camsim import camsim_path
-from camtools.sim.live import LivePair, died, refuses, with_home_switches
-from camtools.sim.machines import machine_bytes, names
+from camtools.sim.live import LivePair, camsim_path, died, refuses, with_home_switches
+from camtools.sim.machine_file import machine_bytes
 
 DIED = 1
-_DEFAULT_PART = ROOT / "tools" / "parts" / "perkins240.toml"
 _GROUP = "239.74.163.2"  # python-can's own; the port keeps live lathes apart
 _MOST_SPEED_UP, _LEAST_SPEED_UP = 100.0, 0.01
 _MACHINE = "machine.toml"
@@ -71,44 +71,38 @@ def _name(text: str) -> str:
     return text
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = Parser(
-        prog="tools/live",
-        usage="tools/live [PART.toml] [--machine M] [--speed-up F] [--operator WHO] [--name NAME]\n"
-        "                  [-i INTERFACE -c CHANNEL] [-- CAMSIM-OPTIONS]",
-        description="Run a controller and a simulated lathe until control-C; tools/camctl and "
-        "tools/panel find them.",
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
-    parser.add_argument(
-        "part", type=Path, nargs="?", metavar="PART.toml", help="part file (default: perkins240)"
-    )
-    machines = ", ".join(names())
-    parser.add_argument(
-        "--machine",
-        metavar="M",
-        help=f"machine file, or one of {machines} (default: a machine with the part's limits)",
-    )
-    parser.add_argument(
-        "--speed-up",
-        type=_speed_up,
-        default=1.0,
-        metavar="F",
-        help=f"speed-up of the clock, {_LEAST_SPEED_UP:g} .. {_MOST_SPEED_UP:g} (default: 1)",
-    )
-    parser.add_argument(
-        "--operator",
-        choices=_PEOPLE,
-        help="operator at the machine: present presses the acknowledge button and has turned the "
-        "key; absent does neither; waived: no acknowledgement is needed (default)",
-    )
-    parser.add_argument(
-        "--name", type=_name, help="name of this lathe, for camctl --live (default: the part's)"
-    )
-    add_interface_options(parser)
-    return parser
+_USAGE = """\
+tools/live [PART.toml] [--machine M] [--speed-up F] [--operator WHO] [--name NAME]
+                  [-i INTERFACE -c CHANNEL] [-- CAMSIM-OPTIONS]"""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Which lathe lives."""
+
+    interface: Interface
+    part: Annotated[Path, Word("part file (default: perkins240)", "PART.toml")] = DEFAULT_PART
+    machine: Annotated[str | None, Option(MACHINE_HELP, "M")] = None
+    speed_up: Annotated[
+        float,
+        Option(
+            f"speed-up of the clock, {_LEAST_SPEED_UP:g} .. {_MOST_SPEED_UP:g} (default: 1)",
+            "F",
+            read=_speed_up,
+        ),
+    ] = 1.0
+    operator: Annotated[
+        str | None,
+        Option(
+            "operator at the machine: present presses the acknowledge button and has turned the "
+            "key; absent does neither; waived: no acknowledgement is needed (default)",
+            choices=_PEOPLE,
+        ),
+    ] = None
+    name: Annotated[
+        str | None,
+        Option("name of this lathe, for camctl --live (default: the part's)", read=_name),
+    ] = None
 
 
 def _say(text: str) -> None:
@@ -206,7 +200,7 @@ class _Session:
                 _say(f"lathe: {line}")
 
 
-def _tell(lathe: LiveLathe, arguments: argparse.Namespace, where: str) -> None:
+def _tell(lathe: LiveLathe, arguments: Options, where: str) -> None:
     """Print how to talk to it."""
     own = arguments.machine
     machine = "a machine with the limits of the part" if own is None else f"the machine {own}"
@@ -228,7 +222,7 @@ def _end(pair: LivePair, bridge: Bridge) -> None:
 
 
 def _begin(
-    stack: ExitStack, bus: can.BusABC, made: Made, arguments: argparse.Namespace, extra: list[str]
+    stack: ExitStack, bus: can.BusABC, made: Made, arguments: Options, extra: Sequence[str]
 ) -> tuple[LivePair, _Session] | None:
     """Start both processes and wait until they have read their files, which are gone then.
 
@@ -254,45 +248,35 @@ def _begin(
     return pair, session
 
 
-def _live(stack: ExitStack, arguments: argparse.Namespace, extra: list[str]) -> int:
-    """Make the table, start both, and stay until they or the user end."""
-    path = arguments.part or _DEFAULT_PART
-    made = make(load(path), path)
-    bus_words = _bus_of(bus_arguments(arguments))
-    bus, where = open_bus(bus_words)
-    stack.callback(bus.shutdown)
-    begun = _begin(stack, bus, made, arguments, extra)
-    if begun is None:
-        return BAD_INPUT
-    pair, session = begun
-    name = made.table.table.part_name
-    facts = {
-        "bus": bus_words,
-        "node": DBC_NODE,
-        "part": name,
-        "speed_up": arguments.speed_up,
-        "lathe_pid": pair.lathe.pid,
-        "controller_pid": pair.controller.pid,
-    }
-    own = announced(runtime_folder(), arguments.name or name, facts)
-    _tell(stack.enter_context(own), arguments, where)
-    with suppress(Interrupted):
-        session.run()
-        return DIED
+def live(options: Options, extra: Annotated[tuple[str, ...], Words(is_after_dashes=True)]) -> int:
+    """Run a controller and a simulated lathe until control-C, for tools/camctl and tools/panel."""
+    with ExitStack() as stack:
+        made = make(load(options.part), options.part)
+        bus_words = _bus_of(options.interface.words())
+        bus, where = open_bus(bus_words)
+        stack.callback(bus.shutdown)
+        begun = _begin(stack, bus, made, options, extra)
+        if begun is None:
+            return BAD_INPUT
+        pair, session = begun
+        name = made.table.table.part_name
+        facts = {
+            "bus": bus_words,
+            "node": DBC_NODE,
+            "part": name,
+            "speed_up": options.speed_up,
+            "lathe_pid": pair.lathe.pid,
+            "controller_pid": pair.controller.pid,
+        }
+        own = announced(runtime_folder(), options.name or name, facts)
+        _tell(stack.enter_context(own), options, where)
+        with suppress(Interrupted):
+            session.run()
+            return DIED
     return 0
 
 
-def _run(argv: Sequence[str]) -> int:
-    split = argv.index("--") if "--" in argv else len(argv)
-    arguments = _parser().parse_args(argv[:split])
-    with ExitStack() as stack:
-        return _live(stack, arguments, list(argv[split + 1 :]))
-
-
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; 0 ended by the user, 1 both processes died, 2 wrong usage or bad input."""
-    return run_command("live", lambda: _run(sys.argv[1:] if argv is None else list(argv)))
-
+main = command("tools/live", live, usage=_USAGE, epilog=_EPILOG)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -1,21 +1,21 @@
 """Command line that writes NC programs for existing machines.
 
 >>> from camtools.skirt.part.part_file import example_part
->>> job = make_job(example_part(), ProgramWishes("xz", None, None, 0.1, False))
+>>> job = make_job(example_part(), ProgramWishes())
 >>> b"".join(program(job, "xz")).splitlines()[-1]
 b'M2'
 """
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Iterator
+from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
-from typing import NamedTuple
+from typing import Annotated
 
-from camtools.base.command import Parser, run_command
+from camtools.base.arguments import Option, PartFile, command
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.output import write_all
 from camtools.lobe.part import LobePart
@@ -23,7 +23,7 @@ from camtools.ngc.full_program import full_program
 from camtools.ngc.gcode_words import ProgramJob
 from camtools.ngc.lobe_program import LobeJob, lobe_program
 from camtools.ngc.profile_program import profile_program
-from camtools.part.common import PartFile, check_feed
+from camtools.part.common import check_feed
 from camtools.part.model import MIN_STEP_MM
 from camtools.pipeline.load import load_able
 from camtools.skirt.geometry.run_in import with_run
@@ -37,50 +37,33 @@ DEFAULT_CHORD_UM = 0.1
 _UM_PER_MM = 1000.0
 
 
-class ProgramWishes(NamedTuple):
-    """Options of the command."""
+@dataclass(frozen=True)
+class ProgramWishes:
+    """How a part is programmed; a height that is None is the part's."""
 
-    axes: str  # "xz", "cxzu" or "cxz"
-    first_mm: float | None  # None: of the part
-    last_mm: float | None
-    chord_um: float
-    is_diameter: bool
-
-
-def _arguments(argv: list[str] | None) -> argparse.Namespace:
-    parser = Parser(
-        prog="mkgcode",
-        description="Write an NC program for LinuxCNC that turns a part.",
-        allow_abbrev=False,
+    axes: Annotated[
+        str | None,
+        Option(
+            "axes in the program: xz, with U left to camturn (default for pistons); cxzu, all axes "
+            "point by point; cxz, X follows the lift over C, with B for a swinging tool (cams)",
+            choices=("xz", "cxzu", "cxz"),
+        ),
+    ] = None
+    from_mm: Annotated[float | None, Option("lowest height in mm (default: the part's)", "MM")] = (
+        None
     )
-    add = parser.add_argument
-    add("part", type=Path, metavar="PART.toml", help="part file")
-    add(
-        "-o",
-        "--output",
-        type=Path,
-        required=True,
-        metavar="FILE",
-        help="program to write, for example part.ngc",
+    to_mm: Annotated[float | None, Option("highest height in mm (default: the part's)", "MM")] = (
+        None
     )
-    add(
-        "--axes",
-        choices=("xz", "cxzu", "cxz"),
-        help="axes in the program: xz, with U left to camturn (default for pistons); cxzu, all "
-        "axes point by point; cxz, X follows the lift over C, with B for a swinging tool (cams)",
-    )
-    add("--from-mm", type=float, metavar="MM", help="lowest height in mm (default: the part's)")
-    add("--to-mm", type=float, metavar="MM", help="highest height in mm (default: the part's)")
-    add(
-        "--chord-um",
-        type=float,
-        default=DEFAULT_CHORD_UM,
-        metavar="E",
-        help=f"largest chord error of the segments (xz) and tolerance of G64, in um, "
-        f"{MIN_CHORD_UM:g} .. {MAX_CHORD_UM:g} (default: {DEFAULT_CHORD_UM})",
-    )
-    add("--diameter", action="store_true", help="program X as diameter, G7 (default: radius, G8)")
-    return parser.parse_args(argv)
+    chord_um: Annotated[
+        float,
+        Option(
+            f"largest chord error of the segments (xz) and tolerance of G64, in um, "
+            f"{MIN_CHORD_UM:g} .. {MAX_CHORD_UM:g} (default: {DEFAULT_CHORD_UM})",
+            "E",
+        ),
+    ] = DEFAULT_CHORD_UM
+    diameter: Annotated[bool, Option("program X as diameter, G7 (default: radius, G8)")] = False
 
 
 def _check_chord(chord_um: float) -> None:
@@ -97,12 +80,12 @@ def make_lobe_job(part: LobePart, wishes: ProgramWishes) -> LobeJob:
     CamtoolsError
         A chord error out of range, or heights, which a cam does not take.
     """
-    for option, value in (("--from-mm", wishes.first_mm), ("--to-mm", wishes.last_mm)):
+    for option, value in (("--from-mm", wishes.from_mm), ("--to-mm", wishes.to_mm)):
         if value is not None:
             problem = f"{option} {value:g}: has no meaning for a cam, whose lobes are cut whole"
             raise CamtoolsError([f"{problem}; leave it out"])
     _check_chord(wishes.chord_um)
-    return LobeJob(part, wishes.chord_um / _UM_PER_MM, wishes.is_diameter)
+    return LobeJob(part, wishes.chord_um / _UM_PER_MM, wishes.diameter)
 
 
 def _refuse_passes(part: SkirtPart) -> None:
@@ -128,8 +111,8 @@ def make_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
     check_heel(drawing, part.tool, part.process.direction)
     geometry = with_run(drawing, part.process.run_in_mm, part.process.run_out_mm)
     low, high = geometry.z_first_mm, geometry.z_last_mm
-    first = low if wishes.first_mm is None else wishes.first_mm
-    last = high if wishes.last_mm is None else wishes.last_mm
+    first = low if wishes.from_mm is None else wishes.from_mm
+    last = high if wishes.to_mm is None else wishes.to_mm
     for option, value in (("--from-mm", first), ("--to-mm", last)):
         if not (isfinite(value) and low <= value <= high):
             problem = f"{option} {value:g}: must be a height of the part"
@@ -139,7 +122,7 @@ def make_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
         raise CamtoolsError([f"{problem}; programs go upwards, give the lower height first"])
     _check_chord(wishes.chord_um)
     tip = tip_geometry(geometry, part.tool)
-    return ProgramJob(part, tip, first, last, wishes.chord_um / _UM_PER_MM, wishes.is_diameter)
+    return ProgramJob(part, tip, first, last, wishes.chord_um / _UM_PER_MM, wishes.diameter)
 
 
 def program(job: ProgramJob, axes: str) -> Iterator[bytes]:
@@ -147,39 +130,34 @@ def program(job: ProgramJob, axes: str) -> Iterator[bytes]:
     return profile_program(job) if axes == "xz" else full_program(job)
 
 
-def _program(part: PartFile, wishes: ProgramWishes) -> Iterator[bytes]:
-    if isinstance(part, LobePart):
-        return lobe_program(make_lobe_job(part, wishes))
-    assert isinstance(part, SkirtPart)
-    return program(make_job(part, wishes), wishes.axes)
-
-
-def _run(arguments: argparse.Namespace) -> int:
-    output: Path = arguments.output
+def mkgcode(
+    part: PartFile,
+    output: Annotated[Path, Option("program to write, for example part.ngc", "FILE", "-o")],
+    wishes: ProgramWishes,
+) -> int:
+    """Write an NC program for LinuxCNC that turns a part."""
     if not output.name or output.is_dir():
         problem, remedy = "is a folder", "give the name of a file, say part.ngc"
         raise InputError(str(output), "", None, problem, remedy)
-    part = load_able("mkgcode", arguments.part)
-    able = ("cxz",) if isinstance(part, LobePart) else ("xz", "cxzu")
-    axes = arguments.axes or able[0]
+    loaded = load_able("mkgcode", part)
+    able = ("cxz",) if isinstance(loaded, LobePart) else ("xz", "cxzu")
+    axes = wishes.axes or able[0]
     if axes not in able:
-        problem = f"--axes {axes}: not for a {part.part.kind}; give {' or '.join(able)}"
-        raise CamtoolsError([f"{arguments.part}: {problem}"])
-    wishes = ProgramWishes(
-        axes, arguments.from_mm, arguments.to_mm, arguments.chord_um, arguments.diameter
-    )
+        problem = f"--axes {axes}: not for a {loaded.part.kind}; give {' or '.join(able)}"
+        raise CamtoolsError([f"{part}: {problem}"])
     try:
-        pieces = _program(part, wishes)
+        if isinstance(loaded, LobePart):
+            pieces = lobe_program(make_lobe_job(loaded, wishes))
+        else:
+            assert isinstance(loaded, SkirtPart)
+            pieces = program(make_job(loaded, wishes), axes)
     except CamtoolsError as error:
-        raise CamtoolsError([f"{arguments.part}: {line}" for line in error.lines]) from error
+        raise CamtoolsError([f"{part}: {line}" for line in error.lines]) from error
     write_all(output.parent, {output.name: pieces})
     return 0
 
 
-def main(argv: list[str] | None = None) -> int:
-    """Run the command; return its exit status: 0 done, 2 bad input, 128 + n on signal n."""
-    return run_command("mkgcode", lambda: _run(_arguments(argv)))
-
+main = command("mkgcode", mkgcode)
 
 if __name__ == "__main__":
     sys.exit(main())

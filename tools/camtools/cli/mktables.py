@@ -6,14 +6,14 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
+from typing import Annotated
 
-from camtools.base.command import Parser, run_command
+from camtools.base.arguments import Folder, Option, UsageError, Word, command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
-from camtools.pipeline.correct_options import add_measured, correction_for
+from camtools.pipeline.correct_options import Correcting
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import make
 from camtools.pipeline.registry import schemas
@@ -24,53 +24,69 @@ from camtools.table.image import Table
 MIN_POINTS, MAX_POINTS = 4, 100_000
 
 
-def _arguments(argv: list[str] | None) -> argparse.Namespace:
-    parser = Parser(prog="mktables", description="Make the cam table of a part.")
-    parser.add_argument("part", type=Path, nargs="?", metavar="PART.toml", help="part file")
-    parser.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the results"
-    )
-    parser.add_argument(
-        "--tolerance-nm",
-        type=float,
-        metavar="T",
-        help="largest error of u and x in nm (default: 1; u of a refitted section 5, of a cam 10, "
-        "of a polygon 1, 3 or 10)",
-    )
-    parser.add_argument(
-        "--schema",
-        action="store_true",
-        help="write the JSON schemas of part and machine files into DIR, for editors, and no table",
-    )
-    add_measured(parser)
-    parser.add_argument("--plot", action="store_true", help="also draw PNG plots")
-    parser.add_argument(
-        "--export",
-        choices=FORMS,
-        help="also write the table as text: points with velocity and acceleration, or values only",
-    )
-    parser.add_argument(
-        "--export-height",
-        type=float,
-        action="append",
-        default=[],
-        metavar="MM",
-        help="height to export in mm, into its own file; repeatable (default: all, in one file)",
-    )
-    parser.add_argument(
-        "--export-points",
-        type=int,
-        metavar="N",
-        help=f"points per turn, {MIN_POINTS} .. {MAX_POINTS} (default: the knots for xyva, 360 for "
-        "text)",
-    )
-    arguments = parser.parse_args(argv)
-    if arguments.part is None and not arguments.schema:
-        parser.error("the following arguments are required: PART.toml")
-    return arguments
+def mktables(
+    output: Folder,
+    correcting: Correcting,
+    part: Annotated[Path | None, Word("part file", "PART.toml")] = None,
+    *,
+    schema: Annotated[
+        bool,
+        Option(
+            "write the JSON schemas of part and machine files into DIR, for editors, and no table"
+        ),
+    ] = False,
+    tolerance_nm: Annotated[
+        float | None,
+        Option(
+            "largest error of u and x in nm (default: 1; u of a refitted section 5, of a cam 10, "
+            "of a polygon 1, 3 or 10)",
+            "T",
+        ),
+    ] = None,
+    plot: Annotated[bool, Option("also draw PNG plots")] = False,
+    export: Annotated[
+        str | None,
+        Option(
+            "also write the table as text: points with velocity and acceleration, or values only",
+            choices=FORMS,
+        ),
+    ] = None,
+    export_height: Annotated[
+        tuple[float, ...],
+        Option(
+            "height to export in mm, into its own file; repeatable (default: all, in one file)",
+            "MM",
+        ),
+    ] = (),
+    export_points: Annotated[
+        int | None,
+        Option(
+            f"points per turn, {MIN_POINTS} .. {MAX_POINTS} (default: the knots for xyva, 360 for "
+            "text)",
+            "N",
+        ),
+    ] = None,
+) -> int:
+    """Make the cam table of a part."""
+    if schema:
+        write_all(output, {name: text.encode() for name, text in schemas().items()})
+        return 0
+    if part is None:
+        raise UsageError("the following arguments are required: PART.toml")
+    if tolerance_nm is not None:
+        check_tolerance(tolerance_nm)
+    loaded = load(part)
+    correction = correcting.correction(loaded, output)
+    made = make(loaded, part, tolerance_nm=tolerance_nm, correction=correction)
+    exported = _exported(made.table.table, export, export_height, export_points)
+    write_all(output, made.files(with_plots=plot) | exported)
+    sys.stdout.write(made.text())
+    return 0
 
 
-def _exported(arguments: argparse.Namespace, table: Table) -> dict[str, bytes]:
+def _exported(
+    table: Table, form: str | None, heights_mm: tuple[float, ...], n_points: int | None
+) -> dict[str, bytes]:
     """Return the files of --export.
 
     Raises
@@ -78,8 +94,7 @@ def _exported(arguments: argparse.Namespace, table: Table) -> dict[str, bytes]:
     CamtoolsError
         Options without a format, or out of range.
     """
-    heights_mm, n_points = tuple(arguments.export_height), arguments.export_points
-    if arguments.export is None:
+    if form is None:
         if heights_mm or n_points is not None:
             option = "--export-height" if heights_mm else "--export-points"
             problem = f"{option}: has no effect without --export"
@@ -88,29 +103,10 @@ def _exported(arguments: argparse.Namespace, table: Table) -> dict[str, bytes]:
     if n_points is not None and not MIN_POINTS <= n_points <= MAX_POINTS:
         problem = f"--export-points {n_points}: must be {MIN_POINTS} .. {MAX_POINTS}"
         raise CamtoolsError([f"{problem}; give points per turn"])
-    return export_files(table, Export(arguments.export, heights_mm, n_points))
+    return export_files(table, Export(form, heights_mm, n_points))
 
 
-def _run(arguments: argparse.Namespace) -> int:
-    if arguments.schema:
-        write_all(arguments.output, {name: text.encode() for name, text in schemas().items()})
-        return 0
-    if arguments.tolerance_nm is not None:
-        check_tolerance(arguments.tolerance_nm)
-    loaded = load(arguments.part)
-    correction = correction_for(arguments, loaded, arguments.output)
-    made = make(loaded, arguments.part, tolerance_nm=arguments.tolerance_nm, correction=correction)
-    exported = _exported(arguments, made.table.table)
-    files = made.files(with_plots=arguments.plot) | exported
-    write_all(arguments.output, files)
-    sys.stdout.write(made.text())
-    return 0
-
-
-def main(argv: list[str] | None = None) -> int:
-    """Run the command; return its exit status: 0 done, 2 bad input, 128 + n on signal n."""
-    return run_command("mktables", lambda: _run(_arguments(argv)))
-
+main = command("mktables", mktables, allow_abbrev=True)
 
 if __name__ == "__main__":
     sys.exit(main())

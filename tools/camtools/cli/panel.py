@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Command line of the browser panel.
 
->>> _parser().parse_args([]).port
+>>> Options().port
 8417
 >>> token_of(Path("nosuch"))
 Traceback (most recent call last):
@@ -16,15 +16,17 @@ import re
 import secrets
 import socket
 import sys
-from collections.abc import Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
-from camtools.base.command import Interrupted, Parser, run_command
+from camtools.base.arguments import Option, command, whole_within
+from camtools.base.command import Interrupted
 from camtools.base.errors import CamtoolsError
 from camtools.base.input_file import read_limited
 from camtools.base.project_paths import RESULTS
-from camtools.cli.bus import add_bus_options, bus_arguments, open_controller
+from camtools.cli.bus import BusOptions
 from camtools.link.bus import configured
 from camtools.link.controller import Link
 from camtools.link.live_lathes import live_lathes, only_lathe
@@ -49,63 +51,43 @@ Exit status: 0 ended by control-C or SIGTERM, 2 wrong usage or bad input."""
 _KEPT = RESULTS / "panel"
 
 
-def _port(text: str) -> int:
-    value = int(text)
-    if not 0 <= value < 1 << 16:
-        raise argparse.ArgumentTypeError(f"{text}: give 0 .. 65535")
-    return value
-
-
 def _host(text: str) -> str:
     if not _HOST.fullmatch(text):
         raise argparse.ArgumentTypeError(f"{text}: give a name such as lathe.example, without port")
     return text.lower()
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = Parser(
-        prog="tools/panel",
-        description="Show and command a controller in the browser; one visitor at a time commands.",
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
-    add_bus_options(parser)
-    parser.add_argument(
-        "--port", type=_port, default=_PORT, help=f"TCP port, 0 for any free one (default: {_PORT})"
-    )
-    parser.add_argument(
-        "--proxy-host",
-        type=_host,
-        action="append",
-        default=[],
-        metavar="NAME",
-        help="name by which browsers reach a reverse proxy on this computer; may be repeated",
-    )
-    parser.add_argument(
-        "--token-file", type=Path, metavar="FILE", help="file with the token (default: a new token)"
-    )
-    parser.add_argument(
-        "--secret",
-        type=Path,
-        metavar="FILE",
-        help="file of the secret with which the commanding visitor unlocks the controller",
-    )
-    parser.add_argument(
-        "--log",
-        type=Path,
-        default=_KEPT / "commands.jsonl",
-        metavar="FILE",
-        help="log of all commands (default: build/panel/commands.jsonl)",
-    )
-    parser.add_argument(
-        "--keep",
-        type=Path,
-        default=_KEPT,
-        metavar="DIR",
-        help="folder for parts and runs (default: build/panel)",
-    )
-    return parser
+@dataclass(frozen=True)
+class Options(BusOptions):
+    """Which controller is shown, to whom."""
+
+    port: Annotated[
+        int,
+        Option(
+            f"TCP port, 0 for any free one (default: {_PORT})", read=whole_within(0, (1 << 16) - 1)
+        ),
+    ] = _PORT
+    proxy_host: Annotated[
+        tuple[str, ...],
+        Option(
+            "name by which browsers reach a reverse proxy on this computer; may be repeated",
+            "NAME",
+            read=_host,
+        ),
+    ] = ()
+    token_file: Annotated[
+        Path | None, Option("file with the token (default: a new token)", "FILE")
+    ] = None
+    secret: Annotated[
+        Path | None,
+        Option(
+            "file of the secret with which the commanding visitor unlocks the controller", "FILE"
+        ),
+    ] = None
+    log: Annotated[
+        Path, Option("log of all commands (default: build/panel/commands.jsonl)", "FILE")
+    ] = _KEPT / "commands.jsonl"
+    keep: Annotated[Path, Option("folder for parts and runs (default: build/panel)", "DIR")] = _KEPT
 
 
 def token_of(path: Path | None) -> str:
@@ -143,21 +125,20 @@ def _open_socket(port: int) -> socket.socket:
         raise CamtoolsError([problem]) from error
 
 
-def _check_bus(arguments: argparse.Namespace) -> None:
+def _check_bus(options: Options) -> None:
     """Raise when the bus that is named cannot be opened; a live lathe may still come.
 
     Raises
     ------
     CamtoolsError
-        As open_controller().
+        As `BusOptions.opened`.
     """
-    given = bus_arguments(arguments)
-    if "interface" in configured(given) or (given and arguments.live is not None):
-        open_controller(arguments)[0].shutdown()
-    elif arguments.live is None:
+    given, named = options.words(), options.live
+    is_there = named is not None and any(lathe.name == named for lathe in live_lathes())
+    if "interface" in configured(given) or (given and named is not None) or is_there:
+        options.opened()[0].shutdown()
+    elif named is None:
         only_lathe(None)
-    elif any(lathe.name == arguments.live for lathe in live_lathes()):
-        open_controller(arguments)[0].shutdown()
 
 
 def _say(text: str) -> None:
@@ -165,24 +146,26 @@ def _say(text: str) -> None:
     sys.stdout.flush()
 
 
-def _run(arguments: argparse.Namespace) -> int:
-    def open_link() -> Link:
-        return Link(*open_controller(arguments))
+def panel(options: Options) -> int:
+    """Show and command a controller in the browser; one visitor at a time commands."""
 
-    token = token_of(arguments.token_file)
-    secret = secret_of(arguments.secret) if arguments.secret is not None else None
-    _check_bus(arguments)
+    def open_link() -> Link:
+        return Link(*options.opened())
+
+    token = token_of(options.token_file)
+    secret = secret_of(options.secret) if options.secret is not None else None
+    _check_bus(options)
     with ExitStack() as stack:
-        sock = stack.enter_context(_open_socket(arguments.port))
-        log = CommandLog(arguments.log)
+        sock = stack.enter_context(_open_socket(options.port))
+        log = CommandLog(options.log)
         stack.callback(log.close)
         from camtools.panel.server import application, serve  # it takes a second
 
         commander = Commander(log)
         service = ControllerService(open_link, commander, log, secret)
         stack.callback(service.close)
-        own = arguments.keep / "parts", arguments.keep / "runs"
-        app = application(AppContext(service, commander, log, *own), token, arguments.proxy_host)
+        own = options.keep / "parts", options.keep / "runs"
+        app = application(AppContext(service, commander, log, *own), token, options.proxy_host)
         _say(f"http://{_LOOPBACK}:{sock.getsockname()[1]}/{token}/")
         _say("control-C ends")
         try:
@@ -192,11 +175,7 @@ def _run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; 0 ended by the user, 2 wrong usage or bad input."""
-    arguments = _parser().parse_args(argv)
-    return run_command("panel", lambda: _run(arguments))
-
+main = command("tools/panel", panel, epilog=_EPILOG)
 
 if __name__ == "__main__":
     sys.exit(main())

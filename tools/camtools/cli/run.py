@@ -7,22 +7,21 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
 
-from camtools.base.command import run_command
+from camtools.base.arguments import command
 from camtools.pipeline.run import run
 
+_USAGE = """\
+tools/run [PART.toml] [--rpm N] [--feed MM] [--machine M] [--tolerance-nm T]
+                 [--measured SURFACE.csv ..] [--upr N] [--csv] [--keep N] [-o DIR]
+                 [-- CAMSIM-OPTIONS]"""
+_EPILOG = """\
+Options after -- go to `camsim run`, for example an emergency stop after 5 s of cutting:
+  tools/run -o build/run/estop -- --inject estop@5
+Exit status: 0 done, 1 the cut ended in a fault, is out of tolerance or not gauged, 2 wrong usage
+or bad input."""
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; return its exit status.
-
-    Returns
-    -------
-    int
-        0 done, 1 fault or out of tolerance, 2 wrong usage or bad input, 128 + n on signal n.
-    """
-    return run_command("run", lambda: run(sys.argv[1:] if argv is None else argv))
-
+main = command("tools/run", run, usage=_USAGE, epilog=_EPILOG)
 
 if __name__ == "__main__":
     sys.exit(main())

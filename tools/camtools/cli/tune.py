@@ -7,22 +7,20 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
-from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from camtools.base.argument_types import positive
-from camtools.base.command import Parser, run_command
+from camtools.base.arguments import Option, UsageError, Word, command, option_of, positive
 from camtools.base.output import write_all
-from camtools.cli.connected_u import add_u_options, check_u_options, connected_u
+from camtools.cli.connected_u import UOptions, connected_u
 from camtools.cli.record_text import record_text
 from camtools.identify.excited import U
 from camtools.identify.machine_file import with_keys
 from camtools.identify.simulated_drive import CutShortError
 from camtools.link.messages import Refused
-from camtools.sim.machines import machine_bytes
+from camtools.sim.machine_file import machine_bytes
 from camtools.tune.drive import drive_of, read_tree
 from camtools.tune.excited import HIGHEST_HZ, measure, simulated_u
 from camtools.tune.parameters import settings_of, text_of
@@ -44,96 +42,101 @@ Exit status: 0 done; 1 no loop with the margins, cut short, refused by the contr
 nothing is written or set; 2 wrong usage or bad input."""
 
 
-def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
-    parser = Parser(
-        prog="tools/tune",
-        description="Propose the position loop of a force drive, with margins of 6 dB and 30 "
-        "degrees over the mass +-30 %, or judge a given one.",
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
-    add = parser.add_argument
-    add("drive", nargs="?", type=Path, metavar="DRIVE.toml", help="drive file")
-    where = parser.add_mutually_exclusive_group()
-    where.add_argument(
-        "--record",
-        type=Path,
-        metavar="FILE.csv",
-        help="recording that gives the drive's constants: time_s, injected_n or setpoint_um, "
-        "force_n, position_um; a drive file then gives the limits alone",
-    )
-    where.add_argument(
-        "--machine", metavar="M", help="simulated machine, excited for the constants"
-    )
-    where.add_argument(
-        "--bus",
-        action="store_true",
-        help="real controller over CAN, excited for the constants: in state ready, its loop weak",
-    )
-    add_u_options(parser)
-    add(
-        "--highest-hz",
-        type=positive,
-        metavar="F",
-        help=f"highest frequency of the excitation in Hz, at least 50 (default: {HIGHEST_HZ:g})",
-    )
-    add(
-        "--pulse",
-        type=positive,
-        metavar="N",
-        help="first power-up: push U by N newtons in both directions, for sign and mass alone",
-    )
-    add("--loop", type=Path, metavar="FILE", help="parameters to judge instead of a proposal")
-    add(
-        "--apply",
-        action="store_true",
-        help="set the parameters in the controller, or in a machine file in the folder of -o",
-    )
-    add(
-        "-o",
-        "--out",
-        type=Path,
-        metavar="DIR",
-        help="folder for picture, text and parameters (default: none are written)",
-    )
-    arguments = parser.parse_args(argv)
-    _check(parser, arguments)
-    return arguments
+@dataclass(frozen=True)
+class Options:
+    """Whose loop is tuned, and how.
+
+    Raises
+    ------
+    UsageError
+        Options do not go together.
+    """
+
+    u: UOptions
+    drive: Annotated[Path | None, Word("drive file", "DRIVE.toml")] = None
+    record: Annotated[
+        Path | None,
+        Option(
+            "recording that gives the drive's constants: time_s, injected_n or setpoint_um, "
+            "force_n, position_um; a drive file then gives the limits alone",
+            "FILE.csv",
+            one_of="where",
+        ),
+    ] = None
+    machine: Annotated[
+        str | None,
+        Option("simulated machine, excited for the constants", "M", one_of="where"),
+    ] = None
+    bus: Annotated[
+        bool,
+        Option(
+            "real controller over CAN, excited for the constants: in state ready, its loop weak",
+            one_of="where",
+        ),
+    ] = False
+    highest_hz: Annotated[
+        float | None,
+        Option(
+            f"highest frequency of the excitation in Hz, at least 50 (default: {HIGHEST_HZ:g})",
+            "F",
+            read=positive,
+        ),
+    ] = None
+    pulse: Annotated[
+        float | None,
+        Option(
+            "first power-up: push U by N newtons in both directions, for sign and mass alone",
+            "N",
+            read=positive,
+        ),
+    ] = None
+    loop: Annotated[Path | None, Option("parameters to judge instead of a proposal", "FILE")] = None
+    apply: Annotated[
+        bool,
+        Option("set the parameters in the controller, or in a machine file in the folder of -o"),
+    ] = False
+    out: Annotated[
+        Path | None,
+        Option(
+            "folder for picture, text and parameters (default: none are written)",
+            "DIR",
+            "-o",
+        ),
+    ] = None
+
+    def __post_init__(self) -> None:
+        is_excited = self.bus or self.machine is not None
+        if not is_excited and self.drive is None and self.record is None:
+            raise UsageError("no drive: give DRIVE.toml, --record FILE.csv, --machine M or --bus")
+        given = (
+            ("--apply", self.apply),
+            ("--highest-hz", self.highest_hz),
+            ("--pulse", self.pulse),
+        )
+        for name, value in given:
+            if value and not is_excited:
+                raise UsageError(f"{name}: needs a controller: add --bus, or --machine M")
+        if self.pulse is not None:
+            self._check_pulse(self.pulse)
+        if self.apply and not self.bus and self.out is None:
+            raise UsageError("--apply: needs a folder for the machine file: add -o DIR")
+        if self.highest_hz is not None and self.highest_hz < 50:
+            raise UsageError(f"--highest-hz {self.highest_hz:g}: give at least 50")
+        self.u.check(is_bus=self.bus, machine=self.machine)
+
+    def _check_pulse(self, pulse_n: float) -> None:
+        """Refuse what does not go with --pulse."""
+        for name in ("drive", "loop", "out", "highest_hz"):
+            if getattr(self, name) is not None:
+                option = {"drive": "DRIVE.toml", "out": "-o"}.get(name, option_of(name))
+                raise UsageError(f"{option}: has no effect with --pulse; leave it out")
+        if self.apply and not self.bus:
+            raise UsageError("--apply: sets the result of a pulse over CAN only: use --bus")
+        if pulse_n > _MOST_PULSE_N:
+            raise UsageError(f"--pulse {pulse_n:g}: give at most {_MOST_PULSE_N:g}")
 
 
-def _check(parser: Parser, arguments: argparse.Namespace) -> None:
-    """End with a line when options do not go together."""
-    is_excited = arguments.bus or arguments.machine is not None
-    if not is_excited and arguments.drive is None and arguments.record is None:
-        parser.error("no drive: give DRIVE.toml, --record FILE.csv, --machine M or --bus")
-    for name, value in (("--apply", arguments.apply), ("--highest-hz", arguments.highest_hz)):
-        if value and not is_excited:
-            parser.error(f"{name}: needs a controller: add --bus, or --machine M")
-    if arguments.pulse is not None:
-        _check_pulse(parser, arguments)
-    if arguments.apply and not arguments.bus and arguments.out is None:
-        parser.error("--apply: needs a folder for the machine file: add -o DIR")
-    if arguments.highest_hz is not None and arguments.highest_hz < 50:
-        parser.error(f"--highest-hz {arguments.highest_hz:g}: give at least 50")
-    check_u_options(parser, arguments)
-
-
-def _check_pulse(parser: Parser, arguments: argparse.Namespace) -> None:
-    """End with a line when other options do not go with --pulse."""
-    if not arguments.bus and arguments.machine is None:
-        parser.error("--pulse: needs a controller: add --bus, or --machine M")
-    names = ("drive", "loop", "out", "highest_hz")
-    for name in (one for one in names if getattr(arguments, one) is not None):
-        option = {"drive": "DRIVE.toml", "out": "-o"}.get(name, f"--{name.replace('_', '-')}")
-        parser.error(f"{option}: has no effect with --pulse; leave it out")
-    if arguments.apply and not arguments.bus:
-        parser.error("--apply: sets the result of a pulse over CAN only: use --bus")
-    if arguments.pulse > _MOST_PULSE_N:
-        parser.error(f"--pulse {arguments.pulse:g}: give at most {_MOST_PULSE_N:g}")
-
-
-def _keys(arguments: argparse.Namespace) -> dict[str, Any]:
+def _keys(arguments: Options) -> dict[str, Any]:
     return read_tree(arguments.drive) if arguments.drive is not None else {}
 
 
@@ -150,7 +153,7 @@ def _write(folder: Path, one: Subject, proposal: Proposal) -> None:
     write_all(folder, files)
 
 
-def _tuned(one: Subject, arguments: argparse.Namespace) -> dict[str, int]:
+def _tuned(one: Subject, arguments: Options) -> dict[str, int]:
     """Show and write the loop; return the parameters to be set, none if it is refused."""
     proposal = proposed(one, arguments.loop)
     if proposal.problem:
@@ -163,10 +166,11 @@ def _tuned(one: Subject, arguments: argparse.Namespace) -> dict[str, int]:
     return settings_of(proposal.values, one.drive)
 
 
-def _described(arguments: argparse.Namespace) -> int:
+def _described(arguments: Options) -> int:
     """Tune the drive of a drive file, or of a recording."""
     file, csv, keys = arguments.drive, arguments.record, _keys(arguments)
     if csv is None:
+        assert file is not None
         one = Subject(file.stem, str(file), drive_of(keys, str(file)), [])
     else:
         record = parse_loop_record(record_text(csv), str(csv))
@@ -177,17 +181,17 @@ def _described(arguments: argparse.Namespace) -> int:
     return 0 if _tuned(one, arguments) else REFUSED
 
 
-def _simulated(arguments: argparse.Namespace) -> int:
+def _simulated(arguments: Options, name: str) -> int:
     """Tune U of a simulated machine."""
-    name, keys = arguments.machine, _keys(arguments)
+    keys = _keys(arguments)
     machine = machine_bytes(name)
     with simulated_u(machine, name) as u:
         if arguments.pulse is not None:
-            return 0 if _pushed(u, arguments) else REFUSED
+            return 0 if _pushed(u, arguments.pulse) else REFUSED
         found = measure(u, name, arguments.highest_hz or HIGHEST_HZ)
     one = subject_of(found, keys, (arguments.drive or Path(name)).stem, name)
     settings = _tuned(one, arguments)
-    if settings and arguments.apply:
+    if settings and arguments.apply and arguments.out is not None:
         text = with_keys(machine.decode("utf-8"), "controller", settings)
         file = f"{one.name}_tuned.toml"
         write_all(arguments.out, {file: text.encode("utf-8")})
@@ -195,13 +199,13 @@ def _simulated(arguments: argparse.Namespace) -> int:
     return 0 if settings else REFUSED
 
 
-def _connected(arguments: argparse.Namespace) -> int:
+def _connected(arguments: Options) -> int:
     """Tune U of a controller over CAN."""
     keys = _keys(arguments)
-    with connected_u(arguments, "tune") as (u, node):
+    with connected_u(arguments.u, "tune") as (u, node):
         where = u.link.where
         if arguments.pulse is not None:
-            settings = _pushed(u, arguments)
+            settings = _pushed(u, arguments.pulse)
         else:
             found = measure(u, where, arguments.highest_hz or HIGHEST_HZ)
             name = arguments.drive.stem if arguments.drive else f"node{node}"
@@ -213,28 +217,31 @@ def _connected(arguments: argparse.Namespace) -> int:
     return 0 if settings else REFUSED
 
 
-def _pushed(u: U, arguments: argparse.Namespace) -> dict[str, int]:
+def _pushed(u: U, pulse_n: float) -> dict[str, int]:
     """Push U and show the result; return the parameters to be set, none if U is reversed."""
-    found = measure_pulse(u, arguments.pulse)
+    found = measure_pulse(u, pulse_n)
     sys.stdout.write("\n".join(pulse_lines(found)) + "\n")
     sys.stdout.flush()
     return pulse_settings(found) if found.sign > 0 else {}
 
 
-def _run(arguments: argparse.Namespace) -> int:
+def tune(arguments: Options) -> int:
+    """Propose the position loop of a force drive, or judge a given loop.
+
+    It has margins of 6 dB and 30 degrees over the mass +-30 %.
+    """
     try:
         if arguments.bus:
             return _connected(arguments)
-        return _described(arguments) if arguments.machine is None else _simulated(arguments)
+        if arguments.machine is None:
+            return _described(arguments)
+        return _simulated(arguments, arguments.machine)
     except (Refused, CutShortError) as refused:
         sys.stderr.write(f"tune: {refused}\n")
         return REFUSED
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; return its exit status: 0 done, 1 refused, 2 bad input."""
-    return run_command("tune", lambda: _run(_arguments(argv)))
-
+main = command("tools/tune", tune, epilog=_EPILOG)
 
 if __name__ == "__main__":
     sys.exit(main())

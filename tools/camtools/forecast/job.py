@@ -19,7 +19,7 @@ from camtools.forecast.vary import DEFAULT_VARY, Unknown, default_vary, read_var
 from camtools.part.file import read_part_file
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import Made, make
-from camtools.sim.binding import SimSession, library_path
+from camtools.sim.binding import library_path
 from camtools.sim.machine_file import (
     Machine,
     Tree,
@@ -28,6 +28,7 @@ from camtools.sim.machine_file import (
     mistaken,
     read_machine,
 )
+from camtools.sim.simulate import begun
 
 _PROBE = "drawn"
 _LINE = re.compile(rf"{_PROBE}: line \d+: (.*)")
@@ -144,8 +145,8 @@ def _begin(task: Task, machine: Machine) -> None:
         The simulator refuses.
     """
     table = folder_of(task.table, task.design) / TABLE
-    with SimSession() as session:
-        session.begin([str(table), *task.words], machine.text, machine.name)
+    with begun([str(table), *task.words], machine):
+        pass
 
 
 def _check(task: Task, machine: Machine, name: str) -> None:

@@ -18,7 +18,7 @@ from camtools.base.quantities import Floats
 from camtools.identify.configured_drive import Believed
 from camtools.identify.excitation_plan import Play
 from camtools.link.excitation import HEADINGS
-from camtools.sim.camsim import camsim_path
+from camtools.sim.live import camsim_path
 
 _WAVE, _RECORD, _TABLE, _MACHINE = "wave.csv", "record.csv", "part.camtab", "machine.toml"
 

@@ -7,6 +7,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from camtools.base.errors import CamtoolsError
@@ -21,8 +22,8 @@ from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
 from camtools.part.common import SwingLimits
 from camtools.pipeline.exact import Exact
 from camtools.pipeline.kind import Kind, Rig
-from camtools.sim.camsim import TRACE, machine_text
-from camtools.sim.results import Measured, read_swing
+from camtools.sim.machine_file import machine_text
+from camtools.sim.results import TRACE, Measured, read_swing
 
 if TYPE_CHECKING:
     from camtools.report.kind_report import KindReport
@@ -124,7 +125,7 @@ class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
 
     def outcome(self, made: GeneratedLobes, measured: Measured, rig: Rig) -> LobeOutcome:
         """Return the cut with the swing of the tool that the trace holds."""
-        return LobeOutcome(made, *measured, read_swing(rig.simulator.folder / TRACE))
+        return LobeOutcome(made, *measured, read_swing(Path(TRACE)))
 
     def facts(self, made: GeneratedLobes) -> Json:
         """See `Kind.facts`."""

@@ -30,7 +30,7 @@ from camtools.part.file import files_named, read_tree
 from camtools.part.model import is_inside
 from camtools.pipeline.job import RUNS
 from camtools.pipeline.load import parse
-from camtools.sim.machines import machine_path, names
+from camtools.sim.machine_file import machine_path, names
 
 _MAX_FILE_BYTES = 20_000_000
 

@@ -25,7 +25,7 @@ from camtools.papers.paths import cut_table
 from camtools.papers.refit import CUBIC, DELETED, QUINTIC, curve_of
 from camtools.plots.panels import around, plane
 from camtools.plots.style import BLUE, GREEN, new_figure
-from camtools.sim.camsim import machine_text
+from camtools.sim.machine_file import machine_text
 from camtools.skirt.geometry.composite import Joint
 from camtools.skirt.geometry.refit import Recipe, deviation_mm
 from camtools.skirt.geometry.skirt_geometry import make_geometry

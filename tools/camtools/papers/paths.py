@@ -26,8 +26,7 @@ from camtools.cut.path import ToolPath, highest_rpm, highest_step_rpm, ramp_of, 
 from camtools.part.common import MachineLimits
 from camtools.plots.panels import legend_below
 from camtools.plots.style import BLUE, GREY, ORANGE, angle_axis, new_figure
-from camtools.sim.camsim import machine_text
-from camtools.sim.machine_file import Machine
+from camtools.sim.machine_file import Machine, machine_text
 from camtools.sim.simulate import Result, simulate
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.report.summary import make_summary

@@ -11,15 +11,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from math import isfinite
-from typing import Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from camtools.base.arguments import Option
 from camtools.base.csv_text import Columns, csv_text
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats, omega_rad_s
@@ -59,19 +60,32 @@ _ALPHA_RAD_S2 = (100.0, 500.0, 1000.0, 5000.0)
 _PAPERS = (46.0, 46.1, 10.846348637)  # half axis, blank [mm], area of a quarter [mm2]
 
 
-class AnalysisWishes(NamedTuple):
-    """Options of the user; None is the part's own."""
+@dataclass(frozen=True)
+class AnalysisWishes:
+    """How a section is analysed; None is the part's own."""
 
-    height_mm: float | None = None
-    step_deg: float = 3.0
-    parts: int | None = None
-    slice_volume_mm3: float = 0.04
-    cycle_us: float = 50.0
-    kc_n_mm2: float = 700.0
-    kc_exponent: float = 0.0
-    rpm: float | None = None
-    turns: int = 1
-    nose_mm: float = 0.8
+    height: Annotated[
+        float | None, Option("height of the section in mm (default: of the largest diameter)", "MM")
+    ] = None
+    step_deg: Annotated[float, Option("step of Table 1 in degrees (default: 3)", "D")] = 3.0
+    parts: Annotated[
+        int | None, Option("equal parts of a quarter turn (default: the part's)", "N")
+    ] = None
+    turns: Annotated[int, Option("turns in the tables of axis positions (default: 1)", "N")] = 1
+    slice_volume_mm3: Annotated[
+        float, Option("largest volume of a slice in mm3 (default: 0.04)", "V")
+    ] = 0.04
+    cycle_us: Annotated[float, Option("controller cycle in us (default: 50)", "T")] = 50.0
+    kc_n_mm2: Annotated[float, Option("specific cutting force in N/mm2 (default: 700)", "K")] = (
+        700.0
+    )
+    kc_exponent: Annotated[float, Option("exponent of its size effect (default: 0, none)", "M")] = (
+        0.0
+    )
+    nose_mm: Annotated[float, Option("nose radius of the tool in mm (default: 0.8)", "R")] = 0.8
+    rpm: Annotated[
+        float | None, Option("mean spindle speed in r/min (default: the part's)", "N")
+    ] = None
 
 
 _RANGES = {
@@ -136,10 +150,10 @@ def make_analysis(part: SkirtPart, wishes: AnalysisWishes) -> Analysis:
 
     Raises CamtoolsError where a wish or the geometry is impossible, or nothing is cut.
     """
-    check_wishes(wishes._asdict(), _RANGES)
+    check_wishes(asdict(wishes), _RANGES)
     geometry, profile, process = make_geometry(part), part.piston.profile, part.process
     low, high = float(profile.height_mm[0]), float(profile.height_mm[-1])
-    height_mm = wishes.height_mm
+    height_mm = wishes.height
     if height_mm is None:
         height_mm = float(profile.height_mm[int(np.argmax(profile.diameter_mm))])
     if not low <= height_mm <= high:

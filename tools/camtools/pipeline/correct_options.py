@@ -1,114 +1,91 @@
 """Options of the commands that correct a table by a gauged part, and what they ask for.
 
->>> parser = argparse.ArgumentParser()
->>> add_measured(parser)
->>> parser.parse_args(["--measured", "surface.csv"]).gain is None
+>>> Correcting().measured is None
 True
 """
 
 from __future__ import annotations
 
-import argparse
 import sys
+from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Annotated
 
+from camtools.base.arguments import Option, option_of
 from camtools.base.errors import CamtoolsError
 from camtools.cut.correction import Correction
 from camtools.measured.correction_round import DEFAULT_GAIN, Request, next_round
 from camtools.measured.text import cautions
 from camtools.pipeline.load import Loaded
 
-_NEEDS = {
-    "previous": "--previous",
-    "gain": "--gain",
-    "keep_harmonics": "--keep-harmonics",
-    "centred": "--centred",
-}
 
-
-def add_measured(parser: argparse.ArgumentParser) -> None:
-    """Add the options to a command."""
-    parser.add_argument(
-        "--measured",
-        type=Path,
-        metavar="SURFACE.csv",
-        help="correct the table by the measured surface of a part, from camsim or as angle, height "
-        "and deviation (tools/docs/MEASURED.md)",
-    )
-    parser.add_argument(
-        "--previous",
-        type=Path,
-        metavar="NAME.json",
-        help="summary of the table that cut that part (default: next to the surface)",
-    )
-    parser.add_argument(
-        "--gain",
-        type=float,
-        metavar="G",
-        help=f"share of the deviation to correct (default: {DEFAULT_GAIN})",
-    )
-    parser.add_argument(
-        "--keep-harmonics",
-        type=int,
-        metavar="N",
-        help="highest harmonic to correct, in waves per turn (default: 16)",
-    )
-    parser.add_argument(
-        "--centred",
-        action="store_true",
-        help="do not correct mean and centre, which the instrument has removed",
-    )
-
-
-def request_of(arguments: argparse.Namespace) -> Request | None:
-    """Return what the options ask for, nothing without --measured.
+@dataclass(frozen=True)
+class Correcting:
+    """How the surface of a gauged part corrects the next table.
 
     Raises
     ------
     CamtoolsError
         An option that says how to correct, without the surface.
     """
-    if arguments.measured is None:
-        for key, option in _NEEDS.items():
-            if getattr(arguments, key) not in (None, False):
-                raise CamtoolsError(
-                    [f"{option}: has no effect without --measured; add --measured SURFACE.csv"]
-                )
-        return None
-    gain = DEFAULT_GAIN if arguments.gain is None else arguments.gain
-    return Request(
-        arguments.measured, arguments.previous, gain, arguments.keep_harmonics, arguments.centred
-    )
 
+    measured: Annotated[
+        Path | None,
+        Option(
+            "correct the table by the measured surface of a part, from camsim or as angle, height "
+            "and deviation (tools/docs/MEASURED.md)",
+            "SURFACE.csv",
+        ),
+    ] = None
+    previous: Annotated[
+        Path | None,
+        Option(
+            "summary of the table that cut that part (default: next to the surface)", "NAME.json"
+        ),
+    ] = None
+    gain: Annotated[
+        float | None, Option(f"share of the deviation to correct (default: {DEFAULT_GAIN})", "G")
+    ] = None
+    keep_harmonics: Annotated[
+        int | None, Option("highest harmonic to correct, in waves per turn (default: 16)", "N")
+    ] = None
+    centred: Annotated[
+        bool, Option("do not correct mean and centre, which the instrument has removed")
+    ] = False
 
-def correction_for(
-    arguments: argparse.Namespace, loaded: Loaded, output: Path | None
-) -> Correction | None:
-    """Return the correction that the options ask for, nothing without --measured.
+    def __post_init__(self) -> None:
+        for one in fields(self) if self.measured is None else ():
+            if getattr(self, one.name) not in (None, False):
+                problem = f"{option_of(one.name)}: has no effect without --measured"
+                raise CamtoolsError([f"{problem}; add --measured SURFACE.csv"])
 
-    Cautions go to standard error.
+    def correction(self, loaded: Loaded, output: Path | None) -> Correction | None:
+        """Return the correction that is asked for, nothing without --measured.
 
-    Parameters
-    ----------
-    output : Path or None
-        Folder of the new table; None: not known to be that of the old one.
+        Cautions go to standard error.
 
-    Raises
-    ------
-    CamtoolsError
-        See `next_round`; or the new table would take the place of the one that cut the part, of
-        which the next round must know.
-    """
-    request = request_of(arguments)
-    if request is None:
-        return None
-    kind, part = loaded
-    name = part.part.name
-    found = next_round(request, name, kind.drawing(part))
-    path = found.previous.path
-    if output is not None and (output / f"{name}.json").resolve() == path.resolve():
-        problem = f"has the {name}.json of the table that cut the measured part"
-        raise CamtoolsError([f"-o {output}: {problem}; give another folder for each round"])
-    for line in cautions(part.process, getattr(part, "tool", None), found.previous.report):
-        sys.stderr.write(f"{line.strip()}\n")
-    return found.correction
+        Parameters
+        ----------
+        output : Path or None
+            Folder of the new table; None: not known to be that of the old one.
+
+        Raises
+        ------
+        CamtoolsError
+            See `next_round`; or the new table would take the place of the one that cut the part,
+            of which the next round must know.
+        """
+        if self.measured is None:
+            return None
+        kind, part = loaded
+        name = part.part.name
+        gain = DEFAULT_GAIN if self.gain is None else self.gain
+        request = Request(self.measured, self.previous, gain, self.keep_harmonics, self.centred)
+        found = next_round(request, name, kind.drawing(part))
+        path = found.previous.path
+        if output is not None and (output / f"{name}.json").resolve() == path.resolve():
+            problem = f"has the {name}.json of the table that cut the measured part"
+            raise CamtoolsError([f"-o {output}: {problem}; give another folder for each round"])
+        for line in cautions(part.process, getattr(part, "tool", None), found.previous.report):
+            sys.stderr.write(f"{line.strip()}\n")
+        return found.correction

@@ -1,6 +1,6 @@
-"""What tools/run was asked for, whatever the kind of the part.
+"""What tools/run is asked for, whatever the kind of the part.
 
->>> RunJob(["--feed", "0.5"]).feed_words()
+>>> RunJob(Correcting(), feed=0.5).feed_words()
 ['--feed', '0.5']
 """
 
@@ -8,27 +8,31 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from math import isfinite
 from pathlib import Path
+from typing import Annotated
 
-from camtools.base.command import Parser
+from camtools.base.arguments import Option, Word
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import cannot_write
 from camtools.base.project_paths import RESULTS, ROOT, shown_name
-from camtools.base.provenance import origin_of
 from camtools.base.quantities import plain_number
 from camtools.part.common import PartFile, is_feed_within
 from camtools.part.tool import Tool, check_tracks
-from camtools.pipeline.correct_options import add_measured, request_of
+from camtools.pipeline.correct_options import Correcting
 from camtools.roundness.waves import DEFAULT_UPR, UPR_CHOICES
-from camtools.sim.machines import machine_bytes, names
+from camtools.sim.machine_file import machine_bytes, names
 from camtools.table.header import check_tolerance
 
 RUNS = RESULTS / "run"
 _MAX_FEED_MM = 10.0  # range of the firmware's parameter
-_DEFAULT_PART = ROOT / "tools" / "parts" / "perkins240.toml"
+DEFAULT_PART = ROOT / "tools" / "parts" / "perkins240.toml"
+MACHINE_HELP = (
+    f"machine file, or one of {', '.join(names())} (default: a machine with the part's limits)"
+)
 _OURS = (
     "--rpm",
     "--feed",
@@ -41,11 +45,6 @@ _OURS = (
     "--progress",
     "--help",
 )
-_EPILOG = """\
-Options after -- go to `camsim run`, for example an emergency stop after 5 s of cutting:
-  tools/run -o build/run/estop -- --inject estop@5
-Exit status: 0 done, 1 the cut ended in a fault, is out of tolerance or not gauged, 2 wrong usage
-or bad input."""
 
 
 def _count(text: str) -> int:
@@ -55,79 +54,23 @@ def _count(text: str) -> int:
     return value
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = Parser(
-        prog="tools/run",
-        usage="tools/run [PART.toml] [--rpm N] [--feed MM] [--machine M] [--tolerance-nm T]\n"
-        "                 [--measured SURFACE.csv ..] [--upr N] [--csv] [--keep N] [-o DIR]\n"
-        "                 [-- CAMSIM-OPTIONS]",
-        description="Make the table of a part, cut the part on the host simulator, write a report.",
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
-    parser.add_argument(
-        "part", type=Path, nargs="?", metavar="PART.toml", help="part file (default: perkins240)"
-    )
-    parser.add_argument("--rpm", metavar="N", help="spindle speed in r/min (default: the part's)")
-    parser.add_argument("--feed", metavar="MM", help="feed in mm per turn (default: the part's)")
-    parser.add_argument(
-        "--machine",
-        metavar="M",
-        help=f"machine file, or one of {', '.join(names())} (default: a machine with the part's "
-        "limits)",
-    )
-    parser.add_argument(
-        "--tolerance-nm",
-        metavar="T",
-        help="largest error of the table in nm (default: as tools/mktables)",
-    )
-    add_measured(parser)
-    parser.add_argument(
-        "--upr",
-        type=int,
-        choices=UPR_CHOICES,
-        default=DEFAULT_UPR,
-        help="cut-off of the Gaussian roundness filter in the measurement sheets, in waves per "
-        f"turn (default: {DEFAULT_UPR})",
-    )
-    parser.add_argument("--csv", action="store_true", help="also write the trace as trace.csv")
-    parser.add_argument(
-        "--keep",
-        type=_count,
-        metavar="N",
-        help="delete all but the N newest runs in build/run, this one included (default: keep all)",
-    )
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="DIR",
-        help="folder for the results (default: build/run/NAME, NAME-roundN for a corrected table)",
-    )
-    return parser
+def _above_0(option: str, unit: str) -> Callable[[str], float]:
+    """Return the reader of a finite number above 0; it raises CamtoolsError."""
+
+    def read(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = float("nan")
+        if not (isfinite(value) and value > 0):
+            problem = f"{option} {text}: must be a finite number above 0"
+            raise CamtoolsError([f"{problem}; give {unit}, or leave it out for the part's own"])
+        return value
+
+    return read
 
 
-def _positive(option: str, text: str | None, unit: str) -> float | None:
-    """Return the number of an option, None when it is not given.
-
-    Raises
-    ------
-    CamtoolsError
-        Not a finite number above 0.
-    """
-    if text is None:
-        return None
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if not (isfinite(value) and value > 0):
-        problem = f"{option} {text}: must be a finite number above 0"
-        raise CamtoolsError([f"{problem}; give {unit}, or leave it out for the part's own"])
-    return value
-
-
-def _for_camsim(words: Sequence[str]) -> list[str]:
+def for_camsim(words: Sequence[str]) -> list[str]:
     """Return the user's words for camsim, which works in another folder.
 
     Raises
@@ -141,40 +84,75 @@ def _for_camsim(words: Sequence[str]) -> list[str]:
     return [str(Path(word).resolve()) if Path(word).is_file() else word for word in words]
 
 
+@dataclass(frozen=True)
 class RunJob:
     """What was asked for, checked as far as this is possible without the part.
 
-    Parameters
+    Attributes
     ----------
-    argv : list of str
-        Command line without the program's name.
+    extra : tuple of str
+        Words for camsim.
     """
 
-    def __init__(self, argv: Sequence[str]) -> None:
-        words = list(argv)
-        self.origin = origin_of("tools/run", words)
-        split = words.index("--") if "--" in words else len(words)
-        arguments = _parser().parse_args(words[:split])
-        self.part_path: Path = arguments.part or _DEFAULT_PART
-        self.rpm = _positive("--rpm", arguments.rpm, "r/min")
-        self.feed_mm = _positive("--feed", arguments.feed, "mm per turn")
-        self.machine: bytes | None = (
-            None if arguments.machine is None else machine_bytes(arguments.machine)
-        )
-        self.tolerance_nm = _positive("--tolerance-nm", arguments.tolerance_nm, "nm")
+    correcting: Correcting
+    part: Annotated[Path, Word("part file (default: perkins240)", "PART.toml")] = DEFAULT_PART
+    rpm: Annotated[
+        float | None,
+        Option(
+            "spindle speed in r/min (default: the part's)", "N", read=_above_0("--rpm", "r/min")
+        ),
+    ] = None
+    feed: Annotated[
+        float | None,
+        Option(
+            "feed in mm per turn (default: the part's)",
+            "MM",
+            read=_above_0("--feed", "mm per turn"),
+        ),
+    ] = None
+    machine: Annotated[bytes | None, Option(MACHINE_HELP, "M", read=machine_bytes)] = None
+    tolerance_nm: Annotated[
+        float | None,
+        Option(
+            "largest error of the table in nm (default: as tools/mktables)",
+            "T",
+            read=_above_0("--tolerance-nm", "nm"),
+        ),
+    ] = None
+    upr: Annotated[
+        int,
+        Option(
+            "cut-off of the Gaussian roundness filter in the measurement sheets, in waves per "
+            f"turn (default: {DEFAULT_UPR})",
+            choices=UPR_CHOICES,
+        ),
+    ] = DEFAULT_UPR
+    csv: Annotated[bool, Option("also write the trace as trace.csv")] = False
+    keep: Annotated[
+        int | None,
+        Option(
+            "delete all but the N newest runs in build/run, this one included (default: keep all)",
+            "N",
+            read=_count,
+        ),
+    ] = None
+    output: Annotated[
+        str | None,
+        Option(
+            "folder for the results (default: build/run/NAME, NAME-roundN for a corrected table)",
+            "DIR",
+            "-o",
+        ),
+    ] = None
+    extra: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
         if self.tolerance_nm is not None:
             check_tolerance(self.tolerance_nm)
-        self.options = arguments  # with those of `add_measured`
-        request_of(arguments)
-        self.extra = _for_camsim(words[split + 1 :])
-        if arguments.output == "":
+        if self.output == "":
             raise CamtoolsError(["-o: an empty path; give a folder"])
-        if arguments.keep is not None and arguments.output:
+        if self.keep is not None and self.output:
             raise CamtoolsError(["--keep: applies only to build/run; leave out -o or --keep"])
-        self.keep: int | None = arguments.keep
-        self.cutoff_upr: int = arguments.upr
-        self.keeps_text: bool = arguments.csv
-        self.output: Path | None = Path(arguments.output) if arguments.output else None
 
     def check_feed(self, part: PartFile) -> None:
         """Refuse a feed that camsim would refuse, before anything is made.
@@ -185,7 +163,7 @@ class RunJob:
             Beyond the height of the part, beyond what the firmware takes, or so large that metal
             stays between the tracks of the part's tool.
         """
-        feed_mm, tool = self.feed_mm, getattr(part, "tool", None)
+        feed_mm, tool = self.feed, getattr(part, "tool", None)
         if feed_mm is not None and isinstance(tool, Tool):
             check_tracks(tool, feed_mm)
         if feed_mm is None or (feed_mm <= _MAX_FEED_MM and is_feed_within(part, feed_mm)):
@@ -198,7 +176,7 @@ class RunJob:
     def folder(self, name: str, n_rounds: int = 0) -> Path:
         """Return the output folder for a part's name, and a table of so many rounds."""
         own = f"{name}-round{n_rounds}" if n_rounds else name
-        return self.output or RUNS / own
+        return Path(self.output) if self.output else RUNS / own
 
     def tolerance(self, form_error_um: float, taken_um: float) -> list[str]:
         """Return what smoothing leaves of the form error, the part's or the one given, for camsim.
@@ -226,7 +204,7 @@ class RunJob:
 
     def feed_words(self) -> list[str]:
         """Return camsim's options for the feed, when one is given."""
-        return [] if self.feed_mm is None else ["--feed", repr(self.feed_mm)]
+        return [] if self.feed is None else ["--feed", repr(self.feed)]
 
 
 def _last_value(words: Sequence[str], name: str) -> str | None:

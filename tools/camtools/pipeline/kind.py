@@ -18,8 +18,8 @@ from camtools.cut.correction import Correction, Drawing
 from camtools.part.common import PartFile
 from camtools.part.model import TomlTable
 from camtools.pipeline.exact import Exact
-from camtools.sim.camsim import Simulator
 from camtools.sim.results import AnyCut, Measured
+from camtools.sim.simulate import Result
 from camtools.table.header import MadeTable
 
 if TYPE_CHECKING:  # it loads matplotlib, which takes longer than a table
@@ -31,9 +31,10 @@ CutT = TypeVar("CutT", bound=AnyCut)
 
 
 class Rig(NamedTuple):
-    """The simulator as it cut a part, for what a kind measures besides."""
+    """How a part was cut, for what a kind measures besides; its folder is the working folder."""
 
-    simulator: Simulator
+    result: Result  # with the table "surface"
+    table: str  # name of the file
     words: list[str]  # options of camsim, faults left out
     turns: float  # that the cut takes, about
 

@@ -1,8 +1,8 @@
 """The whole pipeline: table, cut on the host simulator, gauge, report, for every kind of part.
 
->>> from camtools.pipeline.load import load
->>> job = RunJob(["--feed", "0.5"])
->>> made = make(load(job.part_path), job.part_path)
+>>> from camtools.pipeline.correct_options import Correcting
+>>> job = RunJob(Correcting(), feed=0.5)
+>>> made = make(load(job.part), job.part)
 >>> turns_of(job, made)
 124.0
 """
@@ -13,38 +13,43 @@ import json
 import shutil
 import sys
 import time
-from collections.abc import Sequence
+from contextlib import chdir
+from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
+from camtools.base.arguments import Words
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
-from camtools.base.output import staged
+from camtools.base.output import cannot_write, staged
+from camtools.base.provenance import Origin, origin_of
 from camtools.base.quantities import length_text
 from camtools.base.readable import size_text
-from camtools.pipeline.correct_options import correction_for
-from camtools.pipeline.job import RUNS, RunJob, say, shown, without_faults, write_files
+from camtools.pipeline.job import RUNS, RunJob, for_camsim, say, shown, without_faults, write_files
 from camtools.pipeline.kind import Rig
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import Made, make
-from camtools.report.kind_report import make_report, rows_of
-from camtools.report.sheet_page import SHEETS, out_of_tolerance
-from camtools.report.text import ReportRow, page_text, remedies
-from camtools.sim.camsim import (
-    OVERVIEW,
-    SECTIONS,
-    SUMMARY,
-    SURFACE,
-    TRACE,
-    Simulator,
+from camtools.pipeline.part_cut import (
     compare,
-    cut,
+    cut_part,
     overview_every,
     plan_of,
     traced_turns,
 )
+from camtools.report.kind_report import make_report, rows_of
+from camtools.report.sheet_page import SHEETS, out_of_tolerance
+from camtools.report.text import ReportRow, page_text, remedies
 from camtools.sim.drive_mismatch import SHARE, Mismatch, mismatch
-from camtools.sim.results import AnyCut, Measured, read_sections, read_surface, read_trace
+from camtools.sim.results import (
+    OVERVIEW,
+    SUMMARY,
+    TRACE,
+    AnyCut,
+    Measured,
+    read_trace,
+    sections_of,
+    surface_of,
+)
 
 _MARK = "run_wall_time_s"  # only the summary of a run of the whole pipeline has it
 _MOST_NAMED = 6
@@ -97,10 +102,10 @@ def kept_text(place: Path) -> str:
 
 def turns_of(job: RunJob, made: Made) -> float:
     """Return how many turns the cut takes, about."""
-    return made.kind.turns(made.table, job.feed_mm or made.table.part.process.feed_mm)
+    return made.kind.turns(made.table, job.feed or made.table.part.process.feed_mm)
 
 
-def _simulate(job: RunJob, made: Made, folder: Path) -> AnyCut:
+def _simulate(job: RunJob, made: Made, folder: Path, origin: Origin) -> AnyCut:
     """Cut and gauge in a folder."""
     kind, part, name = made.kind, made.table.part, made.table.part.part.name
     machine, turns = f"{name}_machine.toml", turns_of(job, made)
@@ -108,34 +113,36 @@ def _simulate(job: RunJob, made: Made, folder: Path) -> AnyCut:
     files = made.files(with_plots=False)
     text = kind.machine(part).encode("ascii") if job.machine is None else job.machine
     write_files(folder, files | {machine: text})
-    simulator = Simulator(folder, f"{name}.camtab")
+    table = f"{name}.camtab"
     words = [
         *("--machine", machine, *kind.speed_words(job.rpm), *job.feed_words(), *job.extra),
         *job.tolerance(kind.form_error_um(part), kind.taken_um(made.table)),
     ]
-    every = overview_every(turns, kind.mean_rpm(made.table, job.rpm))
-    plan = plan_of(simulator, words)
-    say(f"cutting {plan.text()} on the host simulator")
-    feed_mm = job.feed_mm or made.table.part.process.feed_mm
-    summary = cut(
-        *(simulator, words, window, every),
-        sections_mm=kind.sections_mm(made.table, feed_mm),
-        keeps_text=job.keeps_text,
-        shows_progress=plan.is_long,
-    )
-    plain = without_faults(words)
-    measured = Measured(
-        summary,
-        read_surface(folder / SURFACE),
-        read_trace(folder / TRACE),
-        window is None,
-        compare(simulator, plain, window),
-        read_trace(folder / OVERVIEW) if window is not None else None,
-        job.origin,
-        read_sections(folder / SECTIONS),
-        job.cutoff_upr,
-    )
-    outcome: AnyCut = kind.outcome(made.table, measured, Rig(simulator, plain, turns))
+    plain, every = without_faults(words), overview_every(turns, kind.mean_rpm(made.table, job.rpm))
+    sections_mm = kind.sections_mm(made.table, job.feed or part.process.feed_mm)
+    try:
+        with chdir(folder):  # camsim names files as its words do
+            plan = plan_of(table, words)
+            say(f"cutting {plan.text()} on the host simulator")
+            result = cut_part(
+                *(table, words, plan, window, every),
+                sections_mm=sections_mm,
+                keeps_text=job.csv,
+            )
+            measured = Measured(
+                result.summary,
+                surface_of(result.surface),
+                read_trace(Path(TRACE)),
+                window is None,
+                compare(table, plain, window),
+                read_trace(Path(OVERVIEW)) if window is not None else None,
+                origin,
+                sections_of(result.sections),
+                job.upr,
+            )
+            outcome: AnyCut = kind.outcome(made.table, measured, Rig(result, table, plain, turns))
+    except OSError as error:
+        raise cannot_write(folder.parent, error) from error
     return outcome
 
 
@@ -168,8 +175,19 @@ def complete_summary(made: Made, outcome: AnyCut, off: Mismatch | None, total_s:
     )
 
 
-def run(argv: Sequence[str]) -> int:
-    """Make, cut and report a part; return the exit status.
+def run(
+    job: RunJob,
+    typed: Annotated[tuple[str, ...], Words()] = (),
+    extra: Annotated[tuple[str, ...], Words(is_after_dashes=True)] = (),
+) -> int:
+    """Make the table of a part, cut the part on the host simulator, write a report.
+
+    Parameters
+    ----------
+    typed : tuple of str
+        The whole command line, for the report.
+    extra : tuple of str
+        Words for camsim.
 
     Returns
     -------
@@ -182,17 +200,18 @@ def run(argv: Sequence[str]) -> int:
         Wrong usage, or a part that cannot be made or cut.
     """
     begin_s = time.monotonic()
-    job = RunJob(argv)
-    loaded = load(job.part_path)
+    job = replace(job, extra=tuple(for_camsim(extra)))
+    origin = origin_of("tools/run", list(typed))
+    loaded = load(job.part)
     job.check_feed(loaded.part)
-    correction = correction_for(job.options, loaded, job.output)
-    say(f"making the table of {job.part_path.name}")
+    correction = job.correcting.correction(loaded, None if job.output is None else Path(job.output))
+    say(f"making the table of {job.part.name}")
     made = make(
-        *(loaded, job.part_path), rpm=job.rpm, tolerance_nm=job.tolerance_nm, correction=correction
+        *(loaded, job.part), rpm=job.rpm, tolerance_nm=job.tolerance_nm, correction=correction
     )
     folder = job.folder(loaded.part.part.name, len(correction.rounds) if correction else 0)
     with staged(folder) as stage:
-        outcome = _simulate(job, made, stage.folder)
+        outcome = _simulate(job, made, stage.folder, origin)
         off = _mismatch(job, made, stage.folder)
         say("drawing the report")
         report = made.kind.report()

@@ -20,7 +20,7 @@ from camtools.pipeline.kind import Kind, Rig
 from camtools.polygon.generate import GeneratedPolygon, generate_polygon, shapes_of
 from camtools.polygon.part import PolygonPart
 from camtools.polygon.summary import PolygonCut, emit_polygon_text, make_polygon_summary
-from camtools.sim.camsim import machine_text
+from camtools.sim.machine_file import machine_text
 from camtools.sim.results import Measured
 from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.tool.exact_shape import ExactGeometry

@@ -19,12 +19,18 @@ from pathlib import Path
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
+from camtools.sim.binding import build_folder
 from camtools.sim.machine_file import emit_machine, read_machine
 
 _X_HOME_MM, _Z_BEYOND_MM = 150.0, 40.0  # clear of any part, and of its end
 _HERE, _BY_SWITCH = 1, 2  # methods of homing: the present position, a switch
 _SEARCH_UM_PER_S = 50_000
 _END_S = 2.0  # after which a process that was asked to end is killed
+
+
+def camsim_path() -> Path:
+    """Return where the program is built."""
+    return build_folder() / "camsim"
 
 
 def died(status: int) -> str:

@@ -1,4 +1,4 @@
-r"""Machine files of the simulator as data: read, changed, written.
+r"""Machine files of the simulator: found, made from the limits of a part, read, changed, written.
 
 A machine is a tree: tables of keys, as TOML has them; `host_sim/machines/default.toml` lists every
 key. What the controller is configured from stands in `[believed.TABLE]`.
@@ -10,6 +10,8 @@ delay_us = 80.0
 [believed.u]
 delay_us = 75
 <BLANKLINE>
+>>> "real" in names(), machine_path("real").name
+(True, 'real.toml')
 """
 
 from __future__ import annotations
@@ -22,14 +24,43 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from camtools.base.errors import InputError
+from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.input_file import read_text
+from camtools.base.project_paths import ROOT
 from camtools.base.toml_text import toml_tree
-from camtools.sim.machines import MACHINES, machine_path
+from camtools.part.common import MachineLimits
 
 Tree = dict[str, Any]
+MACHINES = ROOT / "host_sim" / "machines"
 BELIEVED = "believed"
 _MAX_BYTES = 1 << 20
+_INERTIA_KGM2 = 0.1  # of the default machine
+_MACHINE = """\
+# The simulator's default machine with the limits of the part file.
+[machine]
+name = "{name}"
+tick_hz = {tick_hz!r}
+[spindle]
+limit_rpm = {rpm!r}
+torque_Nm = {torque!r}
+inertia_kgm2 = {inertia!r}
+bandwidth_rad_per_s = {bandwidth!r}
+ripple = {ripple!r}
+[u]
+speed_mm_per_s = {speed!r}
+acceleration_mm_per_s2 = {acceleration!r}
+stroke_mm = {stroke!r}
+[z]
+speed_mm_per_s = {z_speed!r}
+acceleration_mm_per_s2 = {z_acceleration!r}
+"""
+_WORN = """\
+[tool]
+wear_um = {!r}
+[controller]
+x_trim_nm = {}
+"""
+_NM_PER_UM = 1000
 
 
 class Machine(NamedTuple):
@@ -37,6 +68,49 @@ class Machine(NamedTuple):
 
     name: str  # for messages: the file as the user named it
     text: str  # TOML
+
+
+def names() -> list[str]:
+    """Return the names of all machines that come with the simulator."""
+    return sorted(path.stem for path in MACHINES.glob("*.toml"))
+
+
+def machine_path(word: str) -> Path:
+    """Return the file of a machine.
+
+    Parameters
+    ----------
+    word : str
+        The name of a file of host_sim/machines without its suffix, or the path of any file.
+
+    Raises
+    ------
+    CamtoolsError
+        There is neither a machine of that name nor such a file.
+    """
+    if word in names():
+        return MACHINES / f"{word}.toml"
+    path = Path(word)
+    if word and path.is_file():
+        return path
+    known = ", ".join(names())
+    raise CamtoolsError([f"--machine {word}: no such machine; give one of {known}, or a file"])
+
+
+def machine_bytes(word: str) -> bytes:
+    """Return what the file of a machine holds, for `machine_path`'s word.
+
+    Raises
+    ------
+    CamtoolsError
+        There is no such machine, or its file cannot be read.
+    """
+    path = machine_path(word)
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        problem = f"--machine {word}: cannot be read: {error.strerror}"
+        raise CamtoolsError([f"{problem}; give a readable file"]) from error
 
 
 def find_machine(word: str | Path) -> Machine:
@@ -49,6 +123,31 @@ def find_machine(word: str | Path) -> Machine:
     """
     path = machine_path(str(word))
     return Machine(path.name if str(word) == path.stem else str(word), read_text(path, _MAX_BYTES))
+
+
+def machine_text(limits: MachineLimits, wear_um: float = 0.0) -> str:
+    """Return a machine file with a part's limits, as far as the simulator's ranges go.
+
+    A worn tool stands back, and the controller's offset of X makes up for it.
+
+    >>> print(*machine_text(MachineLimits(), 25.0).splitlines()[-4:], sep=" | ")
+    [tool] | wear_um = 25.0 | [controller] | x_trim_nm = -25000
+    """
+    inertia = limits.spindle_inertia_kgm2 or _INERTIA_KGM2
+    return _MACHINE.format(
+        name="default, limits of the part file",
+        tick_hz=limits.tick_hz,
+        rpm=limits.spindle_rpm,
+        torque=inertia * limits.alpha_rad_s2,
+        inertia=inertia,
+        bandwidth=limits.spindle_bandwidth_rad_s,
+        ripple=limits.spindle_ripple,
+        speed=min(max(limits.u_speed_mm_s, 0.1), 10_000.0),
+        acceleration=min(max(limits.u_acceleration_mm_s2, 10.0), 1e7),
+        stroke=limits.u_stroke_mm,
+        z_speed=limits.z_speed_mm_s,
+        z_acceleration=limits.z_acceleration_mm_s2,
+    ) + (_WORN.format(wear_um, round(-wear_um * _NM_PER_UM)) if wear_um else "")
 
 
 def read_machine(text: str, name: str) -> Tree:

@@ -1,15 +1,9 @@
-r"""What the simulator wrote, as arrays: trace and surface.
+"""What the simulator gives of a cut, as arrays of what they mean.
 
->>> import tempfile
->>> with tempfile.TemporaryDirectory() as name:
-...     path = Path(name) / "surface.csv"
-...     _ = path.write_text("turn,z_mm,radius_mm,error_nm\n0.25,10,46,-30\n")
-...     read_surface(path).error_um.tolist()
-...     _ = path.write_text(
-...         "section,turn,z_mm,radius_mm,deviation_nm\n1,0,5,46,-30\n0,0.25,7,45.9,20\n"
-...     )
-...     found = read_sections(path)
-[-0.03]
+>>> rows = np.array([(1, 0, 5, 46, -30), (0, 0.25, 7, 45.9, 20)], [
+...     ("section", float), ("turn", float), ("z_mm", float), ("radius_mm", float),
+...     ("deviation_nm", float)])
+>>> found = sections_of(rows)
 >>> found.sections[0].deviation_mm.tolist(), found.lines[0].angle_deg
 ([-3e-05], 90.0)
 """
@@ -28,8 +22,12 @@ from camtools.base.json_text import Json
 from camtools.base.provenance import Origin
 from camtools.base.quantities import NM_PER_MM, Floats
 from camtools.roundness.waves import DEFAULT_UPR
+from camtools.sim.binding import Rows
 from camtools.table.header import MadeTable
 
+TRACE, SURFACE, SUMMARY = "trace.parquet", "surface.csv", "summary.json"
+SECTIONS = "sections.csv"
+OVERVIEW = "overview.parquet"  # one tick of several of a cut too long to trace
 STATES = (
     *("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault"),
     *("rehearsing", "identifying", "manual", "holding"),
@@ -133,7 +131,6 @@ class Removal(NamedTuple):
 
 
 MadeT = TypeVar("MadeT", bound=MadeTable, covariant=True)
-_SECTION_COLUMNS = ("section", "turn", "z_mm", "radius_mm", "deviation_nm")
 _SURFACE_COLUMNS = ("turn", "z_mm", "radius_mm", "error_nm")
 _TRACE_COLUMNS = (
     *("t_s", "turn", "z_mm", "u_set_nm", "u_act_nm", "state", "u_due_nm", "error_nm"),
@@ -141,62 +138,23 @@ _TRACE_COLUMNS = (
 )
 
 
-def read_named(path: Path, names: tuple[str, ...]) -> Floats:
-    """Return the named columns of a CSV file, shape (len(names), n)."""
-    with path.open(encoding="ascii") as stream:
-        header = stream.readline().strip().split(",")
-        is_empty = not stream.read(1)
-    missing = [name for name in names if name not in header]
-    if missing:
-        problem = f"has no column {missing[0]}"
-        raise InputError(path.name, "", None, problem, "build camsim again, as tools/run does")
-    if is_empty:
-        return np.empty((len(names), 0))
-    places = [header.index(name) for name in names]
-    rows = np.loadtxt(path, delimiter=",", skiprows=1, usecols=places, encoding="ascii", ndmin=2)
-    return np.ascontiguousarray(rows.T)
+def surface_of(rows: Rows, error: str = "error_nm") -> GaugedSurface:
+    """Return a surface with the errors of a column."""
+    turn, z_mm, radius_mm = (rows[name] for name in _SURFACE_COLUMNS[:3])
+    return GaugedSurface(turn, z_mm, radius_mm, rows[error] * 1e-3)
 
 
-def read_surface(path: Path) -> GaugedSurface:
-    """Return the surface of a CSV file of camsim; without a point when nothing was cut."""
-    turn, z_mm, radius_mm, error_nm = read_named(path, _SURFACE_COLUMNS)
-    return GaugedSurface(turn, z_mm, radius_mm, error_nm * 1e-3)
-
-
-def read_control(path: Path) -> GaugedSurface | None:
+def control_of(rows: Rows) -> GaugedSurface | None:
     """Return the surface with the controller's own errors, nothing where they are the same."""
-    with path.open(encoding="ascii") as stream:
-        names = stream.readline().strip().split(",")
-    if "control_nm" not in names:
-        return None
-    turn, z_mm, radius_mm, error_nm = read_named(path, (*_SURFACE_COLUMNS[:3], "control_nm"))
-    return GaugedSurface(turn, z_mm, radius_mm, error_nm * 1e-3)
+    return surface_of(rows, "control_nm") if "control_nm" in (rows.dtype.names or ()) else None
 
 
-def read_trace(path: Path) -> CutTrace:
-    """Return a trace from a Parquet file."""
-    from camtools.sim.trace_file import read_columns  # pyarrow, which making a table never needs
-
-    found = read_columns(path, _TRACE_COLUMNS)
-    columns = [found[name].astype(np.float64) for name in _TRACE_COLUMNS]
-    columns[-1] *= _TURNS_PER_Q32
-    return CutTrace(*columns)
-
-
-def read_swing(path: Path) -> Floats | None:
-    """Return the true swing of the tool [degrees] from a trace, nothing when there is none."""
-    from camtools.sim.trace_file import column_names, read_columns
-
-    if "swing_act_deg" not in column_names(path):
-        return None
-    swing: Floats = read_columns(path, ("swing_act_deg",))["swing_act_deg"]
-    return swing
-
-
-def read_sections(path: Path) -> GaugedSections:
-    """Return the sections of a CSV file of camsim; without one when nothing was cut."""
-    number, turn, z_mm, radius_mm, deviation_nm = read_named(path, _SECTION_COLUMNS)
-    deviation_mm = deviation_nm / NM_PER_MM
+def sections_of(rows: Rows) -> GaugedSections:
+    """Return the sections of a part; without a section when nothing was cut."""
+    number, turn, z_mm, radius_mm = (
+        rows[name] for name in ("section", "turn", "z_mm", "radius_mm")
+    )
+    deviation_mm = rows["deviation_nm"] / NM_PER_MM
     sections = []
     for one in np.unique(number[number > 0]):
         at = number == one
@@ -210,9 +168,54 @@ def read_sections(path: Path) -> GaugedSections:
     return GaugedSections(tuple(sections), tuple(lines))
 
 
-def read_removal(path: Path) -> Removal:
-    """Return the slices of a CSV file of camsim."""
-    return Removal(*read_named(path, Removal._fields))
+def removal_of(rows: Rows) -> Removal:
+    """Return the slices of metal removed."""
+    return Removal(*(rows[name] for name in Removal._fields))
+
+
+def read_surface(path: Path) -> GaugedSurface:
+    """Return the surface that a run has kept; without a point when nothing was cut.
+
+    Raises
+    ------
+    InputError
+        The file is of another version.
+    """
+    with path.open(encoding="ascii") as stream:
+        header = stream.readline().strip().split(",")
+        is_empty = not stream.read(1)
+    for name in _SURFACE_COLUMNS:
+        if name not in header:
+            problem = f"has no column {name}"
+            raise InputError(path.name, "", None, problem, "build camsim again, as tools/run does")
+    places = [header.index(name) for name in _SURFACE_COLUMNS]
+    rows = (
+        np.empty((0, 4))
+        if is_empty
+        else np.loadtxt(path, delimiter=",", skiprows=1, usecols=places, encoding="ascii", ndmin=2)
+    )
+    turn, z_mm, radius_mm, error_nm = np.ascontiguousarray(rows.T)
+    return GaugedSurface(turn, z_mm, radius_mm, error_nm * 1e-3)
+
+
+def read_trace(path: Path) -> CutTrace:
+    """Return a trace from a Parquet file."""
+    from camtools.sim.table_file import read_columns  # pyarrow, which making a table never needs
+
+    found = read_columns(path, _TRACE_COLUMNS)
+    columns = [found[name].astype(np.float64) for name in _TRACE_COLUMNS]
+    columns[-1] *= _TURNS_PER_Q32
+    return CutTrace(*columns)
+
+
+def read_swing(path: Path) -> Floats | None:
+    """Return the true swing of the tool [degrees] from a trace, nothing when there is none."""
+    from camtools.sim.table_file import column_names, read_columns
+
+    if "swing_act_deg" not in column_names(path):
+        return None
+    swing: Floats = read_columns(path, ("swing_act_deg",))["swing_act_deg"]
+    return swing
 
 
 class CutVariant(NamedTuple):

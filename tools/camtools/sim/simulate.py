@@ -1,11 +1,11 @@
-"""A cut on the simulator, in this process: the interface for studies and notebooks.
+"""A cut on the simulator, in this process: `simulate` for studies and notebooks, `cut` for tools.
 
     from camtools.sim.simulate import simulate
     result = simulate("out/perkins240.camtab", "rough", rpm=2500, turns=20)
     result.surface["error_nm"].max(), result.summary["form_error_um"]["max"]
 
 The numbers are those that `camsim run` writes into its files, bit for bit. One cut runs at a time
-in a process; many at once take processes. `Simulator` in `camsim.py` writes files.
+in a process; many at once take processes.
 
 >>> _words(2500.0, None, 20)
 ['--rpm', '2500.0', '--turns-limit', '20']
@@ -18,18 +18,22 @@ import re
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
-from camtools.sim.binding import Rows, SimSession
+from camtools.sim.binding import NO_ROWS, Rows, SimSession, Table
 from camtools.sim.machine_file import Machine, emit_machine, find_machine
 
+if TYPE_CHECKING:
+    from camtools.sim.table_file import TableFile
+
 TICKS_AT_A_TIME = 100_000  # then Python looks for signals: 0.05 s
+GROUP_ROWS = 1 << 16  # of a table that are written at once
 _OPTIONS = {  # of camsim, and what they are called here
     "--rpm": "rpm",
     "--feed": "feed",
@@ -39,7 +43,7 @@ _OPTIONS = {  # of camsim, and what they are called here
     "--machine": "machine",
 }
 TABLES = ("trace", "surface", "removal", "scallop", "sections")
-ONE_AT_A_TIME = threading.Lock()  # other threads wait
+_ONE_AT_A_TIME = threading.Lock()  # other threads wait
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,31 +57,57 @@ class Result:
         was refused by the controller.
     message : str
         Why it is not good, "" when it is.
-    surface : ndarray, shape (n,)
-        Worst sample of each gauged cell: fields turn (drawing's angle, 0 .. 1), z_mm, radius_mm,
-        error_nm (above 0: metal left standing), and control_nm where the table plays a refit.
-    trace : ndarray, shape (n,)
-        Tick by tick, fields as in `host_sim/results/sim_tables.c`; `state` is the number of the
-        controller's state in `firmware/base/cam_state.h`, masks are numbers. Empty if none was
-        asked for.
-    scallop : ndarray, shape (n,)
-        Map of the surface between the tracks, fields turn, z_mm and proud_um. Empty if none was
-        asked for.
     summary_text : str
         The summary file of `camsim run`.
+    tables : mapping
+        Tables of rows that were asked for, by name.
     """
 
     status: int
     message: str
-    surface: Rows
-    trace: Rows
-    scallop: Rows
     summary_text: str
+    tables: Mapping[str, Table]
 
     def __repr__(self) -> str:
         """Return how it ended."""
         error = "none" if self.form_error_um is None else f"{self.form_error_um:.4g} um"
         return f"<Result status {self.status}, {self.summary['end']}, form error {error}>"
+
+    def _rows(self, table: str) -> Rows:
+        return self.tables.get(table, NO_ROWS).rows()
+
+    @cached_property
+    def surface(self) -> Rows:
+        """Return the worst sample of each gauged cell, shape (n,).
+
+        Fields are turn (drawing's angle, 0 .. 1), z_mm, radius_mm, error_nm (above 0: metal left
+        standing), and control_nm where the table plays a refit.
+        """
+        return self._rows("surface")
+
+    @cached_property
+    def trace(self) -> Rows:
+        """Return every tick, shape (n,), fields as in `host_sim/results/sim_tables.c`.
+
+        `state` is the number of the controller's state in `firmware/base/cam_state.h`, masks are
+        numbers.
+        """
+        return self._rows("trace")
+
+    @cached_property
+    def scallop(self) -> Rows:
+        """Return the map of the surface between the tracks: fields turn, z_mm and proud_um."""
+        return self._rows("scallop")
+
+    @cached_property
+    def removal(self) -> Rows:
+        """Return the metal removed in slices of time."""
+        return self._rows("removal")
+
+    @cached_property
+    def sections(self) -> Rows:
+        """Return the true radius at even places: fields section, turn, z_mm, radius_mm, ..."""
+        return self._rows("sections")
 
     @cached_property
     def summary(self) -> Json:
@@ -120,6 +150,80 @@ def _words(rpm: float | None, feed: float | None, turns: float | None) -> list[s
     return [
         word for key, value in given.items() if value is not None for word in (key, f"{value!r}")
     ]
+
+
+@contextmanager
+def begun(words: Sequence[str], machine: Machine | None = None) -> Iterator[SimSession]:
+    """Begin a cut of the words of `camsim run`, table included; other threads wait for its end.
+
+    Raises
+    ------
+    CamtoolsError
+        The simulator refuses; its line says why.
+    """
+    name, text = machine or ("", None)
+    with _ONE_AT_A_TIME, SimSession() as session:
+        session.begin(words, text, name)
+        yield session
+
+
+def cut(
+    words: Sequence[str],
+    machine: Machine | None = None,
+    *,
+    tables: Sequence[str] = (),
+    files: Mapping[str, str] | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Result:
+    """Cut what the words of `camsim run` describe, table included.
+
+    Parameters
+    ----------
+    tables : list of str
+        Of TABLES: those that come back as arrays.
+    files : mapping
+        Files to write, each with its table; .parquet is Parquet, others are CSV. The rows of a
+        table that is not in `tables` are written as they come.
+    progress : callable, optional
+        Is given the share that is done, 0 .. 1, now and then, and 1 at the end.
+
+    Raises
+    ------
+    CamtoolsError
+        What `camsim run` would refuse with exit status 2; a cut that ends in a fault is a result.
+    OSError
+        A file cannot be written.
+    """
+    files = files or {}
+    asked = dict.fromkeys([*tables, *files.values()])
+    words = [*words, *(word for name in asked for word in (f"--{name}", name))]
+    begin_s = time.monotonic()
+    with begun(words, machine) as session, ExitStack() as stack:
+        writers: list[tuple[str, TableFile]] = []
+        if files:
+            from camtools.sim.table_file import table_file  # pyarrow is slow to load
+
+            for file, name in files.items():
+                one = table_file(Path(file), session.columns(name))
+                stack.enter_context(one)
+                writers.append((name, one))
+
+        def write(found: Mapping[str, Table]) -> None:
+            for name, one in writers:
+                if name in found:
+                    one.write(found[name].numbers)
+
+        while session.run(TICKS_AT_A_TIME):
+            write({one: session.take(one, GROUP_ROWS) for one in asked if one not in tables})
+            if progress is not None:
+                progress(session.progress())
+        ending = session.finish(time.monotonic() - begin_s)
+        found = {name: session.take(name) for name in asked}
+        write(found)
+        if progress is not None:
+            progress(1.0)
+    kept = {name: found[name] for name in tables}
+    return Result(ending.status, ending.message, ending.summary_text, kept)
 
 
 def simulate(
@@ -176,18 +280,7 @@ def simulate(
         word for name, value in (set or {}).items() for word in ("--set", f"{name}={value}")
     ]
     words = [str(table), *_words(rpm, feed, turns), "--seed", str(seed), *settings, *options]
-    words += ["--surface", "surface", *(["--trace", "trace"] if trace else [])]
-    words += ["--scallop", "scallop"] if scallop else []
-    begin_s = time.monotonic()
-    with _in_own_words(options), ONE_AT_A_TIME, SimSession() as session:
-        chosen = _machine(machine)
-        name, text = (chosen.name, chosen.text) if chosen else ("", None)
-        session.begin(words, text, name)
-        while session.run(TICKS_AT_A_TIME):
-            if progress is not None:
-                progress(session.progress())
-        ending = session.finish(time.monotonic() - begin_s)
-        surface, rows, left = (
-            session.take(name).rows() for name in ("surface", "trace", "scallop")
-        )
-    return Result(ending.status, ending.message, surface, rows, left, ending.summary_text)
+    asked = {"surface": True, "trace": trace, "scallop": scallop}
+    with _in_own_words(options):
+        tables = [name for name, is_asked in asked.items() if is_asked]
+        return cut(words, _machine(machine), tables=tables, progress=progress)

@@ -16,8 +16,8 @@ from camtools.cut.correction import Correction, Drawing
 from camtools.cut.path import ToolPath
 from camtools.pipeline.exact import Exact
 from camtools.pipeline.kind import Kind, Rig
-from camtools.sim.camsim import SURFACE, machine_text
-from camtools.sim.results import Measured, read_control
+from camtools.sim.machine_file import machine_text
+from camtools.sim.results import Measured, control_of
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.geometry.smooth_points import smoothing_takes_um
 from camtools.skirt.part.control_heights import margin_mm, spread
@@ -121,7 +121,7 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
 
     def outcome(self, made: GeneratedSkirt, measured: Measured, rig: Rig) -> SkirtOutcome:
         """Return the cut; a part with a modulated spindle is cut uniformly for comparison."""
-        control = read_control(rig.simulator.folder / SURFACE)
+        control = control_of(rig.result.surface)
         return SkirtOutcome(made, *measured, compare_removal(rig, made), control)
 
     def facts(self, made: GeneratedSkirt) -> Json:

@@ -19,8 +19,14 @@ import numpy as np
 from camtools.base.json_text import Json
 from camtools.base.quantities import Floats
 from camtools.panel.runs.store import PART, Run, summary_of
-from camtools.sim.camsim import SURFACE, TRACE
-from camtools.sim.results import CUTTING, GaugedSurface, read_surface, read_trace
+from camtools.sim.results import (
+    CUTTING,
+    SURFACE,
+    TRACE,
+    GaugedSurface,
+    read_surface,
+    read_trace,
+)
 
 _DIFF_CONTEXT = 2
 _MAX_PART_BYTES = 1_000_000

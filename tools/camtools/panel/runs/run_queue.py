@@ -23,7 +23,7 @@ from camtools.panel.child_environment import child_environment
 from camtools.panel.runs.options import RunOptions
 from camtools.panel.runs.progress import RunProgress
 from camtools.panel.runs.store import DONE, FAILED, PART, RUNNING, STOPPED, RunStore
-from camtools.sim.camsim import SUMMARY
+from camtools.sim.results import SUMMARY
 
 MOST_WAITING = 5
 _STOP_S = 5.0

@@ -25,7 +25,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
 from camtools.base.output import write_all
 from camtools.panel.runs.options import RunOptions
-from camtools.sim.camsim import SUMMARY
+from camtools.sim.results import SUMMARY
 
 PART = "part.toml"
 ABOUT = "run.panel.json"  # no name of a part has a point, so none of its files is called that

@@ -6,12 +6,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from pathlib import Path
 from typing import NamedTuple
 
 from camtools.base.json_text import Json
 from camtools.pipeline.kind import Rig
-from camtools.sim.results import Cut, GaugedSurface, Removal, read_removal
+from camtools.pipeline.part_cut import made_cut
+from camtools.sim.results import Cut, GaugedSurface, Removal, removal_of
 from camtools.skirt.report.summary import make_summary
 from camtools.skirt.table.generate import GeneratedSkirt, generate
 from camtools.table.summary import table_files
@@ -61,23 +63,20 @@ def uniform_twin(generated: GeneratedSkirt) -> GeneratedSkirt:
 def compare_removal(rig: Rig, generated: GeneratedSkirt) -> Even | None:
     """Return removal rate and forces beside those of uniform turning; none of uniform parts.
 
-    Leaves removal.csv and removal_uniform.csv in the simulator's folder.
+    Leaves removal.csv and removal_uniform.csv in the working folder.
     """
     if generated.speed is None:
         return None
-    simulator = rig.simulator
-    folder = simulator.folder / _TWIN
-    folder.mkdir()
+    twin = Path(_TWIN)
+    twin.mkdir()
     twin_table = uniform_twin(generated)
     for name, data in table_files(twin_table.table, make_summary(twin_table)).items():
-        (folder / name).write_bytes(data)
+        (twin / name).write_bytes(data)
     words = [*rig.words, *limited_turns(rig.turns)]
-    even = simulator.run([*words, "--removal", REMOVAL], is_quiet=True)
-    twin = replace(simulator, table=f"{_TWIN}/{simulator.table}")
-    uniform = twin.run([*words, "--removal", REMOVAL_UNIFORM], is_quiet=True)
+    even, uniform = (
+        made_cut(table, words, tables=["removal"], files={file: "removal"})
+        for table, file in ((rig.table, REMOVAL), (str(twin / rig.table), REMOVAL_UNIFORM))
+    )
     return Even(
-        even.summary,
-        uniform.summary,
-        read_removal(simulator.folder / REMOVAL),
-        read_removal(simulator.folder / REMOVAL_UNIFORM),
+        *(even.summary, uniform.summary), removal_of(even.removal), removal_of(uniform.removal)
     )

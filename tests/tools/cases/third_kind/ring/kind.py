@@ -18,7 +18,7 @@ from camtools.pipeline.kind import Kind, Rig
 from camtools.report.kind_report import KindReport
 from camtools.report.sheet import Subject
 from camtools.report.text import error_pair, quantity
-from camtools.sim.camsim import machine_text
+from camtools.sim.machine_file import machine_text
 from camtools.sim.results import Cut, Measured
 from camtools.table.channel import KIND_U, KIND_X
 from camtools.table.header import check_tolerance, table_of, u_bounds

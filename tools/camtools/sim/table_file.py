@@ -2,8 +2,8 @@
 r"""Tables of the simulator as files: CSV text, or Parquet in a tenth of it.
 
 Both have the digits of `camsim run`, and the same rows give the same bytes. Rows are written group
-by group, so that a trace is never whole in memory. Parquet holds once what the CSV has twice
-(`DUPLICATES`).
+by group, so that a trace is never whole in memory. Parquet omits the columns of the CSV that
+another one has in a smaller unit (`DUPLICATES`).
 
 A column of whole numbers is int64 in Parquet, in differences. A decimal fraction is a double on a
 grid of 2^-k, the coarsest one on which rounding to the column's decimals gives its digits back: a
@@ -149,6 +149,14 @@ class ParquetFile:
             columns = np.ascontiguousarray(numbers.T)
             arrays = [_packed(column, columns[place]) for place, column in self._kept]
             self._writer.write_table(pa.table(arrays, schema=self._schema), len(numbers))
+
+
+TableFile = CsvFile | ParquetFile
+
+
+def table_file(path: Path, columns: Sequence[Column]) -> TableFile:
+    """Open the file of a table; its suffix gives the format."""
+    return (ParquetFile if path.suffix == ".parquet" else CsvFile)(path, columns)
 
 
 def column_names(path: Path) -> list[str]:

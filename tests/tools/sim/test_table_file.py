@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Files of a cut in this process: text as the program writes it, Parquet with its numbers."""
 
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -10,28 +9,23 @@ import pyarrow.parquet as pq
 import pytest
 
 from camtools.link.messages import NAMES
-from camtools.sim import camsim as module
+from camtools.sim import simulate
 from camtools.sim.binding import Column
-from camtools.sim.camsim import Simulator
 from camtools.sim.results import STATES, read_swing
-from camtools.sim.trace_file import DUPLICATES, ParquetFile, column_names, read_columns
-from tests.tools.cases.camsim_cases import cut, first_difference
+from camtools.sim.table_file import DUPLICATES, ParquetFile, column_names, read_columns
+from tests.tools.cases.camsim_cases import camsim, first_difference
 
 CUT = ("--turns-limit", "15", "--nose-mm", "0.8", "--sections-mm", "0.05,0.1")
 TABLES = ("surface.csv", "removal.csv", "scallop.csv", "sections.csv")
-
-
-def outputs() -> list[str]:
-    """Return the words for all tables but the trace."""
-    return [word for name in TABLES for word in (f"--{name.removesuffix('.csv')}", name)]
 
 
 @pytest.fixture(scope="module")
 def text(tmp_path_factory: pytest.TempPathFactory, table: Path) -> Path:
     """Return the trace of a few turns of cutting, as camsim writes it, beside other tables."""
     folder = tmp_path_factory.mktemp("text")
-    words = [folder / word if word in TABLES else word for word in outputs()]
-    cut(table, folder, *CUT, *words, "--trace", folder / "trace.csv")
+    names = ("trace.csv", *TABLES)
+    words = (word for name in names for word in (f"--{name[:-4]}", folder / name))
+    assert camsim("run", table, *CUT, *words).returncode == 0
     return folder / "trace.csv"
 
 
@@ -39,13 +33,12 @@ def text(tmp_path_factory: pytest.TempPathFactory, table: Path) -> Path:
 def packed(tmp_path_factory: pytest.TempPathFactory, table: Path) -> Path:
     """Return the same as Parquet, written in groups in this process, beside the same tables."""
     folder = tmp_path_factory.mktemp("packed")
-    for path in (table, table.with_suffix(".json")):
-        shutil.copy(path, folder)
-    words = [*CUT, *outputs(), "--trace", "trace.parquet"]
+    names = ("trace.parquet", "trace.csv", *TABLES)
+    files = {str(folder / name): name.partition(".")[0] for name in names}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "TICKS_AT_A_TIME", 700)
-        patch.setattr(module, "_GROUP_ROWS", 3000)
-        Simulator(folder, table.name).run(words, is_quiet=True, keeps_text=True)
+        patch.setattr(simulate, "TICKS_AT_A_TIME", 700)
+        patch.setattr(simulate, "GROUP_ROWS", 3000)
+        simulate.cut([str(table), *CUT], files=files)
     return folder / "trace.parquet"
 
 
@@ -76,7 +69,7 @@ def test_every_number_is_that_of_the_text(text: Path, packed: Path) -> None:
     assert read_swing(packed) is None
 
 
-def test_what_is_told_once_gives_the_other_column_back(text: Path, packed: Path) -> None:
+def test_a_column_kept_once_gives_the_other_back(text: Path, packed: Path) -> None:
     """In whole numbers."""
     header, *lines = text.read_text("ascii").splitlines()
     names, rows = header.split(","), [line.split(",") for line in lines[::7]]
