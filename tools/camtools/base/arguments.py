@@ -44,7 +44,7 @@ class Option:
     short: str = ""  # as "-o"
     read: Callable[[str], Any] | None = None  # of a text; default: the type of the parameter
     choices: Sequence[Any] | None = None
-    one_of: str = ""  # name of a set of which one at most may be given; with ! one must be
+    one_of: str = ""  # set of options that exclude each other; a name with ! demands a choice
     name: str = ""  # where it is not that of the parameter
 
 

@@ -3,7 +3,7 @@ r"""Tables of the simulator as files: CSV text, or Parquet in a tenth of it.
 
 Both have the digits of `camsim run`, and the same rows give the same bytes. Rows are written group
 by group, so that a trace is never whole in memory. Parquet omits the columns of the CSV that
-another one has in a smaller unit (`DUPLICATES`).
+repeat another column in a smaller unit (`DUPLICATES`).
 
 A column of whole numbers is int64 in Parquet, in differences. A decimal fraction is a double on a
 grid of 2^-k, the coarsest one on which rounding to the column's decimals gives its digits back: a
