@@ -1,5 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the commands of camctl work with: the link to a controller, and where they print."""
+"""What the commands of camctl work with: the link to a controller, and where they print.
+
+>>> from unittest.mock import Mock
+>>> import sys
+>>> Control(Mock(), sys.stdout).say("ready")
+ready
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""U of a controller on a command line: the options that name it, and how it is opened."""
+"""U of a controller on a command line: the options that name it, and how it is opened.
+
+>>> UOptions(channel="can0").check(is_bus=False, machine=None)
+Traceback (most recent call last):
+    ...
+camtools.base.arguments.UsageError: --channel: needs a bus: add --bus
+"""
 
 from __future__ import annotations
 

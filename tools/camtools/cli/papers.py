@@ -1,4 +1,8 @@
-"""Command line that makes every figure and table of the papers anew."""
+"""Command line that makes every figure and table of the papers anew.
+
+>>> [one.KEY for one in MODULES][:2]
+['S0, S1', 'S2']
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Command line of the comparison of paths on the simulated surface."""
+"""Command line of the comparison of paths on the simulated surface.
+
+>>> main(["no.toml", "-o", "out"])
+2
+"""
 
 from __future__ import annotations
 
