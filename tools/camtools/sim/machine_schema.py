@@ -14,8 +14,7 @@ from typing import Any
 
 from camtools.base.input_file import read_text
 from camtools.sim.binding import machine_keys
-from camtools.sim.machine_file import BELIEVED
-from camtools.sim.machines import MACHINES
+from camtools.sim.machine_file import BELIEVED, MACHINES
 
 Schema = dict[str, Any]
 
