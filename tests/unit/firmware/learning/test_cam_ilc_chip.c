@@ -157,7 +157,7 @@ static void test_room_is_wanted_for_a_feed_that_is_a_quarter_larger(void)
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         t.chip_q32 = sign * (1 << 26);
         TEST_ASSERT_EQUAL_INT64(10001, cam_ilc_wanted_nm(&t, 640000));
-        t.chip_q32 = sign * (1 << 30);
+        t.chip_q32 = sign > 0 ? 1 << 30 : -(1 << 30);
         TEST_ASSERT_EQUAL_INT64(80001, cam_ilc_wanted_nm(&t, 640000));
     }
 }
