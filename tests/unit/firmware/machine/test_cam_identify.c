@@ -87,6 +87,7 @@ static void begin(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, n_periods, fade_ticks).err);
     go_on(3, true);
     TEST_ASSERT_EQUAL_INT(cam_state_identifying, fixture_rig_state());
+    TEST_ASSERT_EQUAL_UINT32(0, m->scope.plan.before);
 }
 
 /// Until the machine has its usual configuration again.
