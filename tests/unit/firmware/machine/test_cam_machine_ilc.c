@@ -357,3 +357,24 @@ static void test_mean_force_of_the_chip_has_the_whole_depth(void)
         TEST_ASSERT_INT32_WITHIN(8, i > 0u ? cases[i - 1u].deeper_nm : 0, q6 - before_q6);
     }
 }
+
+/// The steps of a new ripple grow with the speed of the turn, whatever the limit of the speed is.
+static void test_steps_of_the_ripple_are_those_of_the_speed(void)
+{
+    static const uint32_t limits_mrpm[] = {3000000, 10000};
+    for (int i = 0; i < 2; i++) {
+        begin();
+        set(cam_param_ripple_turns, 2);
+        play_turns(2, cam_state_ready); // at 3000 r/min
+        m->limit_mrpm = limits_mrpm[i];
+        m->ilc.ripple.mean[2].re = 4000;
+        m->ilc.blending = cam_ilc_blend_ripple;
+        int n_polls = 0;
+        for (; n_polls < 1000 && m->ilc.blending != 0u; n_polls++) {
+            poll(cam_state_ready);
+            fixture_rig_ticks(&rig, 2);
+            m->ilc.blend_from_q8 = m->core->bins.at_q8; // it need not wait
+        }
+        TEST_ASSERT_INT_WITHIN(1, 9, n_polls); // 3000000 * 32 / 200000 a step
+    }
+}
