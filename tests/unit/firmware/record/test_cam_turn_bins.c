@@ -87,6 +87,7 @@ static void test_tables_are_linear_between_knots(void)
     table[0] = INT16_MIN; // the extremes side by side
     table[1] = INT16_MAX;
     table[cam_learned_points] = table[0];
+    table[cam_learned_points + 1] = table[1];
     for (int i = 0; i < 20000; i++) {
         const uint32_t theta_q32 = i == 0 ? UINT32_MAX : fixture_random_u32(&random);
         const double at = floor(theta_q32 / 65536.0) / 256.0; // [knots] the angle's upper 16 bits
@@ -96,6 +97,10 @@ static void test_tables_are_linear_between_knots(void)
         TEST_ASSERT_EQUAL_INT32(lround(exact * 256.0), cam_learned_at_q8(table, place));
         TEST_ASSERT_EQUAL_UINT32((uint32_t)(int32_t)lround(exact * 512.0),
                                  cam_learned_turn_q32(table, place));
+        const double next =
+            table[knot + 1] + (at - knot) * ((double)table[knot + 2] - table[knot + 1]);
+        TEST_ASSERT_EQUAL_INT32(lround((next - exact) * 256.0),
+                                cam_learned_faster_q23(table, place));
     }
 }
 
