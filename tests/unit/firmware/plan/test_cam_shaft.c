@@ -100,6 +100,9 @@ static void test_measured_height_is_smoothed(void)
     TEST_ASSERT_INT32_WITHIN(100, 5200, most_nm);
     cam_shaft_begin_isr(&shaft, &table, 5000, &motion);
     TEST_ASSERT_INT32_WITHIN(1, 5001, cam_shaft_smooth_isr(&shaft, 5010));
+    cam_shaft_begin_isr(&shaft, &table, 5000, &motion); // it begins without the speed before
+    TEST_ASSERT_EQUAL_INT32(5000, cam_shaft_smooth_isr(&shaft, 5000));
+    TEST_ASSERT_EQUAL_INT64(5000 * 256, shaft.z_q8);
 }
 
 /// Play the image in the bench.
