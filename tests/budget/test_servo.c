@@ -10,10 +10,10 @@
 static void test_step_fits_its_budget(void)
 {
     static cam_servo_t servo;
-    cam_servo_params_t params = bench_params;
-    params.force_rate_n_per_ms = 2000;
-    params.continuous_mn = 114000;
-    params.thermal_ms = 500;
+    cam_params_t params = bench_params;
+    params.servo_force_rate_n_per_ms = 2000;
+    params.servo_continuous_mn = 114000;
+    params.servo_thermal_ms = 500;
     const cam_servo_config_t c = bench_config(&params);
     uint32_t most = 0;
     uint32_t least = UINT32_MAX;

@@ -22,14 +22,17 @@ static int32_t parameter(fuzz_bytes_t *b, cam_param_id_t id)
     return (fuzz_u8(b) & 1u) == 0u ? info->def : within(b, info->min, info->max);
 }
 
-static cam_servo_params_t drawn(fuzz_bytes_t *b)
+/// @return parameters with those of the loop drawn, in the order of the list
+static cam_params_t drawn(fuzz_bytes_t *b)
 {
-    return (cam_servo_params_t){.step_hz = within(b, 500, 200000),
-                                .scale_delay_ns = within(b, 0, 200000),
-#define DRAWN(name) .name = parameter(b, cam_param_servo_##name),
-                                CAM_SERVO_SET(DRAWN)
-#undef DRAWN
-    };
+    cam_params_t params = cam_param_defaults();
+    params.u_scale_latency_ns = within(b, 0, 200000);
+    for (uint32_t id = cam_param_servo_mass_g; id <= (uint32_t)cam_param_servo_thermal_ms; id++) {
+        const int32_t value = parameter(b, (cam_param_id_t)id);
+        FUZZ_EXPECT(cam_param_set(&params, (cam_param_id_t)id, value) == cam_ok, "%u is refused",
+                    (unsigned)id);
+    }
+    return params;
 }
 
 static void expect_range(const char *name, int64_t value, int64_t least, int64_t most)
@@ -87,9 +90,10 @@ static void step(cam_servo_t *s, const cam_servo_config_t *c, fuzz_bytes_t *b)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     fuzz_bytes_t b = {.at = data, .n = size};
-    const cam_servo_params_t params = drawn(&b);
+    const int32_t step_hz = within(&b, 500, 200000);
+    const cam_params_t params = drawn(&b);
     cam_servo_config_t config;
-    if (cam_servo_design(&params, &config) != cam_servo_refused_none) {
+    if (cam_servo_design(&params, step_hz, &config) != cam_n_params) {
         return 0;
     }
     judge_coefficients(&config);

@@ -35,7 +35,7 @@ _ARRAY = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
 def library() -> ctypes.CDLL:
     """Load the plants and the position loop of the firmware."""
     loaded = ctypes.CDLL(str(BUILD / "tests" / "libplants.so"))
-    loaded.servo_fields.restype = ctypes.c_char_p
+    loaded.servo_open.restype = ctypes.c_bool
     loaded.force_drive_move.argtypes = [ctypes.c_void_p, _DOUBLE, _DOUBLE, _INT]
     loaded.position_drive_play.argtypes = [ctypes.c_void_p, _ARRAY, _INT, _ARRAY]
     loaded.oscillator_play.argtypes = [ctypes.c_void_p, _ARRAY, _INT, _DOUBLE, _ARRAY]

@@ -1,31 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 // One position loop for Python: drive_plant.py.
 #include "cam_feasible_inner.h"
-#include <string.h> // memcpy
 
 #define EXPORTED __attribute__((visibility("default")))
 
 static cam_servo_config_t config;
 static cam_servo_t servo;
 
-/// @return names of the parameters, in their order
-EXPORTED const char *servo_fields(void)
+static cam_params_t params;
+
+/// Set a parameter of the loop. @return cam_err_t
+EXPORTED int32_t servo_set(const char *name, int32_t value)
 {
-#define NAME(name) #name " "
-    return CAM_SERVO_PARAMS(NAME);
-#undef NAME
+    return (int32_t)cam_param_set(&params, cam_param_find(name), value);
 }
 
-/// Make the loop and start it at rest at 0. @return the parameter that is refused, counted from 1
-EXPORTED int32_t servo_open(const int32_t *values)
+/// Make the loop and start it at rest at 0. @return whether the parameters are good
+EXPORTED bool servo_open(int32_t step_hz)
 {
-    cam_servo_params_t params;
-    memcpy(&params, values, sizeof params);
-    const cam_servo_refused_t refused = cam_servo_design(&params, &config);
     const cam_servo_input_t rest = {.set_q6 = 0};
     servo = (cam_servo_t){0};
+    const bool is_good = cam_servo_design(&params, step_hz, &config) == cam_n_params;
     cam_servo_start_isr(&servo, &config, &rest);
-    return (int32_t)refused;
+    return is_good;
 }
 
 /// @return [mN / 64]

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The position loop of the firmware, closed over a force drive; its fit."""
 
-import ctypes
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -28,35 +27,34 @@ SOFT = replace(SLOW, mode_share=1.0)
 
 
 def params(loop: Loop, plant: Plant, **others: int) -> dict[str, int]:
-    """Return the integers of cam_servo_params_t for a proposal."""
+    """Return the parameters of the loop for a proposal."""
     hold_s, amplifier_s = 0.5 / plant.step_hz, 0.5 / math.pi / plant.amplifier_hz
     return {
-        "step_hz": int(plant.step_hz),
-        "mass_g": round(plant.mass_kg * 1e3),
-        "crossover_hz": round(loop.crossover_hz),
-        "lead_percent": round(loop.lead_ratio * 100.0),
-        "pole_hz": math.floor(loop.pole_hz),
-        "integral_mHz": round(loop.integral_hz * 1e3),
-        "notch_hz": round(loop.notch_hz),
-        "notch_zero_permille": round(loop.notch_zero * 1e3),
-        "notch_pole_permille": round(loop.notch_pole * 1e3),
-        "scale_delay_ns": 0,
-        "force_delay_ns": round((plant.delay_s + hold_s + amplifier_s) * 1e9),
-        "drag_mn_s_per_m": 0,
-        "friction_mn": 0,
-        "stiffness_n_per_m": 0,
-        "force_limit_mn": 500000,
-        "force_rate_n_per_ms": 1000000,
-        "continuous_mn": 500000,
-        "thermal_ms": 20000,
+        "servo_mass_g": round(plant.mass_kg * 1e3),
+        "servo_crossover_hz": round(loop.crossover_hz),
+        "servo_lead_percent": round(loop.lead_ratio * 100.0),
+        "servo_pole_hz": math.floor(loop.pole_hz),
+        "servo_integral_mHz": round(loop.integral_hz * 1e3),
+        "servo_notch_hz": round(loop.notch_hz),
+        "servo_notch_zero_permille": round(loop.notch_zero * 1e3),
+        "servo_notch_pole_permille": round(loop.notch_pole * 1e3),
+        "u_scale_latency_ns": 0,
+        "servo_force_delay_ns": round((plant.delay_s + hold_s + amplifier_s) * 1e9),
+        "servo_drag_mn_s_per_m": 0,
+        "servo_friction_mn": 0,
+        "servo_stiffness_n_per_m": 0,
+        "servo_force_limit_mn": 500000,
+        "servo_force_rate_n_per_ms": 1000000,
+        "servo_continuous_mn": 500000,
+        "servo_thermal_ms": 20000,
     } | others
 
 
 def opened(values: dict[str, int]) -> None:
     """Start the loop."""
-    names = library().servo_fields().decode().split()
-    row = (ctypes.c_int32 * len(names))(*(values[name] for name in names))
-    assert library().servo_open(row) == 0
+    for name, value in values.items():
+        assert library().servo_set(name.encode(), value) == 0, name
+    assert library().servo_open(STEP_HZ)
 
 
 def closed(
@@ -107,7 +105,7 @@ def played(plant: Plant, outer_n: float) -> tuple[NDArray[np.float64], NDArray[n
 
     The motion rises over 0.1 s; an outer force acts from 0.2 s on.
     """
-    values = params(designed(plant), plant, friction_mn=5000)
+    values = params(designed(plant), plant, servo_friction_mn=5000)
     opened(values)
     omega, rise = 2.0 * math.pi * 100.0, round(0.1 * STEP_HZ)
 
@@ -116,7 +114,9 @@ def played(plant: Plant, outer_n: float) -> tuple[NDArray[np.float64], NDArray[n
         return size * sine, size * omega * cosine, -size * omega**2 * sine
 
     def motion(i: int) -> tuple[float, float, float]:  # when the force acts
-        return due(i / STEP_HZ + values["force_delay_ns"] * 1e-9, MOTION_M * min(1.0, i / rise))
+        return due(
+            i / STEP_HZ + values["servo_force_delay_ns"] * 1e-9, MOTION_M * min(1.0, i / rise)
+        )
 
     seen = closed(Drive(plant), 3 * rise, lambda i: outer_n if i >= 2 * rise else 0.0, motion)
     right = [due((i + 1) / STEP_HZ, MOTION_M)[0] * 1e6 for i in range(3 * rise)]

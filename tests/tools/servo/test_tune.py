@@ -79,9 +79,8 @@ def proposal(tmp_path_factory: pytest.TempPathFactory) -> Proposal:
     assert table.pop("lead_ns") == 10**9 // STEP_HZ + table["servo_force_delay_ns"]
     assert [table.pop(name) for name in ("k1_ns", "k2_us2", "u_friction_nm")] == [0, 0, 0]
     assert all(name.startswith("servo_") for name in table)
-    values = {name.removeprefix("servo_"): value for name, value in table.items()}
     text = (folder / "out" / "coil_loop.txt").read_text()
-    return Proposal(text, file, {"step_hz": STEP_HZ, "scale_delay_ns": 0} | values)
+    return Proposal(text, file, {"u_scale_latency_ns": 0} | table)
 
 
 @pytest.mark.long
@@ -89,7 +88,7 @@ def test_firmware_with_the_written_parameters_does_what_the_report_says(proposal
     """Peak and end of a step, least stiffness, noise; the feed-forward has the drive's delay."""
     text, values = proposal.text, proposal.values
     hold_and_lag_ns = 25e3 + 1e9 / (2 * math.pi * 1500)
-    assert values["force_delay_ns"] == pytest.approx(25e3 + hold_and_lag_ns, abs=1)
+    assert values["servo_force_delay_ns"] == pytest.approx(25e3 + hold_and_lag_ns, abs=1)
     opened(values)
     seen = np.abs(closed(Drive(QUICK, 0.0), 1300, lambda i: 10.0 if i >= 100 else 0.0)[100:])
     assert seen.max() == pytest.approx(number(text, "peak # um"), rel=0.03)

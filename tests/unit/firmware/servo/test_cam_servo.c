@@ -8,37 +8,40 @@
 
 #define PI 3.14159265358979324
 
-static cam_servo_params_t p;
+static cam_params_t p;
 static cam_servo_t servo;
 
 void setUp(void)
 {
     p = bench_params;
-    p.force_limit_mn = 4000000;
-    p.continuous_mn = 4000000;
+    step_hz = 20000;
+    p.servo_force_limit_mn = 4000000;
+    p.servo_continuous_mn = 4000000;
     servo = (cam_servo_t){0};
 }
 
 /// PI with lead and notch at s; the notch has frequency w_notch.
 static double complex response(double complex s, double complex s_notch, double w_notch)
 {
-    const double wc = 2.0 * PI * p.crossover_hz;
-    const double wp = 2.0 * PI * p.pole_hz;
-    const double wz = wp / (p.lead_percent / 100.0);
-    const double wi = 2.0 * PI * p.integral_mHz / 1000.0;
-    const double k = p.mass_g / 1000.0 * wc * wc * cabs((1.0 + I * wc / wp) / (1.0 + I * wc / wz));
-    const double zero = p.notch_zero_permille / 1000.0;
-    const double pole = p.notch_pole_permille / 1000.0;
+    const double wc = 2.0 * PI * p.servo_crossover_hz;
+    const double wp = 2.0 * PI * p.servo_pole_hz;
+    const double wz = wp / (p.servo_lead_percent / 100.0);
+    const double wi = 2.0 * PI * p.servo_integral_mHz / 1000.0;
+    const double k =
+        p.servo_mass_g / 1000.0 * wc * wc * cabs((1.0 + I * wc / wp) / (1.0 + I * wc / wz));
+    const double zero = p.servo_notch_zero_permille / 1000.0;
+    const double pole = p.servo_notch_pole_permille / 1000.0;
     const double complex q = s_notch / w_notch;
     const double complex notch = (q * q + 2.0 * zero * q + 1.0) / (q * q + 2.0 * pole * q + 1.0);
-    return k * (1.0 + wi / s) * (1.0 + s / wz) / (1.0 + s / wp) * (p.notch_hz > 0 ? notch : 1.0);
+    return k * (1.0 + wi / s) * (1.0 + s / wz) / (1.0 + s / wp) *
+           (p.servo_notch_hz > 0 ? notch : 1.0);
 }
 
 /// What the bilinear transform makes of it, the notch kept at its frequency.
 static double complex discrete_response(double hz)
 {
-    const double complex s = I * 2.0 * p.step_hz * tan(PI * hz / p.step_hz);
-    return response(s, s, 2.0 * p.step_hz * tan(PI * p.notch_hz / p.step_hz));
+    const double complex s = I * 2.0 * step_hz * tan(PI * hz / step_hz);
+    return response(s, s, 2.0 * step_hz * tan(PI * p.servo_notch_hz / step_hz));
 }
 
 /// [N/m] response of the loop to a sine of error. `periods` of it last a whole number of steps.
@@ -72,51 +75,52 @@ static void test_response_is_the_bilinear_transform(void)
     static const int periods[] = {2, 7, 31, 117, 301, 469, 605, 1210, 2000, 4000, 7003, 9999};
     enum { steps = 20000 };
     for (int i = 0; i < 12; i++) {
-        const double hz = periods[i] * (double)p.step_hz / steps;
+        const double hz = periods[i] * (double)step_hz / steps;
         expect_response(discrete_response(hz), measured(3000.0, periods[i], steps), 1e-4);
     }
 }
 
 static void test_response_at_other_rates_masses_and_loops(void)
 {
-    p.notch_hz = 0;
+    p.servo_notch_hz = 0;
     expect_response(discrete_response(469.0), measured(3000.0, 469, 20000), 1e-4);
-    p.step_hz = 60000;
-    p.pole_hz = 12000;
-    p.notch_hz = 300;
+    step_hz = 60000;
+    p.servo_pole_hz = 12000;
+    p.servo_notch_hz = 300;
     expect_response(discrete_response(469.0), measured(3000.0, 469, 60000), 1e-4);
     p = bench_params;
-    p.mass_g = 200; // to be commissioned
-    p.crossover_hz = 20;
-    p.lead_percent = 1000;
-    p.pole_hz = 100;
-    p.integral_mHz = 1000;
+    step_hz = 20000;
+    p.servo_mass_g = 200; // to be commissioned
+    p.servo_crossover_hz = 20;
+    p.servo_lead_percent = 1000;
+    p.servo_pole_hz = 100;
+    p.servo_integral_mHz = 1000;
     expect_response(discrete_response(25.0), measured(20000.0, 25, 20000), 2e-3);
 }
 
 /// [mN / 64] force after n + 1 steps at an error of 64 nm, in closed form.
 static double step_response(int n)
 {
-    const double x = PI * p.pole_hz / p.step_hz;
+    const double x = PI * p.servo_pole_hz / step_hz;
     const double complex far = response(1e9, 1e9, 1.0); // its limits give the parts
     const double ki = creal(response(1e-9, 1.0, 1.0)) * 1e-9;
-    const double wi = 2.0 * PI * p.integral_mHz / 1000.0;
-    const double tau = (p.lead_percent / 100.0 - 1.0) / (2.0 * PI * p.pole_hz);
+    const double wi = 2.0 * PI * p.servo_integral_mHz / 1000.0;
+    const double tau = (p.servo_lead_percent / 100.0 - 1.0) / (2.0 * PI * p.servo_pole_hz);
     const double kp = ki / wi * (1.0 + wi * tau);
     const double kd = (creal(far) - kp) / (1.0 + x);
     const double pole = (1.0 - x) / (1.0 + x);
-    const double sum = ki / p.step_hz * (n + 0.5);
+    const double sum = ki / step_hz * (n + 0.5);
     return (kp + kd * pow(pole, n) + sum) * 1e-6 * 64.0 * 64.0;
 }
 
 static void test_step_of_the_error(void)
 {
-    p.notch_hz = 0;
+    p.servo_notch_hz = 0;
     const cam_servo_config_t c = bench_config(&p);
     cam_servo_input_t in = {.set_q6 = 0};
     cam_servo_start_isr(&servo, &c, &in);
     in.set_q6 = 64 * 64;
-    p.stiffness_n_per_m = 0;
+    p.servo_stiffness_n_per_m = 0;
     for (int n = 0; n < 2000; n++) {
         const double right = step_response(n) + c.stiffness_q18 * 4096.0 / 262144.0;
         const double found = cam_servo_step_isr(&servo, &c, &in);
@@ -127,8 +131,8 @@ static void test_step_of_the_error(void)
 /// No limit cycle: without an integral a constant error ends in one force, or two that adjoin.
 static void test_constant_error_gives_a_constant_force(void)
 {
-    p.integral_mHz = 0;
-    p.stiffness_n_per_m = 0;
+    p.servo_integral_mHz = 0;
+    p.servo_stiffness_n_per_m = 0;
     const cam_servo_config_t c = bench_config(&p);
     for (int32_t error = -3000; error < 3000; error += 7) {
         cam_servo_input_t in = {.actual_q6 = 50000};
@@ -147,8 +151,8 @@ static void test_constant_error_gives_a_constant_force(void)
 /// The integral loses nothing: an error below every quantum of force adds up exactly.
 static void test_integral_is_exact(void)
 {
-    p.notch_hz = 0;
-    p.lead_percent = 100;
+    p.servo_notch_hz = 0;
+    p.servo_lead_percent = 100;
     const cam_servo_config_t c = bench_config(&p);
     const cam_servo_input_t in = {.actual_q6 = -1};
     cam_servo_start_isr(&servo, &c, &in);
@@ -163,9 +167,9 @@ static void test_integral_is_exact(void)
 /// At rest without error a motion gets what the mass, drag, friction and spring take.
 static void test_feed_forward(void)
 {
-    p.scale_delay_ns = p.force_delay_ns = 0;
+    p.u_scale_latency_ns = p.servo_force_delay_ns = 0;
     const cam_servo_config_t c = bench_config(&p);
-    const double dt = 1.0 / p.step_hz;
+    const double dt = 1.0 / step_hz;
     static const struct {
         double pos_m, vel, acc;
     } cases[] = {{0, 0, 197.0}, {0, 0.314, 0}, {0, -0.00004, 0}, {0.02, 0, 0}, {-0.01, -0.2, -150}};
@@ -194,13 +198,13 @@ static void test_set_point_is_taken_to_the_instant_of_the_reading(void)
         double most_nm;
     } cases[] = {{20000, 0, 0.1}, {20000, 75000, 0.6}, {20000, 150000, 3.0}, {60000, 75000, 0.3}};
     for (int k = 0; k < 4; k++) {
-        p.step_hz = cases[k].hz;
-        p.scale_delay_ns = cases[k].delay_ns / 3;
-        p.force_delay_ns = cases[k].delay_ns - p.scale_delay_ns;
+        step_hz = cases[k].hz;
+        p.u_scale_latency_ns = cases[k].delay_ns / 3;
+        p.servo_force_delay_ns = cases[k].delay_ns - p.u_scale_latency_ns;
         const cam_servo_config_t c = bench_config(&p);
-        const double w = 2.0 * PI * 100.0 / p.step_hz;
+        const double w = 2.0 * PI * 100.0 / step_hz;
         for (int i = 0; i < 1200; i++) {
-            const double at = i - cases[k].delay_ns * 1e-9 * p.step_hz;
+            const double at = i - cases[k].delay_ns * 1e-9 * step_hz;
             const cam_servo_input_t in = {
                 .set_q6 = (int32_t)lround(64.0 * 0.5e6 * sin(w * i)),
                 .vel_q10 = (int32_t)lround(1024.0 * 0.5e6 * w * cos(w * i)),

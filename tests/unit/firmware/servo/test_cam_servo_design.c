@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <string.h> // memcpy
 
-static cam_servo_params_t p;
+static cam_params_t p;
 static cam_servo_config_t c;
 
 void setUp(void)
@@ -45,40 +45,50 @@ static void test_what_does_not_fit_is_refused(void)
 {
 #define SET(name, value)                                                                           \
     {                                                                                              \
-        offsetof(cam_servo_params_t, name), value                                                  \
+        offsetof(cam_params_t, name), value                                                        \
     }
-#define REFUSED(name) cam_servo_refused_##name
+#define REFUSED(name) cam_param_##name
     static const struct {
-        cam_servo_refused_t refused;
+        int32_t step_hz;
+        cam_param_id_t refused;
         struct {
             size_t at;
             int32_t value;
         } set[6];
     } rows[] = {
-        {REFUSED(pole_hz), {SET(pole_hz, 4001)}},
-        {REFUSED(crossover_hz), {SET(crossover_hz, 4001)}},
-        {REFUSED(integral_mHz), {SET(integral_mHz, 470000)}},
-        {REFUSED(notch_hz), {SET(notch_hz, 5001)}},
-        {REFUSED(notch_hz), {SET(notch_hz, 19)}},
-        {REFUSED(notch_zero_permille), {SET(notch_zero_permille, 701)}},
-        {REFUSED(force_delay_ns), {SET(force_delay_ns, 799000)}},
-        {REFUSED(force_limit_mn), {SET(force_limit_mn, 3210001)}},
-        {REFUSED(none), {SET(crossover_hz, 20), SET(pole_hz, 20), SET(integral_mHz, 20000)}},
-        {REFUSED(integral_mHz),
-         {SET(crossover_hz, 20), SET(pole_hz, 20), SET(integral_mHz, 20001)}},
-        {REFUSED(mass_g),
-         {SET(mass_g, 100000), SET(crossover_hz, 3000), SET(lead_percent, 100),
-          SET(integral_mHz, 0)}},
-        {REFUSED(lead_percent),
-         {SET(mass_g, 50000), SET(crossover_hz, 2000), SET(lead_percent, 5000),
-          SET(integral_mHz, 0)}},
-        {REFUSED(integral_mHz), {SET(mass_g, 60000), SET(integral_mHz, 469000)}},
-        {REFUSED(mass_g), // at 200 kHz they are 4 N per nm/step^2
-         {SET(mass_g, 100000), SET(crossover_hz, 10), SET(step_hz, 200000), SET(integral_mHz, 0),
-          SET(force_delay_ns, 30000), SET(notch_hz, 0)}},
-        {REFUSED(none),
-         {SET(drag_mn_s_per_m, 10000000), SET(crossover_hz, 20), SET(step_hz, 1000),
-          SET(integral_mHz, 20000), SET(pole_hz, 200), SET(notch_hz, 0)}},
+        {20000, REFUSED(servo_pole_hz), {SET(servo_pole_hz, 4001)}},
+        {20000, REFUSED(servo_crossover_hz), {SET(servo_crossover_hz, 4001)}},
+        {20000, REFUSED(servo_integral_mHz), {SET(servo_integral_mHz, 470000)}},
+        {20000, REFUSED(servo_notch_hz), {SET(servo_notch_hz, 5001)}},
+        {20000, REFUSED(servo_notch_hz), {SET(servo_notch_hz, 19)}},
+        {20000, REFUSED(servo_notch_zero_permille), {SET(servo_notch_zero_permille, 701)}},
+        {20000, REFUSED(servo_force_delay_ns), {SET(servo_force_delay_ns, 799000)}},
+        {20000, REFUSED(servo_force_limit_mn), {SET(servo_force_limit_mn, 3210001)}},
+        {20000,
+         cam_n_params,
+         {SET(servo_crossover_hz, 20), SET(servo_pole_hz, 20), SET(servo_integral_mHz, 20000)}},
+        {20000,
+         REFUSED(servo_integral_mHz),
+         {SET(servo_crossover_hz, 20), SET(servo_pole_hz, 20), SET(servo_integral_mHz, 20001)}},
+        {20000,
+         REFUSED(servo_mass_g),
+         {SET(servo_mass_g, 100000), SET(servo_crossover_hz, 3000), SET(servo_lead_percent, 100),
+          SET(servo_integral_mHz, 0)}},
+        {20000,
+         REFUSED(servo_lead_percent),
+         {SET(servo_mass_g, 50000), SET(servo_crossover_hz, 2000), SET(servo_lead_percent, 5000),
+          SET(servo_integral_mHz, 0)}},
+        {20000,
+         REFUSED(servo_integral_mHz),
+         {SET(servo_mass_g, 60000), SET(servo_integral_mHz, 469000)}},
+        {200000,
+         REFUSED(servo_mass_g), // at 200 kHz they are 4 N per nm/step^2
+         {SET(servo_mass_g, 100000), SET(servo_crossover_hz, 10), SET(servo_integral_mHz, 0),
+          SET(servo_force_delay_ns, 30000), SET(servo_notch_hz, 0)}},
+        {1000,
+         cam_n_params,
+         {SET(servo_drag_mn_s_per_m, 10000000), SET(servo_crossover_hz, 20),
+          SET(servo_integral_mHz, 20000), SET(servo_pole_hz, 200), SET(servo_notch_hz, 0)}},
     };
 #undef SET
 #undef REFUSED
@@ -87,7 +97,7 @@ static void test_what_does_not_fit_is_refused(void)
         for (size_t k = 0; k < 6u && (rows[i].set[k].at != 0u || rows[i].set[k].value != 0); k++) {
             memcpy((char *)&p + rows[i].set[k].at, &rows[i].set[k].value, sizeof(int32_t));
         }
-        TEST_ASSERT_EQUAL_INT(rows[i].refused, cam_servo_design(&p, &c));
+        TEST_ASSERT_EQUAL_INT(rows[i].refused, cam_servo_design(&p, rows[i].step_hz, &c));
     }
 }
 
@@ -95,11 +105,11 @@ static void test_without_a_notch_the_signal_passes(void)
 {
     static const cam_servo_notch_t passes = {.b0_q30 = 1 << 30};
     c = bench_config(&p);
-    p.notch_hz = 0;
-    TEST_ASSERT_EQUAL_INT(cam_servo_refused_none, cam_servo_design(&p, &c));
+    p.servo_notch_hz = 0;
+    TEST_ASSERT_EQUAL_INT(cam_n_params, cam_servo_design(&p, step_hz, &c));
     TEST_ASSERT_EQUAL_MEMORY(&passes, &c.notch, sizeof passes);
-    p.pole_hz = 4001;
-    TEST_ASSERT_EQUAL_INT(cam_servo_refused_pole_hz, cam_servo_design(&p, &c));
+    p.servo_pole_hz = 4001;
+    TEST_ASSERT_EQUAL_INT(cam_param_servo_pole_hz, cam_servo_design(&p, step_hz, &c));
     TEST_ASSERT_EQUAL_MEMORY(&passes, &c.notch, sizeof passes); // also of a refused design
 }
 
@@ -111,9 +121,9 @@ static void test_instant_of_the_set_point_is_exact(void)
     } cases[] = {{0, 0},          {762, -999},       {763, -1000},       {1000, -1311},
                  {50000, -65536}, {400000, -524288}, {799999, -1048575}, {800000, -1048576}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        p.scale_delay_ns = 0;
-        p.force_delay_ns = cases[i].delay_ns;
-        TEST_ASSERT_EQUAL_INT(cam_servo_refused_none, cam_servo_design(&p, &c));
+        p.u_scale_latency_ns = 0;
+        p.servo_force_delay_ns = cases[i].delay_ns;
+        TEST_ASSERT_EQUAL_INT(cam_n_params, cam_servo_design(&p, step_hz, &c));
         TEST_ASSERT_EQUAL_INT32(cases[i].steps_q16, c.ahead.steps_q16);
     }
 }
@@ -121,12 +131,12 @@ static void test_instant_of_the_set_point_is_exact(void)
 /// The whole gain at 0 Hz is 1, for every notch.
 static void test_notch_has_gain_one_and_its_frequency(void)
 {
-    for (p.notch_hz = 20; p.notch_hz <= 5000; p.notch_hz += 83) {
-        TEST_ASSERT_EQUAL_INT(cam_servo_refused_none, cam_servo_design(&p, &c));
+    for (p.servo_notch_hz = 20; p.servo_notch_hz <= 5000; p.servo_notch_hz += 83) {
+        TEST_ASSERT_EQUAL_INT(cam_n_params, cam_servo_design(&p, step_hz, &c));
         const cam_servo_notch_t *n = &c.notch;
         TEST_ASSERT_EQUAL_INT64((INT64_C(1) << 30) + n->b1_q30 - n->minus_a2_q30,
                                 (int64_t)n->b0_q30 + n->b1_q30 + n->b2_q30);
-        const double t = tan(3.14159265358979324 * p.notch_hz / 20000.0);
+        const double t = tan(3.14159265358979324 * p.servo_notch_hz / 20000.0);
         const double below = 1.0 + 1.4 * t + t * t;
         TEST_ASSERT_DOUBLE_WITHIN(4e-6, 2.0 * (t * t - 1.0) / below, n->b1_q30 / 1073741824.0);
         TEST_ASSERT_DOUBLE_WITHIN(4e-6, (1.0 + 0.12 * t + t * t) / below, n->b0_q30 / 1073741824.0);

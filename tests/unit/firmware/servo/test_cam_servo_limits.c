@@ -6,7 +6,7 @@
 #include <math.h>   // exp, sqrt
 #include <stdlib.h> // labs
 
-static cam_servo_params_t p;
+static cam_params_t p;
 static cam_servo_t servo;
 
 void setUp(void)
@@ -17,7 +17,7 @@ void setUp(void)
 
 static void test_force_and_its_rate_are_limited(void)
 {
-    p.force_rate_n_per_ms = 100; // 5 N per step
+    p.servo_force_rate_n_per_ms = 100; // 5 N per step
     const cam_servo_config_t c = bench_config(&p);
     cam_servo_input_t in = {.set_q6 = 0};
     cam_servo_start_isr(&servo, &c, &in);
@@ -86,9 +86,9 @@ static void test_integral_does_not_wind_up_at_a_limit(void)
 {
     for (int is_rate = 0; is_rate < 2; is_rate++) {
         setUp();
-        p.force_limit_mn = is_rate != 0 ? 4000000 : p.force_limit_mn;
-        p.continuous_mn = p.force_limit_mn;
-        p.force_rate_n_per_ms = is_rate != 0 ? 1 : p.force_rate_n_per_ms;
+        p.servo_force_limit_mn = is_rate != 0 ? 4000000 : p.servo_force_limit_mn;
+        p.servo_continuous_mn = p.servo_force_limit_mn;
+        p.servo_force_rate_n_per_ms = is_rate != 0 ? 1 : p.servo_force_rate_n_per_ms;
         const cam_servo_config_t c = bench_config(&p);
         cam_servo_input_t in = {.set_q6 = 0};
         cam_servo_start_isr(&servo, &c, &in);
@@ -104,9 +104,9 @@ static void test_integral_does_not_wind_up_at_a_limit(void)
 /// A step of 0.1 mm through a double integrator at 30 N: the overshoot is that of the linear loop.
 static void test_limited_step_overshoots_no_more_than_a_small_one(void)
 {
-    p.force_limit_mn = 30000;
-    p.continuous_mn = 30000;
-    p.notch_hz = 0;
+    p.servo_force_limit_mn = 30000;
+    p.servo_continuous_mn = 30000;
+    p.servo_notch_hz = 0;
     const cam_servo_config_t c = bench_config(&p);
     double relative[2];
     static const double steps_nm[] = {50.0, 10000.0};
@@ -133,9 +133,9 @@ static void test_limited_step_overshoots_no_more_than_a_small_one(void)
 /// At twice the continuous force the model is at 1 after -tau ln(3/4).
 static void test_heat_limits_to_the_continuous_force(void)
 {
-    p.force_limit_mn = 200000;
-    p.continuous_mn = 100000;
-    p.thermal_ms = 1000;
+    p.servo_force_limit_mn = 200000;
+    p.servo_continuous_mn = 100000;
+    p.servo_thermal_ms = 1000;
     const cam_servo_config_t c = bench_config(&p);
     const cam_servo_input_t in = {.actual_q6 = -100000000};
     cam_servo_start_isr(&servo, &c, &in);
