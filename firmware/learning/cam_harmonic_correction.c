@@ -21,20 +21,15 @@ void cam_harmonic_correction_restart_guard(cam_harmonic_correction_t *s)
     }
 }
 
-static int16_t nm_of(int32_t q6)
+/// @return rounded to whole nm, limited
+static int32_t whole_q6(int32_t q6)
 {
-    return (int16_t)cam_clamp_i32((q6 + 32) >> 6, -INT16_MAX, INT16_MAX);
+    return 64 * cam_clamp_i32((q6 + 32) >> 6, -INT16_MAX, INT16_MAX);
 }
 
 static void keep(cam_harmonic_correction_t *s, uint32_t k, cam_complex_t q6)
 {
-    s->kept[k].re_nm = nm_of(q6.re);
-    s->kept[k].im_nm = nm_of(q6.im);
-}
-
-static cam_complex_t kept_q6(const cam_harmonic_correction_t *s, uint32_t k)
-{
-    return (cam_complex_t){.re = 64 * s->kept[k].re_nm, .im = 64 * s->kept[k].im_nm};
+    s->kept_q6[k] = (cam_complex_t){.re = whole_q6(q6.re), .im = whole_q6(q6.im)};
 }
 
 void cam_harmonic_correction_set_probe(cam_harmonic_correction_t *s, int32_t size_q6, uint32_t n,
@@ -49,13 +44,11 @@ void cam_harmonic_correction_set_probe(cam_harmonic_correction_t *s, int32_t siz
 }
 
 /// @return whether U responds with less than a tenth, or by 20 % out of proportion to the probe
-static bool is_unusable(cam_gain_t small, cam_gain_t large)
+static bool is_unusable(cam_complex_t small, cam_complex_t large)
 {
-    const cam_complex_t off = {.re = large.re_q12 - small.re_q12,
-                               .im = large.im_q12 - small.im_q12};
-    const uint64_t square = cam_gain_square_q24(large);
-    const uint64_t least = UINT64_C(1) << 24;
-    return square * 100u < least || cam_complex_square(off) * 25u > square;
+    const uint64_t square = cam_complex_square(large);
+    const uint64_t off = cam_complex_square(cam_complex_sub(large, small));
+    return square * 100u < UINT64_C(1) << 24 || off * 25u > square;
 }
 
 void cam_harmonic_correction_probe(cam_harmonic_correction_t *s, uint32_t stage, uint32_t k,
@@ -69,8 +62,8 @@ void cam_harmonic_correction_probe(cam_harmonic_correction_t *s, uint32_t stage,
     if (stage > 2u && (s->masked & bit) == 0u) {
         return; // its response is known
     }
-    const cam_complex_t decrease = cam_complex_sub(kept_q6(s, k), error_q6);
-    const cam_gain_t gain = cam_gain_ratio(decrease, s->c_q6[k]);
+    const cam_complex_t decrease = cam_complex_sub(s->kept_q6[k], error_q6);
+    const cam_complex_t gain = cam_gain_ratio(decrease, s->c_q6[k]);
     const bool is_masked = stage >= 2u && is_unusable(s->gain[k], gain);
     s->masked = is_masked ? s->masked | bit : s->masked & ~bit;
     s->gain[k] = gain;
@@ -102,19 +95,19 @@ static bool is_as_good(cam_harmonic_correction_t *s, uint32_t k, uint32_t size_q
     if (is_good || is_new) {
         return true;
     }
-    s->c_q6[k] = kept_q6(s, k);
+    s->c_q6[k] = s->kept_q6[k];
     s->n_halved[k]++;
     s->masked |= s->n_halved[k] >= most_halved ? UINT32_C(1) << k : 0u;
     return false;
 }
 
 /// @return mu E / G in the unit of E, its parts limited to +-2^30; 0 when G is 0
-static cam_complex_t correction_change(cam_complex_t error, cam_gain_t gain, int32_t mu_q16)
+static cam_complex_t correction_change(cam_complex_t error, cam_complex_t gain, int32_t mu_q16)
 {
-    const double square_q24 = cam_gain_square_q24(gain);
+    const double square_q24 = (double)cam_complex_square(gain);
     const double by = square_q24 > 0.0 ? mu_q16 / (square_q24 * 16.0) : 0.0;
-    const double re = (double)error.re * gain.re_q12 + (double)error.im * gain.im_q12;
-    const double im = (double)error.im * gain.re_q12 - (double)error.re * gain.im_q12;
+    const double re = (double)error.re * gain.re + (double)error.im * gain.im;
+    const double im = (double)error.im * gain.re - (double)error.re * gain.im;
     return (cam_complex_t){.re = cam_nearest(cam_limit(re * by, 0x1p30)),
                            .im = cam_nearest(cam_limit(im * by, 0x1p30))};
 }
@@ -160,7 +153,7 @@ void cam_harmonic_correction_age(cam_harmonic_correction_t *s, uint32_t k)
 void cam_harmonic_correction_restore(cam_harmonic_correction_t *s)
 {
     for (uint32_t k = 0; k < cam_ilc_terms; k++) {
-        s->c_q6[k] = s->best_q6[k] != UINT32_MAX ? kept_q6(s, k) : s->c_q6[k];
+        s->c_q6[k] = s->best_q6[k] != UINT32_MAX ? s->kept_q6[k] : s->c_q6[k];
     }
 }
 
@@ -185,6 +178,6 @@ void cam_harmonic_correction_rotate(cam_harmonic_correction_t *s, uint32_t angle
 {
     for (uint32_t k = 1; k < cam_ilc_terms; k++) {
         s->c_q6[k] = cam_harmonics_rotated(s->c_q6[k], k, angle_q32);
-        keep(s, k, cam_harmonics_rotated(kept_q6(s, k), k, angle_q32));
+        keep(s, k, cam_harmonics_rotated(s->kept_q6[k], k, angle_q32));
     }
 }

@@ -15,19 +15,17 @@ void cam_ilc_init(cam_ilc_t *t)
 {
     (void)memset(t, 0, sizeof *t);
     cam_harmonic_correction_forget(&t->correction);
-    t->state = (uint8_t)cam_state_off;
+    t->state = cam_state_off;
     t->chip_most_q32 = most_share_q32;
 }
 
 void cam_ilc_forget(cam_ilc_t *t)
 {
-    const bool is_learned = t->speed_q32 != 0 || t->k1_q16 != 0 || t->k2_q16 != 0 ||
-                            t->friction_q6 != 0 || t->chip_q32 != 0 || t->chip_mean_q32 != 0;
+    const bool is_learned = t->speed_q32 != 0 || t->drive.k1_q16 != 0 || t->drive.k2_q16 != 0 ||
+                            t->drive.friction_q6 != 0 || t->drive.chip_q32 != 0 ||
+                            t->chip_mean_q32 != 0;
     cam_harmonic_correction_forget(&t->correction);
-    t->k1_q16 = 0;
-    t->k2_q16 = 0;
-    t->friction_q6 = 0;
-    t->chip_q32 = 0;
+    t->drive = (cam_drive_t){0};
     t->chip_mean_q32 = 0;
     t->is_limited = false;
     t->speed_q32 = 0;
@@ -36,14 +34,14 @@ void cam_ilc_forget(cam_ilc_t *t)
 
 static void follow_state(cam_ilc_t *t, cam_state_t state)
 {
-    if (t->state == (uint8_t)state) {
+    if (t->state == state) {
         return;
     }
-    if (t->phase == (uint8_t)cam_ilc_probing) { // interrupted: discard the probe
+    if (t->phase == cam_ilc_probing) { // interrupted: discard the probe
         cam_harmonic_correction_forget(&t->correction);
         t->blending |= cam_ilc_blend_correction;
     }
-    t->state = (uint8_t)state;
+    t->state = state;
     const bool is_rehearsal = state == cam_state_rehearsing;
     const bool is_cut = state == cam_state_cutting;
     cam_ilc_update_phase(t, is_rehearsal ? cam_ilc_settling
@@ -57,10 +55,7 @@ static void follow_state(cam_ilc_t *t, cam_state_t state)
     if (state == cam_state_fault) { // restore the best values
         cam_harmonic_correction_restore(&t->correction);
         if (t->best_square != UINT64_MAX) {
-            t->k1_q16 = t->best_k1_q16;
-            t->k2_q16 = t->best_k2_q16;
-            t->friction_q6 = t->best_friction_q6;
-            t->chip_q32 = t->best_chip_q32;
+            t->drive = t->best;
         }
         t->blending |= cam_ilc_blend_drive | cam_ilc_blend_correction;
     }
@@ -72,10 +67,7 @@ static bool is_drive_error_good(cam_ilc_t *t)
 {
     if (t->square < t->best_square) {
         t->best_square = t->square;
-        t->best_k1_q16 = t->k1_q16;
-        t->best_k2_q16 = t->k2_q16;
-        t->best_friction_q6 = t->friction_q6;
-        t->best_chip_q32 = t->chip_q32;
+        t->best = t->drive;
     }
     const uint64_t floor_q6 = cam_ilc_update_guarded_q6(t);
     const uint64_t least = floor_q6 * floor_q6 * 16u;
@@ -83,10 +75,7 @@ static bool is_drive_error_good(cam_ilc_t *t)
     if (t->square / 9u <= best / 4u) {
         return true;
     }
-    t->k1_q16 = t->best_k1_q16;
-    t->k2_q16 = t->best_k2_q16;
-    t->friction_q6 = t->best_friction_q6;
-    t->chip_q32 = t->best_chip_q32;
+    t->drive = t->best;
     t->n_halved++;
     return false;
 }
@@ -106,7 +95,7 @@ static void step_drive(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t gain_q16)
         return;
     }
     if (!t->is_level || is_drive_error_good(t)) { // errors of other amplitudes do not compare
-        const cam_drive_change_t by = cam_drive_solve(&t->sums, t->turn_speed_q32);
+        const cam_drive_t by = cam_drive_solve(&t->sums, t->turn_speed_q32);
         const int32_t gain = gain_q16 >> t->n_halved;
         const int64_t k1 = (int64_t)by.k1_q16 * gain >> 16;
         const bool is_chip = cam_ilc_chip_is_cut(t);
@@ -114,11 +103,14 @@ static void step_drive(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t gain_q16)
             cam_ilc_chip_step(t, by.chip_q32, gain);
         }
         const int64_t k2 = is_chip ? 0 : (int64_t)by.k2_q16 * gain >> 16;
-        t->k1_q16 = (int32_t)cam_clamp_i64(t->k1_q16 + k1, s->k1_least_q16, s->k1_most_q16);
-        t->k2_q16 = (int32_t)cam_clamp_i64(t->k2_q16 + k2, s->k2_least_q16, s->k2_most_q16);
+        t->drive.k1_q16 =
+            (int32_t)cam_clamp_i64(t->drive.k1_q16 + k1, s->k1_least_q16, s->k1_most_q16);
+        t->drive.k2_q16 =
+            (int32_t)cam_clamp_i64(t->drive.k2_q16 + k2, s->k2_least_q16, s->k2_most_q16);
         const int64_t friction = (int64_t)by.friction_q6 * gain >> 16;
-        t->friction_q6 = (int32_t)cam_clamp_i64(t->friction_q6 + friction, -(int64_t)s->friction_q6,
-                                                INT64_C(64) * cam_ilc_most_nm);
+        t->drive.friction_q6 =
+            (int32_t)cam_clamp_i64(t->drive.friction_q6 + friction, -(int64_t)s->friction_q6,
+                                   INT64_C(64) * cam_ilc_most_nm);
     }
     t->blending |= cam_ilc_blend_drive;
 }
@@ -173,11 +165,11 @@ static void step_probe(cam_ilc_t *t, const cam_ilc_setup_t *s)
 /// Complete a turn that is used to learn U.
 static void step(cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
-    t->is_limited = t->is_limited && t->phase == (uint8_t)cam_ilc_cutting;
+    t->is_limited = t->is_limited && t->phase == cam_ilc_cutting;
     t->error_nm = (uint32_t)(cam_root((double)t->square) / 64.0);
     t->largest = t->larger;
     t->n_turns++;
-    switch ((cam_ilc_phase_t)t->phase) {
+    switch (t->phase) {
     case cam_ilc_settling:
         begin_rehearsal(t, s);
         break;
@@ -209,9 +201,9 @@ static void step(cam_ilc_t *t, const cam_ilc_setup_t *s)
 bool cam_ilc_shrink(cam_ilc_t *t)
 {
     t->is_limited = true;
-    t->k1_q16 = t->k1_q16 / 8 * 7;
-    t->k2_q16 = t->k2_q16 / 8 * 7;
-    return t->k1_q16 != 0 || t->k2_q16 != 0;
+    t->drive.k1_q16 = t->drive.k1_q16 / 8 * 7;
+    t->drive.k2_q16 = t->drive.k2_q16 / 8 * 7;
+    return t->drive.k1_q16 != 0 || t->drive.k2_q16 != 0;
 }
 
 /// @return [nm] rounded up
@@ -223,7 +215,7 @@ static int64_t correction_nm(const cam_ilc_t *t)
 int64_t cam_ilc_wanted_nm(const cam_ilc_t *t, int64_t deep_nm)
 {
     const int64_t feed_nm = (int64_t)t->feed_now_nm / 4 * 5;
-    const int64_t share_q32 = cam_abs_i64(t->chip_q32) * feed_nm / cam_ilc_chip_feed_nm;
+    const int64_t share_q32 = cam_abs_i64(t->drive.chip_q32) * feed_nm / cam_ilc_chip_feed_nm;
     const int64_t within_q32 = cam_clamp_i64(share_q32, 0, most_share_q32);
     return correction_nm(t) + (within_q32 * deep_nm >> 32);
 }
@@ -309,20 +301,19 @@ cam_ilc_status_t cam_ilc_status(const cam_ilc_t *t, const cam_ilc_setup_t *setup
     const cam_ilc_reason_t limit = t->is_limited                             ? cam_ilc_limited
                                    : ripple_q23 >= (uint32_t)cam_ripple_most ? cam_ilc_rippled
                                                                              : cam_ilc_all;
-    const cam_ilc_reason_t hindrance =
-        t->hindrance == (uint8_t)cam_ilc_all ? limit : (cam_ilc_reason_t)t->hindrance;
+    const cam_ilc_reason_t hindrance = t->hindrance == cam_ilc_all ? limit : t->hindrance;
     const bool is_of_setup = !cam_ilc_is_asked(setup) || hindrance == cam_ilc_all;
     return (cam_ilc_status_t){
-        .phase = cam_ilc_is_asked(setup) ? (cam_ilc_phase_t)t->phase : cam_ilc_off,
+        .phase = cam_ilc_is_asked(setup) ? t->phase : cam_ilc_off,
         .reason = is_of_setup ? setup->reason : hindrance,
         .n_turns = t->n_turns,
         .n_harmonics = t->n_orders,
         .masked = t->correction.masked,
-        .k1_ns = cam_nearest(t->k1_q16 * 0x1p-16 * 1e9 / tick_hz),
-        .friction_nm = t->friction_q6 / 64,
-        .chip_nm_per_mm2 = nm_per_mm2(t->chip_q32),
+        .k1_ns = cam_nearest(t->drive.k1_q16 * 0x1p-16 * 1e9 / tick_hz),
+        .friction_nm = t->drive.friction_q6 / 64,
+        .chip_nm_per_mm2 = nm_per_mm2(t->drive.chip_q32),
         .chip_mean_nm_per_mm2 = nm_per_mm2(t->chip_mean_q32),
-        .k2_us2 = cam_nearest(t->k2_q16 * 0x1p-16 * 1e12 / tick_hz / tick_hz),
+        .k2_us2 = cam_nearest(t->drive.k2_q16 * 0x1p-16 * 1e12 / tick_hz / tick_hz),
         .error_nm = t->error_nm,
         .begin_error_nm = t->begun_nm,
         .correction_nm = cam_harmonic_correction_sum_q6(&t->correction) >> 6,

@@ -19,7 +19,7 @@ enum { step_q8 = 10 };
 /// @return whether the points have to wait: a step makes the observed speed waver
 static bool is_early(const cam_ilc_t *t, uint32_t at_q8)
 {
-    return t->state != (uint8_t)cam_state_off && (int32_t)(at_q8 - t->blend_from_q8) < 0;
+    return t->state != cam_state_off && (int32_t)(at_q8 - t->blend_from_q8) < 0;
 }
 
 bool cam_ilc_is_blending(const cam_ilc_t *t, uint32_t at_q8)
@@ -41,7 +41,7 @@ static int32_t step_of(cam_state_t state, int32_t rehearsal_step, int32_t cut_st
 /// @return [turn / 2^23] the step of the angles: smaller while they move U
 static int32_t angle_step(const cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
-    const cam_state_t state = (cam_state_t)t->state;
+    const cam_state_t state = t->state;
     if (state == cam_state_off) {
         return any_step;
     }
@@ -100,7 +100,7 @@ static uint32_t good_from(cam_state_t state, uint32_t at_q8)
 
 void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, cam_learned_t *in)
 {
-    const int32_t most_nm = step_of((cam_state_t)t->state, rehearsal_step_nm, cut_step_nm);
+    const int32_t most_nm = step_of(t->state, rehearsal_step_nm, cut_step_nm);
     uint8_t done = 0;
     // While U moves without cutting, new constants would step its command: they wait.
     const bool is_held = setup->is_u_moving && most_nm == any_step;
@@ -110,10 +110,10 @@ void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, c
         return;
     }
     if ((t->blending & cam_ilc_blend_drive) != 0u && !is_held) {
-        const bool is_k1 = slew_constant(&in->k1_q16, t->k1_q16, most_nm, t->speed_nm);
-        const bool is_k2 = slew_constant(&in->k2_q16, t->k2_q16, most_nm, t->acceleration_nm);
+        const bool is_k1 = slew_constant(&in->k1_q16, t->drive.k1_q16, most_nm, t->speed_nm);
+        const bool is_k2 = slew_constant(&in->k2_q16, t->drive.k2_q16, most_nm, t->acceleration_nm);
         const bool is_friction =
-            cam_ilc_slew(&in->friction_q6, t->friction_q6, INT64_C(64) * most_nm);
+            cam_ilc_slew(&in->friction_q6, t->drive.friction_q6, INT64_C(64) * most_nm);
         done |= is_k1 && is_k2 && is_friction && is_chip ? cam_ilc_blend_drive : 0u;
     }
     const bool is_due = !is_early(t, at_q8);
@@ -129,6 +129,6 @@ void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, c
     }
     t->blending &= (uint8_t)~done;
     if (t->blending == 0u) {
-        t->good_from = good_from((cam_state_t)t->state, at_q8);
+        t->good_from = good_from(t->state, at_q8);
     }
 }

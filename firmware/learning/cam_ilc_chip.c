@@ -11,7 +11,7 @@ enum {
 
 bool cam_ilc_chip_is_cut(const cam_ilc_t *t)
 {
-    return t->phase == (uint8_t)cam_ilc_cutting && t->correction.is_probed && !t->is_feed_falling &&
+    return t->phase == cam_ilc_cutting && t->correction.is_probed && !t->is_feed_falling &&
            cam_abs_i64(t->feed_nm) >= least_feed_nm;
 }
 
@@ -30,18 +30,18 @@ static int32_t stepped(cam_ilc_t *t, int32_t value_q32, double change_q32, int32
 /// @return the coefficient of the mean: of the same sense as that of the set-point, and no larger
 static int32_t mean_q32(const cam_ilc_t *t)
 {
-    const int32_t a_q32 = t->chip_q32;
+    const int32_t a_q32 = t->drive.chip_q32;
     return cam_clamp_i32(t->chip_mean_q32, a_q32 < 0 ? a_q32 : 0, a_q32 > 0 ? a_q32 : 0);
 }
 
 void cam_ilc_chip_step(cam_ilc_t *t, int32_t share_q32, int32_t gain_q16)
 {
-    t->chip_q32 = stepped(t, t->chip_q32, share_q32, gain_q16);
+    t->drive.chip_q32 = stepped(t, t->drive.chip_q32, share_q32, gain_q16);
 }
 
 void cam_ilc_chip_step_mean(cam_ilc_t *t, int32_t error_q6, int32_t depth_nm, int32_t gain_q16)
 {
-    const int32_t response_q12 = t->correction.gain[0].re_q12;
+    const int32_t response_q12 = t->correction.gain[0].re;
     const int32_t mean_nm = depth_nm + t->mean_nm;
     if (response_q12 > cam_gain_one_q12 / 4 && mean_nm > 0) {
         const double share_q32 = error_q6 * 0x1p26 / mean_nm * cam_gain_one_q12 / response_q12;
@@ -52,7 +52,7 @@ void cam_ilc_chip_step_mean(cam_ilc_t *t, int32_t error_q6, int32_t depth_nm, in
 void cam_ilc_chip_follow_gap(cam_ilc_t *t)
 {
     const uint64_t floor_q6 = cam_ilc_update_guarded_q6(t);
-    const bool is_new = t->phase == (uint8_t)cam_ilc_cutting && t->square / 4u > t->last_square &&
+    const bool is_new = t->phase == cam_ilc_cutting && t->square / 4u > t->last_square &&
                         t->square > floor_q6 * floor_q6;
     if (is_new) {
         t->calm_square = t->is_paused ? t->calm_square : 4u * t->last_square;
@@ -74,7 +74,7 @@ bool cam_ilc_chip_is_due(const cam_ilc_t *t)
 {
     const int64_t change = cam_abs_i64((int64_t)t->feed_now_nm - t->chip_feed_nm);
     const bool is_other = change > t->feed_now_nm / change_part + change_nm;
-    return is_other && (t->chip_q32 != 0 || t->chip_mean_q32 != 0);
+    return is_other && (t->drive.chip_q32 != 0 || t->chip_mean_q32 != 0);
 }
 
 /// @return a coefficient times the present feed
@@ -88,7 +88,7 @@ static double at_feed(cam_ilc_t *t, int32_t value_q32)
 
 bool cam_ilc_chip_blend(cam_ilc_t *t, int32_t depth_nm, int32_t most_nm, cam_learned_t *in)
 {
-    const double share_q32 = at_feed(t, t->chip_q32);
+    const double share_q32 = at_feed(t, t->drive.chip_q32);
     const double depth = (double)depth_nm + t->mean_nm;
     const double mean_q6 = (at_feed(t, mean_q32(t)) * depth - share_q32 * t->mean_nm) * 0x1p-26;
     const int64_t most_q32 = ((int64_t)most_nm << 32) / ((int64_t)t->largest / 64 + 1);

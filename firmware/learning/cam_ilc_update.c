@@ -25,7 +25,7 @@ enum {
 
 void cam_ilc_update_phase(cam_ilc_t *t, cam_ilc_phase_t phase)
 {
-    t->phase = (uint8_t)phase;
+    t->phase = phase;
     t->n_steps = 0;
 }
 
@@ -45,24 +45,19 @@ bool cam_ilc_update_is_other_speed(const cam_ilc_t *t, int32_t speed_q32)
     return off_q32 * 100 > (int64_t)t->speed_q32 * frozen_percent;
 }
 
-static cam_complex_t complex_of(cam_gain_t g)
-{
-    return (cam_complex_t){.re = g.re_q12, .im = g.im_q12};
-}
-
 /// Convert the probed responses to another speed. Their ratio to the response of the drive's
 /// constants is a function of the frequency, interpolated between the harmonics of the old speed.
 /// Where it changes by more than a quarter, by a mode, the harmonic is masked.
 static void adapt_responses(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t speed_q32)
 {
-    const int32_t k1_q16 = s->k1_q16 + t->k1_q16;
-    const int32_t k2_q16 = s->k2_q16 + t->k2_q16;
+    const int32_t k1_q16 = s->k1_q16 + t->drive.k1_q16;
+    const int32_t k2_q16 = s->k2_q16 + t->drive.k2_q16;
     const cam_complex_t one = {.re = cam_gain_one_q12};
-    cam_gain_t *gain = t->correction.gain;
+    cam_complex_t *gain = t->correction.gain;
     cam_complex_t ratio[cam_ilc_terms];
     for (uint32_t k = 1; k <= t->n_orders; k++) {
-        const cam_gain_t model = cam_drive_gain(k, t->speed_q32, k1_q16, k2_q16);
-        ratio[k] = complex_of(cam_gain_ratio(complex_of(gain[k]), complex_of(model)));
+        const cam_complex_t model = cam_drive_gain(k, t->speed_q32, k1_q16, k2_q16);
+        ratio[k] = cam_gain_ratio(gain[k], model);
     }
     for (uint32_t k = 1; k <= t->n_orders && t->n_orders > 1u; k++) {
         const int64_t place_q8 = (int64_t)k * speed_q32 * 256 / t->speed_q32;
@@ -74,7 +69,7 @@ static void adapt_responses(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t spee
                                        .im = a.im + (int32_t)(by.im * part_q8 / 256)};
         const bool is_mode = cam_complex_square(by) * mode_part * mode_part > cam_complex_square(a);
         t->correction.masked |= is_mode ? UINT32_C(1) << k : 0u;
-        const cam_gain_t model = cam_drive_gain(k, speed_q32, k1_q16, k2_q16);
+        const cam_complex_t model = cam_drive_gain(k, speed_q32, k1_q16, k2_q16);
         gain[k] = cam_gain_ratio(cam_gain_of(between, model), one);
     }
 }
@@ -85,7 +80,7 @@ static void adapt_responses(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t spee
 static void follow_speed(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t speed_q32, bool is_even)
 {
     const bool is_other = t->correction.is_probed && cam_ilc_update_is_other_speed(t, speed_q32);
-    const bool is_frozen = t->phase == (uint8_t)cam_ilc_frozen;
+    const bool is_frozen = t->phase == cam_ilc_frozen;
     if (is_other && is_frozen) {
         t->n_steps = (uint8_t)(is_even ? t->n_steps + 1u : 0u);
         if (t->n_steps >= agreeing_turns) {
@@ -94,7 +89,7 @@ static void follow_speed(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t speed_q
             cam_ilc_update_restart_guards(t);
             cam_ilc_update_phase(t, cam_ilc_cutting);
         }
-    } else if (is_other ? t->phase == (uint8_t)cam_ilc_cutting : is_frozen) {
+    } else if (is_other ? t->phase == cam_ilc_cutting : is_frozen) {
         cam_ilc_update_phase(t, is_other ? cam_ilc_frozen : cam_ilc_cutting);
     }
 }
@@ -171,9 +166,8 @@ static void follow_phase(cam_ilc_t *t, uint32_t phase_q32)
 /// @return whether learning is active and U has settled since the last step
 static bool is_learning(const cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
-    return cam_ilc_is_asked(s) && t->phase >= (uint8_t)cam_ilc_settling &&
-           t->phase <= (uint8_t)cam_ilc_cutting && t->blending == 0u &&
-           ((t->turn - t->good_from) & CAM_ILC_TURNS) < CAM_ILC_TURNS / 2u;
+    return cam_ilc_is_asked(s) && t->phase >= cam_ilc_settling && t->phase <= cam_ilc_cutting &&
+           t->blending == 0u && ((t->turn - t->good_from) & CAM_ILC_TURNS) < CAM_ILC_TURNS / 2u;
 }
 
 /// @return value at full amplitude
@@ -191,7 +185,7 @@ static uint32_t floor_q6(const cam_ilc_t *t, const cam_ilc_setup_t *s, uint32_t 
 
 uint32_t cam_ilc_update_guarded_q6(const cam_ilc_t *t)
 {
-    const bool is_cutting = t->phase == (uint8_t)cam_ilc_cutting;
+    const bool is_cutting = t->phase == cam_ilc_cutting;
     const uint32_t part_q6 = t->begun_nm * 64u / (is_cutting ? 16u : 1024u);
     return part_q6 > t->floor_q6 ? part_q6 : t->floor_q6;
 }
@@ -217,7 +211,7 @@ static void follow_feed(cam_ilc_t *t, const cam_turn_t *turn)
     const bool is_other = cam_abs_i64(change_nm) * rough_part > cam_abs_i64(feed_nm);
     t->is_feed_rising = is_other && change_nm > 0;
     t->is_feed_falling = is_other && change_nm < 0;
-    if (t->phase == (uint8_t)cam_ilc_cutting && is_other) {
+    if (t->phase == cam_ilc_cutting && is_other) {
         t->n_steps = 0;
         cam_ilc_update_restart_guards(t);
     }
@@ -270,8 +264,8 @@ void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn
     // While the amplitude rises the drive is learned, if it is not known.
     const bool is_rising = turn->scale_q30 > t->scale_q30 && !t->correction.is_probed;
     const bool is_for_drive =
-        is_rising && (t->phase == (uint8_t)cam_ilc_settling || t->phase == (uint8_t)cam_ilc_drive);
-    const bool is_still = turn->is_steady && turn->state == (cam_state_t)t->state &&
+        is_rising && (t->phase == cam_ilc_settling || t->phase == cam_ilc_drive);
+    const bool is_still = turn->is_steady && turn->state == t->state &&
                           turn->scale_q30 >= least_scale_q30 && (turn->is_level || is_for_drive) &&
                           turn->speed_q32 > cam_turn_bins_least_q32;
     const int64_t change_q32 = (int64_t)turn->speed_q32 - t->turn_speed_q32;
@@ -304,7 +298,7 @@ void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn
     t->true_q36 = has_ripple ? cam_ripple_deviate(t->bin) / every : 0;
     const cam_ilc_reason_t hindrance = hindrance_of(t, is_still, n_ticks, turn);
     if (turn->is_steady || hindrance != cam_ilc_all) { // else that of the last steady turn
-        t->hindrance = (uint8_t)hindrance;
+        t->hindrance = hindrance;
     }
     t->is_counted = is_still && t->n_orders > 0u && is_even && is_learning(t, s);
     if (t->is_counted) {
@@ -348,9 +342,9 @@ static void update_layer1(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t 
     t->speed_nm += speed_nm;
     t->acceleration_nm += speed_nm * cam_drive_omega(t->k, t->turn_speed_q32);
     // Use the response from the constants: in the probe U may have hardly moved, or stuck.
-    const cam_gain_t gain =
-        cam_drive_gain(t->k, t->turn_speed_q32, s->k1_q16 + t->k1_q16, s->k2_q16 + t->k2_q16);
-    if (cam_gain_square_q24(gain) >= (UINT32_C(1) << 24) / 25u) { // at least a fifth
+    const cam_complex_t gain = cam_drive_gain(t->k, t->turn_speed_q32, s->k1_q16 + t->drive.k1_q16,
+                                              s->k2_q16 + t->drive.k2_q16);
+    if (cam_complex_square(gain) >= (UINT32_C(1) << 24) / 25u) { // at least a fifth
         cam_drive_add(&t->sums, t->k, error, set, gain);
         if (size < t->largest / friction_part) {
             const cam_complex_t sense = cam_harmonics_of(&t->bin->n, cam_ilc_words_per_bin, t->k);
@@ -367,7 +361,7 @@ bool cam_ilc_update_is_rough(const cam_ilc_t *t)
 int32_t cam_ilc_update_gain_q16(const cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
     const bool is_settled = t->n_steps >= rough_steps || s->cut_gain_q16 == 0;
-    const bool is_in_cut = t->phase == (uint8_t)cam_ilc_cutting;
+    const bool is_in_cut = t->phase == cam_ilc_cutting;
     return is_in_cut && is_settled ? s->cut_gain_q16 : s->gain_q16;
 }
 
@@ -389,17 +383,17 @@ static int32_t layer2_gain_q16(const cam_ilc_t *t, const cam_ilc_setup_t *s, cam
 static void update_layer2(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t error,
                           cam_complex_t set)
 {
-    if (t->phase == (uint8_t)cam_ilc_probing) {
+    if (t->phase == cam_ilc_probing) {
         cam_harmonic_correction_probe(&t->correction, t->n_steps, t->k, error);
         return;
     }
-    const bool is_cut = t->phase == (uint8_t)cam_ilc_cutting;
+    const bool is_cut = t->phase == cam_ilc_cutting;
     if (t->k == 0u && t->is_feed_rising && cam_ilc_chip_is_cut(t)) {
         cam_ilc_chip_step_mean(t, error.re, s->depth_nm, layer2_gain_q16(t, s, set));
         t->blending |= cam_ilc_blend_drive;
         return;
     }
-    if (t->correction.is_probed && (is_cut || t->phase == (uint8_t)cam_ilc_shape)) {
+    if (t->correction.is_probed && (is_cut || t->phase == cam_ilc_shape)) {
         const bool is_calm =
             cam_harmonic_correction_learn(&t->correction, t->k, error, cam_ilc_update_guarded_q6(t),
                                           layer2_gain_q16(t, s, set), &t->room_q6);

@@ -78,21 +78,23 @@ typedef struct {
     uint32_t ripple_nturn;   ///< [turn / 10^9] sum of its amplitudes
 } cam_ilc_status_t;
 
-/// A complex number in fixed point.
+/// A complex number in fixed point. Of a transfer function of U, a gain, 2^12 is 1.
 typedef struct {
     int32_t re, im;
 } cam_complex_t;
 
-/// A transfer function of U; 2^12 is 1, so up to 8.
+/// Constants of U's drive, or their changes.
 typedef struct {
-    int16_t re_q12;
-    int16_t im_q12;
-} cam_gain_t;
+    int32_t k1_q16;      ///< [ticks]
+    int32_t k2_q16;      ///< [ticks^2]
+    int32_t friction_q6; ///< [nm / 64]
+    int32_t chip_q32;    ///< [1] U's deflection at 1/4 mm of feed, as a share of the depth
+} cam_drive_t;
 
 /// State of a harmonic.
 typedef struct {
     cam_complex_t correction_q6; ///< [nm / 64] in force: Re(c e^(jk theta)) is added to the command
-    cam_gain_t gain;             ///< response of U to it, as probed; 0: not probed
+    cam_complex_t gain;          ///< response of U to it, as probed; 0: not probed
     uint32_t best_q6;            ///< [nm / 64] smallest error so far
     cam_complex_t ripple;        ///< [turn / 2^32] of the spindle's angle
     bool is_masked;
@@ -152,31 +154,26 @@ typedef struct {
 
 /// Correction of U's command, made by cam_harmonic_correction_forget().
 typedef struct {
-    cam_complex_t c_q6[cam_ilc_terms]; ///< [nm / 64] the correction
-    struct {
-        int16_t re_nm;
-        int16_t im_nm;
-    } kept[cam_ilc_terms];           ///< correction of the smallest error; while probing: the
-                                     ///< error without a probe
-    uint32_t best_q6[cam_ilc_terms]; ///< [nm / 64] the smallest error, UINT32_MAX: none
-    uint32_t last_q6[cam_ilc_terms]; ///< [nm / 64] last error, UINT32_MAX: of a new cause
-    cam_gain_t gain[cam_ilc_terms];  ///< response G of U
-    uint8_t n_halved[cam_ilc_terms]; ///< times that mu was halved
-    uint32_t masked;                 ///< bit k
+    cam_complex_t c_q6[cam_ilc_terms];    ///< [nm / 64] the correction
+    cam_complex_t kept_q6[cam_ilc_terms]; ///< [nm / 64] correction of the smallest error; while
+                                          ///< probing the error without a probe; in whole nm
+    uint32_t best_q6[cam_ilc_terms];      ///< [nm / 64] the smallest error, UINT32_MAX: none
+    uint32_t last_q6[cam_ilc_terms];      ///< [nm / 64] last error, UINT32_MAX: of a new cause
+    cam_complex_t gain[cam_ilc_terms];    ///< response G of U
+    uint8_t n_halved[cam_ilc_terms];      ///< times that mu was halved
+    uint32_t masked;                      ///< bit k
     bool is_probed;
 } cam_harmonic_correction_t;
 
 /// Ripple of the spindle; zero-initialised has learned nothing.
 typedef struct {
     cam_complex_t sum[cam_ilc_harmonics]; ///< [turn / 2^32] of orders 1 .. 16, over n turns
-    struct {
-        int16_t re;
-        int16_t im;
-    } mean[cam_ilc_harmonics]; ///< [turn / 2^23] ripple in force, as the encoder shows it
-    int32_t first_q36;         ///< [turn / 2^36 per tick] speed of the first turn of the sum
-    int32_t last_q36;          ///< ... and of the last one
-    uint32_t n;                ///< turns in the sum
-    uint32_t n_mean;           ///< turns in the mean, 0: none
+    cam_complex_t
+        mean[cam_ilc_harmonics]; ///< [turn / 2^23] ripple in force, as the encoder shows it
+    int32_t first_q36;           ///< [turn / 2^36 per tick] speed of the first turn of the sum
+    int32_t last_q36;            ///< ... and of the last one
+    uint32_t n;                  ///< turns in the sum
+    uint32_t n_mean;             ///< turns in the mean, 0: none
 } cam_ripple_t;
 
 /// Learned values that are blended in.
@@ -191,31 +188,29 @@ enum {
 typedef struct {
     cam_harmonic_correction_t correction;
     cam_ripple_t ripple;
-    cam_drive_sums_t sums;  ///< of the turn being processed
-    uint64_t square;        ///< [(nm / 64)^2] sum of that turn's squared errors over the harmonics
-    uint64_t last_square;   ///< ... of the turn before
-    uint64_t calm_square;   ///< ... at which a pause of layer 1 ends
-    uint64_t best_square;   ///< ... smallest since layer 1 started
-    cam_turn_bin_t *bin;    ///< the turn being processed; NULL: none
-    uint32_t begun_nm;      ///< [nm] rms error before learning
-    uint32_t error_nm;      ///< [nm] of the last turn
-    double speed_nm;        ///< [nm per tick] sum of w_k |U_k|
-    double acceleration_nm; ///< [nm per tick^2] sum of w_k^2 |U_k|
-    uint32_t largest;       ///< [nm / 64] largest k |U_k| of the last turn
-    uint32_t larger;        ///< ... of this turn so far
-    int64_t set_square;     ///< [nm^2] sum of |U_k|^2 less the mean square of the whole motion
-    uint32_t trusted;       ///< [nm / 64] largest k |U_k| to which the guard's best applies
-    uint32_t floor_q6;      ///< [nm / 64] 3 sigma of the scale in a harmonic of this turn
-    uint32_t room_q6;       ///< [nm / 64] by which corrections may still grow in this turn
-    int32_t k1_q16, k2_q16; ///< added to the configured ones
-    int32_t friction_q6;    ///< [nm / 64] likewise
-    int32_t chip_q32;       ///< [1] U's deflection at 1/4 mm of feed, as a share of the depth
-    int32_t chip_mean_q32;  ///< [1] the same of its mean, as a share of the mean depth
-    int32_t mean_nm;        ///< [nm] mean of the set-point in the last turn that was learned from
+    cam_drive_sums_t sums;   ///< of the turn being processed
+    uint64_t square;         ///< [(nm / 64)^2] sum of that turn's squared errors over the harmonics
+    uint64_t last_square;    ///< ... of the turn before
+    uint64_t calm_square;    ///< ... at which a pause of layer 1 ends
+    uint64_t best_square;    ///< ... smallest since layer 1 started
+    cam_turn_bin_t *bin;     ///< the turn being processed; NULL: none
+    uint32_t begun_nm;       ///< [nm] rms error before learning
+    uint32_t error_nm;       ///< [nm] of the last turn
+    double speed_nm;         ///< [nm per tick] sum of w_k |U_k|
+    double acceleration_nm;  ///< [nm per tick^2] sum of w_k^2 |U_k|
+    uint32_t largest;        ///< [nm / 64] largest k |U_k| of the last turn
+    uint32_t larger;         ///< ... of this turn so far
+    int64_t set_square;      ///< [nm^2] sum of |U_k|^2 less the mean square of the whole motion
+    uint32_t trusted;        ///< [nm / 64] largest k |U_k| to which the guard's best applies
+    uint32_t floor_q6;       ///< [nm / 64] 3 sigma of the scale in a harmonic of this turn
+    uint32_t room_q6;        ///< [nm / 64] by which corrections may still grow in this turn
+    cam_drive_t drive, best; ///< added to the configured constants; with the smallest error
+    int32_t
+        chip_mean_q32; ///< [1] deflection by the chip, of its mean, as a share of the mean depth
+    int32_t mean_nm;   ///< [nm] mean of the set-point in the last turn that was learned from
     int32_t chip_most_q32;  ///< [1] limit of the shares in force
     int32_t feed_now_nm;    ///< [nm] present feed per turn, 0 outside the cut
     int32_t chip_feed_nm;   ///< [nm] feed for which both are in force
-    int32_t best_k1_q16, best_k2_q16, best_friction_q6, best_chip_q32;
     int32_t speed_q32;      ///< [turn / 2^32 per tick] speed of the learning, 0: never
     int32_t turn_speed_q32; ///< ... of the turn being processed
     int32_t scale_q30;      ///< [1] amplitude of that turn
@@ -231,15 +226,15 @@ typedef struct {
     uint8_t n_steps;                      ///< steps of this phase
     bool is_paused;                       ///< layer 1, because of a disturbance
     bool is_level;                        ///< the amplitude stood still in the turn
-    bool is_limited;   ///< a learned value has reached a limit, in the last turn or the cut
-    uint8_t n_halved;  ///< times that the guard halved the gain of layer 1
-    uint8_t phase;     ///< cam_ilc_phase_t
-    uint8_t state;     ///< cam_state_t
-    uint8_t hindrance; ///< cam_ilc_reason_t of the last turn
-    bool is_counted;   ///< this turn is used to learn U
-    int32_t true_q36;  ///< [turn / 2^36 per tick] its speed if it is used for the ripple, else 0
-    uint32_t at_q8;    ///< [turn / 256] position at the last call of cam_ilc_poll()
-    uint8_t blending;  ///< cam_ilc_blend_*: learned values not completely in force
+    bool is_limited;  ///< a learned value has reached a limit, in the last turn or the cut
+    uint8_t n_halved; ///< times that the guard halved the gain of layer 1
+    cam_ilc_phase_t phase;
+    cam_state_t state;
+    cam_ilc_reason_t hindrance; ///< of the last turn
+    bool is_counted;            ///< this turn is used to learn U
+    int32_t true_q36; ///< [turn / 2^36 per tick] its speed if it is used for the ripple, else 0
+    uint32_t at_q8;   ///< [turn / 256] position at the last call of cam_ilc_poll()
+    uint8_t blending; ///< cam_ilc_blend_*: learned values not completely in force
     uint32_t blend_from_q8; ///< [turn / 256] earliest time of the next step of points
 } cam_ilc_t;
 
@@ -255,13 +250,13 @@ void cam_ilc_poll(cam_ilc_t *t, const cam_ilc_setup_t *setup, cam_state_t state,
 /// @return       whether cam_ilc_poll() or cam_ilc_blend() may have something to do
 static inline bool cam_ilc_is_due(const cam_ilc_t *t, cam_state_t state, uint32_t at_q8)
 {
-    return t->bin != NULL || t->blending != 0u || t->state != (uint8_t)state || t->at_q8 != at_q8;
+    return t->bin != NULL || t->blending != 0u || t->state != state || t->at_q8 != at_q8;
 }
 
 /// @return whether nothing is blended in, and nothing learned depends on the feed
 static inline bool cam_ilc_is_idle(const cam_ilc_t *t)
 {
-    return t->blending == 0u && t->chip_q32 == 0 && t->chip_mean_q32 == 0;
+    return t->blending == 0u && t->drive.chip_q32 == 0 && t->chip_mean_q32 == 0;
 }
 
 /// @param at_q8  [turn / 256] position of the spindle

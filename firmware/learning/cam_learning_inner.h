@@ -44,31 +44,25 @@ static inline uint32_t cam_complex_size(cam_complex_t a)
     return (uint32_t)cam_root((double)cam_complex_square(a));
 }
 
-/// @return |g|^2 of a transfer function, 2^24 is 1
-static inline uint32_t cam_gain_square_q24(cam_gain_t g)
-{
-    return (uint32_t)((int32_t)g.re_q12 * g.re_q12) + (uint32_t)((int32_t)g.im_q12 * g.im_q12);
-}
-
 /// @return a g, saturated
-static inline cam_complex_t cam_gain_of(cam_complex_t a, cam_gain_t g)
+static inline cam_complex_t cam_gain_of(cam_complex_t a, cam_complex_t g)
 {
     return (cam_complex_t){
-        .re = cam_sat_i32(((int64_t)a.re * g.re_q12 - (int64_t)a.im * g.im_q12) >> 12),
-        .im = cam_sat_i32(((int64_t)a.re * g.im_q12 + (int64_t)a.im * g.re_q12) >> 12),
+        .re = cam_sat_i32(((int64_t)a.re * g.re - (int64_t)a.im * g.im) >> 12),
+        .im = cam_sat_i32(((int64_t)a.re * g.im + (int64_t)a.im * g.re) >> 12),
     };
 }
 
 /// @return (re + j im) / by as a transfer function, limited to +-7.99; 0 when by is 0
-static inline cam_gain_t cam_gain_divided(double re, double im, double by)
+static inline cam_complex_t cam_gain_divided(double re, double im, double by)
 {
     const double unit = by > 0.0 ? cam_gain_one_q12 / by : 0.0;
-    return (cam_gain_t){.re_q12 = (int16_t)cam_nearest(cam_limit(re * unit, INT16_MAX)),
-                        .im_q12 = (int16_t)cam_nearest(cam_limit(im * unit, INT16_MAX))};
+    return (cam_complex_t){.re = cam_nearest(cam_limit(re * unit, INT16_MAX)),
+                           .im = cam_nearest(cam_limit(im * unit, INT16_MAX))};
 }
 
 /// @return a / b, likewise
-static inline cam_gain_t cam_gain_ratio(cam_complex_t a, cam_complex_t b)
+static inline cam_complex_t cam_gain_ratio(cam_complex_t a, cam_complex_t b)
 {
     return cam_gain_divided((double)a.re * b.re + (double)a.im * b.im,
                             (double)a.im * b.re - (double)a.re * b.im,
@@ -109,14 +103,6 @@ bool cam_harmonics_slew(int16_t *point, const cam_complex_t *c, uint32_t down, i
 ///     E_k / (U_k G_k) = j w_k dk1 - w_k^2 dk2, weighted least squares over all k
 /// Source: MATHS.md (141) .. (144).
 
-/// Changes of the drive's constants.
-typedef struct {
-    int32_t k1_q16;      ///< [ticks]
-    int32_t k2_q16;      ///< [ticks^2]
-    int32_t friction_q6; ///< [nm / 64]
-    int32_t chip_q32;    ///< [1] of the set-point
-} cam_drive_change_t;
-
 /// @return [rad per tick] angular frequency of harmonic k
 static inline double cam_drive_omega(uint32_t k, int32_t speed_q32)
 {
@@ -126,21 +112,21 @@ static inline double cam_drive_omega(uint32_t k, int32_t speed_q32)
 /// @return U's response at harmonic k according to the constants, 1 / (1 + j w k1 - w^2 k2)
 /// @param speed_q32       [turn / 2^32 per tick], above 0
 /// @param k1_q16, k2_q16  [ticks], [ticks^2]
-cam_gain_t cam_drive_gain(uint32_t k, int32_t speed_q32, int32_t k1_q16, int32_t k2_q16);
+cam_complex_t cam_drive_gain(uint32_t k, int32_t speed_q32, int32_t k1_q16, int32_t k2_q16);
 
 /// Add a harmonic to the sums of a turn.
 /// @param error, set  [nm / 64] error and set-point of harmonic k, 1 .. 16, within +-2^31
 void cam_drive_add(cam_drive_sums_t *sums, uint32_t k, cam_complex_t error, cam_complex_t set,
-                   cam_gain_t gain);
+                   cam_complex_t gain);
 
 /// Add a harmonic in which U hardly moves to the sums of the friction.
 /// @param error_q6   [nm / 64] not divided by the amplitude
 /// @param sense_q20  harmonic of the sense in which U moves, 2^20 is 1
 void cam_friction_add(cam_drive_sums_t *sums, cam_complex_t error_q6, cam_complex_t sense_q20,
-                      cam_gain_t gain);
+                      cam_complex_t gain);
 
 /// @return change of the constants that removes the error of the turn in a linear drive
-cam_drive_change_t cam_drive_solve(const cam_drive_sums_t *sums, int32_t speed_q32);
+cam_drive_t cam_drive_solve(const cam_drive_sums_t *sums, int32_t speed_q32);
 
 /// Layer 2: correction of U's command over the spindle's angle, one harmonic at a time.
 ///

@@ -92,9 +92,9 @@ static double drift_q32(const cam_ripple_t *r)
 }
 
 /// @param n  turns in the sum, at least 1
-static int16_t mean_of(double sum, uint32_t n)
+static int32_t mean_of(double sum, uint32_t n)
 {
-    return (int16_t)cam_nearest(cam_limit(sum / n / (1 << cam_ripple_down), cam_ripple_most));
+    return cam_nearest(cam_limit(sum / n / (1 << cam_ripple_down), cam_ripple_most));
 }
 
 bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t least_q32, int32_t speed_q36)

@@ -9,7 +9,7 @@
 #include <stddef.h>       // NULL
 #include <string.h>       // memcmp
 
-_Static_assert(sizeof(cam_ilc_t) + sizeof(cam_turn_bins_t) + 2u * sizeof(cam_learned_t) <= 8448u,
+_Static_assert(sizeof(cam_ilc_t) + sizeof(cam_turn_bins_t) + 2u * sizeof(cam_learned_t) <= 8704u,
                "RAM of learning: state, bins of two turns, and what is in force in two halves");
 
 _Static_assert(sizeof(cam_learned_t) ==

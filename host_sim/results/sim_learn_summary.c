@@ -57,8 +57,8 @@ static void add_harmonic(cJSON *list, uint32_t k, const cam_ilc_harmonic_t *h)
     sim_summary_number(one, "k", k);
     sim_summary_number(one, "re_um", h->correction_q6.re / q6 / nm_per_um);
     sim_summary_number(one, "im_um", h->correction_q6.im / q6 / nm_per_um);
-    sim_summary_number(one, "gain_re", h->gain.re_q12 / q12);
-    sim_summary_number(one, "gain_im", h->gain.im_q12 / q12);
+    sim_summary_number(one, "gain_re", h->gain.re / q12);
+    sim_summary_number(one, "gain_im", h->gain.im / q12);
     if (h->best_q6 < UINT32_MAX) { // there is one
         sim_summary_number(one, "best_um", h->best_q6 / q6 / nm_per_um);
     }

@@ -79,8 +79,8 @@ static void test_probe_learns_how_u_answers(void)
         }
         TEST_ASSERT_EQUAL_HEX32(cases[i].is_masked ? 1u << 3 : 0u, s.masked);
         if (!cases[i].is_masked) {
-            TEST_ASSERT_INT16_WITHIN(1, cases[i].gain_q12, s.gain[3].re_q12);
-            TEST_ASSERT_EQUAL_INT16(0, s.gain[3].im_q12);
+            TEST_ASSERT_INT16_WITHIN(1, cases[i].gain_q12, s.gain[3].re);
+            TEST_ASSERT_EQUAL_INT16(0, s.gain[3].im);
         }
     }
 }
@@ -88,7 +88,7 @@ static void test_probe_learns_how_u_answers(void)
 /// Harmonic k answers by one.
 static void answer(uint32_t k)
 {
-    s.gain[k].re_q12 = cam_gain_one_q12;
+    s.gain[k].re = cam_gain_one_q12;
 }
 
 static void learn(uint32_t k, cam_complex_t error_q6)
@@ -99,9 +99,9 @@ static void learn(uint32_t k, cam_complex_t error_q6)
 
 static void test_probe_without_a_correction_keeps_the_answer(void)
 {
-    s.gain[3].re_q12 = 1234;
+    s.gain[3].re = 1234;
     cam_harmonic_correction_probe(&s, 0, 3, of(640, 0));
-    TEST_ASSERT_EQUAL_INT16(1234, s.gain[3].re_q12);
+    TEST_ASSERT_EQUAL_INT16(1234, s.gain[3].re);
 }
 
 static void test_learn_divides_the_error_by_the_response(void)
@@ -109,11 +109,11 @@ static void test_learn_divides_the_error_by_the_response(void)
     uint32_t room_q6 = UINT32_MAX;
     const double complex response = (2048.0 - 3000.0 * I) / 4096.0;
     const double complex want = 0.5 * (640000.0 - 123456.0 * I) / response;
-    s.gain[0] = (cam_gain_t){.re_q12 = 2048, .im_q12 = -3000};
+    s.gain[0] = (cam_complex_t){.re = 2048, .im = -3000};
     cam_harmonic_correction_learn(&s, 0, of(640000, -123456), 0, 32768, &room_q6);
     TEST_ASSERT_INT32_WITHIN(2, (int32_t)lround(creal(want)), s.c_q6[0].re);
     TEST_ASSERT_INT32_WITHIN(2, (int32_t)lround(cimag(want)), s.c_q6[0].im);
-    s.gain[1] = (cam_gain_t){0}; // no response: nothing can be corrected
+    s.gain[1] = (cam_complex_t){0}; // no response: nothing can be corrected
     cam_harmonic_correction_learn(&s, 1, of(64, 0), 0, 65536, &room_q6);
     expect(of(0, 0), s.c_q6[1]);
 }
@@ -122,7 +122,7 @@ static void test_learn_divides_the_error_by_the_response(void)
 static void test_largest_error_over_the_smallest_response_fits(void)
 {
     uint32_t room_q6 = UINT32_MAX;
-    s.gain[0] = (cam_gain_t){.re_q12 = 1};
+    s.gain[0] = (cam_complex_t){.re = 1};
     cam_harmonic_correction_learn(&s, 0, of(INT32_MAX, INT32_MIN + 1), 0, 65536, &room_q6);
     expect(of(1 << 30, -(1 << 30)), s.c_q6[0]);
 }
@@ -138,7 +138,7 @@ static void test_best_is_kept_to_the_nearest_nanometre(void)
         cam_harmonic_correction_restart_guard(&s);
         s.c_q6[2] = of(cases[i].q6, 0);
         learn(2, of(640, 0));
-        TEST_ASSERT_EQUAL_INT16(cases[i].nm, s.kept[2].re_nm);
+        TEST_ASSERT_EQUAL_INT32(64 * cases[i].nm, s.kept_q6[2].re);
     }
 }
 
@@ -248,7 +248,7 @@ static void test_turn_takes_what_is_kept_along_and_leaves_the_mean(void)
 {
     for (uint32_t k = 0; k < cam_ilc_terms; k++) {
         s.c_q6[k] = of(6400, 0);
-        s.kept[k].re_nm = 100;
+        s.kept_q6[k].re = 6400;
         s.best_q6[k] = 1;
     }
     cam_harmonic_correction_rotate(&s, UINT32_C(1)

@@ -49,8 +49,8 @@ static void test_constants_are_led_in_steps_of_the_command(void)
             t.blending = cam_ilc_blend_drive;
             t.speed_nm = 2000.0;
             t.acceleration_nm = 30.0;
-            t.k1_q16 = sign * 40 * 65536;
-            t.k2_q16 = -sign * 700 * 65536;
+            t.drive.k1_q16 = sign * 40 * 65536;
+            t.drive.k2_q16 = -sign * 700 * 65536;
             walk(usual_q8);
             if (cases[i].most_nm > 0.0) {
                 const double k1 = sign * cases[i].most_nm / 2000.0;
@@ -59,8 +59,8 @@ static void test_constants_are_led_in_steps_of_the_command(void)
                 TEST_ASSERT_DOUBLE_WITHIN(0.01, k2, in.k2_q16 / 65536.0);
                 TEST_ASSERT_EQUAL_HEX8(cam_ilc_blend_drive, t.blending);
             } else {
-                TEST_ASSERT_EQUAL_INT32(t.k1_q16, in.k1_q16);
-                TEST_ASSERT_EQUAL_INT32(t.k2_q16, in.k2_q16);
+                TEST_ASSERT_EQUAL_INT32(t.drive.k1_q16, in.k1_q16);
+                TEST_ASSERT_EQUAL_INT32(t.drive.k2_q16, in.k2_q16);
                 TEST_ASSERT_EQUAL_HEX8(0, t.blending);
             }
         }
@@ -73,8 +73,8 @@ static void test_constants_arrive_exactly(void)
     t.blending = cam_ilc_blend_drive;
     t.speed_nm = 2000.0;
     t.acceleration_nm = 0x1p-8;
-    t.k1_q16 = 65536;
-    t.k2_q16 = -5;
+    t.drive.k1_q16 = 65536;
+    t.drive.k2_q16 = -5;
     walk(usual_q8);
     TEST_ASSERT_EQUAL_INT32(-5, in.k2_q16);
     TEST_ASSERT_EQUAL_HEX8(cam_ilc_blend_drive, t.blending);
@@ -89,7 +89,7 @@ static void test_constants_arrive_exactly(void)
 static void test_constants_wait_out_of_the_work_while_u_moves(void)
 {
     t.blending = cam_ilc_blend_drive;
-    t.k1_q16 = 1;
+    t.drive.k1_q16 = 1;
     s.is_u_moving = true;
     t.state = cam_state_ready;
     walk(usual_q8);
@@ -209,7 +209,7 @@ static void test_costly_steps_wait_for_their_place_in_the_turn(void)
 {
     t.blending = cam_ilc_blend_correction | cam_ilc_blend_drive;
     t.correction.c_q6[0].re = 64;
-    t.k1_q16 = 1;
+    t.drive.k1_q16 = 1;
     TEST_ASSERT_TRUE(cam_ilc_is_blending(&t, usual_q8 - 1u));
     walk(usual_q8 - 1u);
     TEST_ASSERT_EQUAL_INT32(1, in.k1_q16);

@@ -17,7 +17,7 @@ void setUp(void)
     in = (cam_learned_t){0};
     t.phase = (uint8_t)cam_ilc_cutting;
     t.correction.is_probed = true;
-    t.correction.gain[0].re_q12 = 4096;
+    t.correction.gain[0].re = 4096;
     t.feed_nm = 250000;
     t.turn_speed_q32 = speed_q32;
     t.largest = 64 * 100000;
@@ -60,14 +60,14 @@ static void test_coefficients_are_learned_by_the_feed(void)
 {
     t.feed_nm = 62500;
     cam_ilc_chip_step(&t, (int32_t)lround(0.002 * 4294967296.0), half);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.004, share_of(t.chip_q32));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.004, share_of(t.drive.chip_q32));
     cam_ilc_chip_step(&t, (int32_t)lround(-0.001 * 4294967296.0), half);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.002, share_of(t.chip_q32));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.002, share_of(t.drive.chip_q32));
     t.feed_nm = 250000;
     t.mean_nm = 50000;
     cam_ilc_chip_step_mean(&t, 64 * 300, 150000, half); // 0.0015 of the mean depth
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.00075, share_of(t.chip_mean_q32));
-    t.correction.gain[0].re_q12 = 2048; // U responds with a half
+    t.correction.gain[0].re = 2048; // U responds with a half
     cam_ilc_chip_step_mean(&t, 64 * 300, 150000, half);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.00225, share_of(t.chip_mean_q32));
     cam_ilc_chip_step_mean(&t, -64 * 100, 150000, half); // from 0.002 on
@@ -78,15 +78,15 @@ static void test_coefficients_are_learned_by_the_feed(void)
 static void test_mean_needs_a_response_and_a_depth(void)
 {
     cam_ilc_chip_step_mean(&t, 6400, 0, half);
-    t.correction.gain[0].re_q12 = 1000;
+    t.correction.gain[0].re = 1000;
     cam_ilc_chip_step_mean(&t, 6400, 100000, half);
     TEST_ASSERT_EQUAL_INT32(0, t.chip_mean_q32);
-    t.correction.gain[0].re_q12 = 1025;
+    t.correction.gain[0].re = 1025;
     t.feed_nm = 1500;
     cam_ilc_chip_step_mean(&t, INT32_MIN, 1, 1 << 16);
     cam_ilc_chip_step(&t, INT32_MAX, 1 << 16);
     TEST_ASSERT_EQUAL_INT32(INT32_MIN, t.chip_mean_q32);
-    TEST_ASSERT_EQUAL_INT32(INT32_MAX, t.chip_q32);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, t.drive.chip_q32);
     TEST_ASSERT_TRUE(t.is_limited);
 }
 
@@ -94,7 +94,7 @@ static void test_mean_needs_a_response_and_a_depth(void)
 /// of 20 um, where the depth is 170 um.
 static void test_what_is_played_follows_the_feed(void)
 {
-    t.chip_q32 = (int32_t)lround(0.04 * 4294967296.0);
+    t.drive.chip_q32 = (int32_t)lround(0.04 * 4294967296.0);
     t.chip_mean_q32 = (int32_t)lround(0.03 * 4294967296.0);
     t.mean_nm = 20000;
     static const double feeds_nm[] = {400000.0, 100000.0, -200000.0};
@@ -118,7 +118,7 @@ static void test_what_is_played_follows_the_feed(void)
 /// A step moves the command by at most 50 nm in the cut, here with U moving by 0.1 mm.
 static void test_what_is_played_moves_in_steps(void)
 {
-    t.chip_q32 = (int32_t)lround(0.04 * 4294967296.0);
+    t.drive.chip_q32 = (int32_t)lround(0.04 * 4294967296.0);
     t.chip_mean_q32 = (int32_t)lround(0.03 * 4294967296.0);
     feed(25000.0, cam_state_cutting);
     TEST_ASSERT_FALSE(cam_ilc_chip_blend(&t, 150000, 50, &in));
@@ -135,7 +135,7 @@ static void test_what_is_played_moves_in_steps(void)
 /// It is bounded by the room in U's stroke, which is reported.
 static void test_what_is_played_is_bounded(void)
 {
-    t.chip_q32 = INT32_MIN;
+    t.drive.chip_q32 = INT32_MIN;
     t.chip_mean_q32 = INT32_MIN;
     feed(2000000.0, cam_state_cutting);
     cam_ilc_fit(&t, 30001, 1000000 - 1); // U moves by 0.7 mm, the depth is 0.3 mm
@@ -155,9 +155,9 @@ static void test_room_is_wanted_for_a_feed_that_is_a_quarter_larger(void)
 {
     t.feed_now_nm = 200000;
     for (int32_t sign = -1; sign <= 1; sign += 2) {
-        t.chip_q32 = sign * (1 << 26);
+        t.drive.chip_q32 = sign * (1 << 26);
         TEST_ASSERT_EQUAL_INT64(10001, cam_ilc_wanted_nm(&t, 640000));
-        t.chip_q32 = sign > 0 ? 1 << 30 : -(1 << 30);
+        t.drive.chip_q32 = sign > 0 ? 1 << 30 : -(1 << 30);
         TEST_ASSERT_EQUAL_INT64(80001, cam_ilc_wanted_nm(&t, 640000));
     }
 }
@@ -165,14 +165,14 @@ static void test_room_is_wanted_for_a_feed_that_is_a_quarter_larger(void)
 /// Small changes of the feed are not followed, nor any while nothing is learned.
 static void test_small_changes_of_the_feed_are_not_followed(void)
 {
-    t.chip_q32 = 1 << 20;
+    t.drive.chip_q32 = 1 << 20;
     feed(100000.0, cam_state_cutting);
     (void)cam_ilc_chip_blend(&t, 0, 1 << 17, &in);
     feed(101200.0, cam_state_cutting);
     TEST_ASSERT_FALSE(cam_ilc_chip_is_due(&t));
     feed(101500.0, cam_state_cutting);
     TEST_ASSERT_TRUE(cam_ilc_chip_is_due(&t));
-    t.chip_q32 = 0;
+    t.drive.chip_q32 = 0;
     TEST_ASSERT_FALSE(cam_ilc_chip_is_due(&t));
 }
 

@@ -53,7 +53,7 @@ static void test_lobes_are_not_probed(void)
     play_turns(20);
     TEST_ASSERT_EQUAL_UINT8(cam_ilc_drive, t.phase);
     TEST_ASSERT_FALSE(t.correction.is_probed);
-    TEST_ASSERT_NOT_EQUAL(0, t.k1_q16);
+    TEST_ASSERT_NOT_EQUAL(0, t.drive.k1_q16);
 }
 
 static void test_error_is_reported_as_rms(void)
@@ -74,17 +74,17 @@ static void test_a_step_is_the_share_of_the_gain_and_halves_with_each_strike(voi
 {
     settle();
     const double w = TURN / usual_ticks;
-    const int32_t first_q16 = t.k1_q16;
+    const int32_t first_q16 = t.drive.k1_q16;
     TEST_ASSERT_INT32_WITHIN(first_q16 / 20, (int32_t)lround(0.5 * 0.01 / w * 65536.0), first_q16);
     for (uint8_t strikes = 0; strikes <= 4u; strikes++) {
         t.n_halved = strikes;
-        t.k1_q16 = t.k2_q16 = 0;
+        t.drive.k1_q16 = t.drive.k2_q16 = 0;
         t.phase = cam_ilc_drive;
         t.n_steps = 0;
         t.best_square = UINT64_MAX;
         play();
         const int32_t due_q16 = strikes < 4u ? first_q16 >> strikes : 0;
-        TEST_ASSERT_INT32_WITHIN(2, due_q16, t.k1_q16);
+        TEST_ASSERT_INT32_WITHIN(2, due_q16, t.drive.k1_q16);
         TEST_ASSERT_EQUAL_HEX8(strikes < 4u ? cam_ilc_blend_drive : 0,
                                walked & cam_ilc_blend_drive);
         TEST_ASSERT_EQUAL_UINT8(strikes < 4u ? cam_ilc_all : cam_ilc_diverged, t.hindrance);
@@ -95,12 +95,12 @@ static void test_a_step_is_the_share_of_the_gain_and_halves_with_each_strike(voi
 static void test_a_step_does_not_depend_on_the_orientation(void)
 {
     settle();
-    const int32_t first_q16 = t.k1_q16;
+    const int32_t first_q16 = t.drive.k1_q16;
     for (int eighth = 1; eighth < 8; eighth++) {
         setUp();
         phase_turn = eighth / 8.0;
         play_turns(2);
-        TEST_ASSERT_INT32_WITHIN(first_q16 / 1000, first_q16, t.k1_q16);
+        TEST_ASSERT_INT32_WITHIN(first_q16 / 1000, first_q16, t.drive.k1_q16);
         TEST_ASSERT_INT32_WITHIN(1000, 64 * usual_set_nm, t.largest);
     }
 }
@@ -126,7 +126,7 @@ static void test_the_two_layers_share_their_gain(void)
         {cam_state_cutting, cam_ilc_cutting, true, 16, 1},
     };
     settle();
-    const int32_t first_q16 = t.k1_q16;
+    const int32_t first_q16 = t.drive.k1_q16;
     for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         settle();
         how.state = cases[i].state;
@@ -135,16 +135,16 @@ static void test_the_two_layers_share_their_gain(void)
         t.n_steps = cases[i].n_steps;
         t.correction.is_probed = cases[i].is_probed;
         t.correction.masked = UINT32_MAX;
-        t.k1_q16 = t.k2_q16 = 0;
+        t.drive.k1_q16 = t.drive.k2_q16 = 0;
         t.best_square = UINT64_MAX;
         play();
-        TEST_ASSERT_INT32_WITHIN(2, first_q16 * cases[i].share / 8, t.k1_q16);
+        TEST_ASSERT_INT32_WITHIN(2, first_q16 * cases[i].share / 8, t.drive.k1_q16);
     }
     s.cut_gain_q16 = 0; // no learning there, nor by the larger gain
     t.n_steps = 0;
-    t.k1_q16 = 0;
+    t.drive.k1_q16 = 0;
     play();
-    TEST_ASSERT_EQUAL_INT32(0, t.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(0, t.drive.k1_q16);
 }
 
 /// An error 1.5 times as large as the best is still one to learn from. A larger one brings the best
@@ -154,30 +154,30 @@ static void test_the_guard_brings_the_best_back_four_times(void)
     settle();
     s.reason = cam_ilc_lobes;
     play();
-    const int32_t best_q16 = t.best_k1_q16;
-    TEST_ASSERT_NOT_EQUAL(t.k1_q16, best_q16);
+    const int32_t best_q16 = t.best.k1_q16;
+    TEST_ASSERT_NOT_EQUAL(t.drive.k1_q16, best_q16);
     error_nm = 1490.0;
     play();
     TEST_ASSERT_EQUAL_UINT8(0, t.n_halved);
-    TEST_ASSERT_NOT_EQUAL(best_q16, t.k1_q16);
+    TEST_ASSERT_NOT_EQUAL(best_q16, t.drive.k1_q16);
     error_nm = 1510.0;
     for (uint8_t strikes = 1; strikes <= 4u; strikes++) {
-        t.k1_q16 = 12345;
-        t.k2_q16 = 54321;
+        t.drive.k1_q16 = 12345;
+        t.drive.k2_q16 = 54321;
         play();
         TEST_ASSERT_EQUAL_UINT8(strikes, t.n_halved);
-        TEST_ASSERT_EQUAL_INT32(t.best_k1_q16, t.k1_q16);
-        TEST_ASSERT_EQUAL_INT32(t.best_k2_q16, t.k2_q16);
-        TEST_ASSERT_EQUAL_INT32(best_q16, t.k1_q16);
+        TEST_ASSERT_EQUAL_INT32(t.best.k1_q16, t.drive.k1_q16);
+        TEST_ASSERT_EQUAL_INT32(t.best.k2_q16, t.drive.k2_q16);
+        TEST_ASSERT_EQUAL_INT32(best_q16, t.drive.k1_q16);
     }
     play_turns(2);
     TEST_ASSERT_EQUAL_UINT8(4, t.n_halved);
-    TEST_ASSERT_EQUAL_INT32(best_q16, t.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(best_q16, t.drive.k1_q16);
     TEST_ASSERT_EQUAL_UINT8(cam_ilc_diverged, t.hindrance);
     how.state = cam_state_cutting;
     play();
     TEST_ASSERT_EQUAL_UINT8(0, t.n_halved);
-    TEST_ASSERT_NOT_EQUAL(best_q16, t.k1_q16);
+    TEST_ASSERT_NOT_EQUAL(best_q16, t.drive.k1_q16);
 }
 
 /// The best counts as four noise floors at least, each 1 nm here; worse is 1.5 times as much.
@@ -238,11 +238,11 @@ static void test_the_drive_is_learned_while_the_amplitude_rises(void)
     how.scale_q30 = 1 << 28;
     play_turns(8);
     TEST_ASSERT_EQUAL_UINT8(cam_ilc_drive, t.phase);
-    const int32_t first_q16 = t.k1_q16;
+    const int32_t first_q16 = t.drive.k1_q16;
     TEST_ASSERT_NOT_EQUAL(0, first_q16);
     how.scale_q30 = 1 << 29;
     play();
-    TEST_ASSERT_NOT_EQUAL(first_q16, t.k1_q16);
+    TEST_ASSERT_NOT_EQUAL(first_q16, t.drive.k1_q16);
     how.is_level = true;
     how.scale_q30 = 1 << 30;
     play_turns(5);
@@ -266,16 +266,16 @@ static void test_corrections_are_fitted_into_the_stroke(void)
     TEST_ASSERT_INT32_WITHIN(64, 64 * 2000, t.correction.c_q6[2].im);
     TEST_ASSERT_EQUAL_INT32(0, t.chip_most_q32);
     TEST_ASSERT_EQUAL(cam_ilc_limited, cam_ilc_status(&t, &s, 20000).reason);
-    t.k1_q16 = -400;
-    t.k2_q16 = 3;
+    t.drive.k1_q16 = -400;
+    t.drive.k2_q16 = 3;
     TEST_ASSERT_TRUE(cam_ilc_shrink(&t));
-    TEST_ASSERT_EQUAL_INT32(-350, t.k1_q16);
-    TEST_ASSERT_EQUAL_INT32(0, t.k2_q16);
+    TEST_ASSERT_EQUAL_INT32(-350, t.drive.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(0, t.drive.k2_q16);
     int n = 0;
     while (cam_ilc_shrink(&t)) {
         n++;
     }
-    TEST_ASSERT_TRUE(n > 5 && t.k1_q16 == 0);
+    TEST_ASSERT_TRUE(n > 5 && t.drive.k1_q16 == 0);
 }
 
 static void test_constants_stay_within_their_bounds(void)
@@ -286,12 +286,12 @@ static void test_constants_stay_within_their_bounds(void)
     s.k2_most_q16 = 50;
     s.k2_least_q16 = -40;
     play();
-    TEST_ASSERT_EQUAL_INT32(100, t.k1_q16);
-    TEST_ASSERT_TRUE(t.k2_q16 >= -40 && t.k2_q16 <= 50);
+    TEST_ASSERT_EQUAL_INT32(100, t.drive.k1_q16);
+    TEST_ASSERT_TRUE(t.drive.k2_q16 >= -40 && t.drive.k2_q16 <= 50);
     error_nm = -1000.0;
     t.best_square = UINT64_MAX;
     play_turns(2);
-    TEST_ASSERT_EQUAL_INT32(-200, t.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(-200, t.drive.k1_q16);
 }
 
 /// In the cut the best error ages by a sixteenth a turn, since the work changes; in the rehearsal
@@ -337,17 +337,17 @@ static void test_a_turn_that_is_taken_too_late_is_dropped(void)
 static void test_a_fault_brings_the_best_back(void)
 {
     t.correction.c_q6[3] = (cam_complex_t){.re = 640, .im = -64};
-    t.correction.kept[3].re_nm = 5;
-    t.correction.kept[3].im_nm = 7;
+    t.correction.kept_q6[3].re = 64 * 5;
+    t.correction.kept_q6[3].im = 64 * 7;
     t.correction.best_q6[3] = 100;
     t.best_square = 1000;
-    t.best_k1_q16 = 111;
-    t.best_k2_q16 = 222;
+    t.best.k1_q16 = 111;
+    t.best.k2_q16 = 222;
     cam_ilc_poll(&t, &s, cam_state_fault, &g);
     TEST_ASSERT_EQUAL_INT32(5 * 64, t.correction.c_q6[3].re);
     TEST_ASSERT_EQUAL_INT32(7 * 64, t.correction.c_q6[3].im);
-    TEST_ASSERT_EQUAL_INT32(111, t.k1_q16);
-    TEST_ASSERT_EQUAL_INT32(222, t.k2_q16);
+    TEST_ASSERT_EQUAL_INT32(111, t.drive.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(222, t.drive.k2_q16);
     TEST_ASSERT_BITS_HIGH(cam_ilc_blend_drive | cam_ilc_blend_correction, t.blending);
 }
 
@@ -368,12 +368,12 @@ static void test_what_is_forgotten_is_walked_away_from(void)
 {
     for (int i = 0; i < 4; i++) {
         t.speed_q32 = i == 1 ? 1 : 0;
-        t.k1_q16 = i == 2 ? 1 : 0;
-        t.k2_q16 = i == 3 ? 1 : 0;
+        t.drive.k1_q16 = i == 2 ? 1 : 0;
+        t.drive.k2_q16 = i == 3 ? 1 : 0;
         t.blending = 0;
         cam_ilc_forget(&t);
         TEST_ASSERT_EQUAL_HEX8(i == 0 ? 0 : cam_ilc_blend_drive | cam_ilc_blend_correction,
                                t.blending);
-        TEST_ASSERT_EQUAL_INT32(0, t.speed_q32 | t.k1_q16 | t.k2_q16);
+        TEST_ASSERT_EQUAL_INT32(0, t.speed_q32 | t.drive.k1_q16 | t.drive.k2_q16);
     }
 }

@@ -69,10 +69,10 @@ static void test_friction_is_learned_by_the_gain(void)
     setUp();
     error_nm = 0.0;
     friction_nm = 300.0;
-    for (int i = 0; i < 10 && t.friction_q6 == 0; i++) {
+    for (int i = 0; i < 10 && t.drive.friction_q6 == 0; i++) {
         play();
     }
-    TEST_ASSERT_INT32_WITHIN(64 * 6, 64 * 150, t.friction_q6);
+    TEST_ASSERT_INT32_WITHIN(64 * 6, 64 * 150, t.drive.friction_q6);
 }
 
 /// A speed that changes by a 128th runs up, and by a 1024th it ends a mean of the ripple.
@@ -216,7 +216,7 @@ static void test_two_turns_that_agree_end_the_freeze(void)
     how.state = cam_state_cutting;
     play_turns(2);
     t.correction.is_probed = true;
-    t.correction.gain[1] = (cam_gain_t){.re_q12 = 2048, .im_q12 = -2048}; // 1 / (1 + j)
+    t.correction.gain[1] = (cam_complex_t){.re = 2048, .im = -2048}; // 1 / (1 + j)
     s.k1_q16 = (int32_t)lround(65536.0 * 4294967296.0 / (6.283185307 * usual_speed_q32));
     how.speed_q32 = usual_speed_q32 / 4 * 3;
     play(); // it changes too fast to count as even
@@ -226,8 +226,8 @@ static void test_two_turns_that_agree_end_the_freeze(void)
     play();
     TEST_ASSERT_EQUAL_UINT8(cam_ilc_cutting, t.phase);
     TEST_ASSERT_EQUAL_INT32(how.speed_q32, t.speed_q32);
-    TEST_ASSERT_INT32_WITHIN(8, 2621, t.correction.gain[1].re_q12); // 1 / (1 + 0.75 j)
-    TEST_ASSERT_INT32_WITHIN(8, -1966, t.correction.gain[1].im_q12);
+    TEST_ASSERT_INT32_WITHIN(8, 2621, t.correction.gain[1].re); // 1 / (1 + 0.75 j)
+    TEST_ASSERT_INT32_WITHIN(8, -1966, t.correction.gain[1].im);
 }
 
 /// A mode between two harmonics of the old speed leaves its response unknown at the new one: there
@@ -239,16 +239,16 @@ static void test_a_mode_ends_learning_where_it_lies(void)
     play_turns(2);
     t.correction.is_probed = true;
     for (int k = 1; k < 5; k++) {
-        t.correction.gain[k] = (cam_gain_t){.re_q12 = (int16_t)(k < 3 ? 4096 : 2048)};
+        t.correction.gain[k] = (cam_complex_t){.re = (int16_t)(k < 3 ? 4096 : 2048)};
     }
-    t.correction.gain[4].re_q12 = 2560; // a quarter more is no mode
+    t.correction.gain[4].re = 2560; // a quarter more is no mode
     s.k1_q16 = 0;
     how.speed_q32 = usual_speed_q32 / 4 * 5; // harmonics 1.25, 2.5, 3.75, 5 of the old speed
     play_turns(3);
     TEST_ASSERT_EQUAL_UINT8(cam_ilc_cutting, t.phase);
     TEST_ASSERT_EQUAL_HEX32(1u << 2, t.correction.masked);
-    TEST_ASSERT_INT32_WITHIN(8, 4096, t.correction.gain[1].re_q12);
-    TEST_ASSERT_INT32_WITHIN(8, 2560, t.correction.gain[4].re_q12);
+    TEST_ASSERT_INT32_WITHIN(8, 4096, t.correction.gain[1].re);
+    TEST_ASSERT_INT32_WITHIN(8, 2560, t.correction.gain[4].re);
 }
 
 /// In the cut a feed that changes by more than a 64th lets the larger gain hold anew.
@@ -369,7 +369,7 @@ static void begin_harmonic(cam_ilc_phase_t phase, double error_q6)
                     .largest = 64000,
                     .room_q6 = 1 << 24};
     t.correction.is_probed = true;
-    t.correction.gain[0].re_q12 = t.correction.gain[1].re_q12 = 4096;
+    t.correction.gain[0].re = t.correction.gain[1].re = 4096;
     t.correction.best_q6[0] = t.correction.best_q6[1] = UINT32_MAX;
 }
 

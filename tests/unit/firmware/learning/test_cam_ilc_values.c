@@ -27,17 +27,17 @@ static void test_values_have_their_numbers(void)
         TEST_ASSERT_EQUAL_INT32((int32_t)i + 1, cam_ilc_get(&t, i));
     }
     TEST_ASSERT_EQUAL_INT32(1, t.speed_q32);
-    TEST_ASSERT_EQUAL_INT32(2, t.k1_q16);
-    TEST_ASSERT_EQUAL_INT32(3, t.k2_q16);
+    TEST_ASSERT_EQUAL_INT32(2, t.drive.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(3, t.drive.k2_q16);
     TEST_ASSERT_EQUAL_HEX32(4, t.correction.masked);
     TEST_ASSERT_EQUAL_UINT32(5, t.phase_q32);
     TEST_ASSERT_EQUAL_INT32(6, t.correction.c_q6[0].re);
     TEST_ASSERT_EQUAL_INT32(39, t.correction.c_q6[16].im);
-    TEST_ASSERT_EQUAL_INT16(40, t.correction.gain[0].re_q12);
-    TEST_ASSERT_EQUAL_INT16(73, t.correction.gain[16].im_q12);
+    TEST_ASSERT_EQUAL_INT16(40, t.correction.gain[0].re);
+    TEST_ASSERT_EQUAL_INT16(73, t.correction.gain[16].im);
     TEST_ASSERT_EQUAL_INT16(74, t.ripple.mean[0].re);
     TEST_ASSERT_EQUAL_INT16(105, t.ripple.mean[15].im);
-    TEST_ASSERT_EQUAL_INT32(107, t.chip_q32);
+    TEST_ASSERT_EQUAL_INT32(107, t.drive.chip_q32);
     TEST_ASSERT_EQUAL_INT32(108, t.chip_mean_q32);
 }
 
@@ -118,14 +118,14 @@ static void test_what_is_set_is_walked_to(void)
 /// Ticks of 50 us: a tick is 50000 ns, its square 2500 us^2, and 2^32 / 400 per tick 3000 r/min.
 static void test_status_is_reported_in_the_units_of_people(void)
 {
-    t.k1_q16 = 3 << 15;
-    t.k2_q16 = -(5 << 16);
+    t.drive.k1_q16 = 3 << 15;
+    t.drive.k2_q16 = -(5 << 16);
     t.speed_q32 = 10737418;
     t.correction.c_q6[3] = (cam_complex_t){.re = 300 * 64, .im = -400 * 64};
     t.correction.c_q6[0] = (cam_complex_t){.re = 64};
     t.ripple.mean[0].re = 300;
     t.ripple.mean[15].im = -400;
-    t.friction_q6 = -130 * 64;
+    t.drive.friction_q6 = -130 * 64;
     t.n_turns = 13;
     t.n_orders = 14;
     t.error_nm = 15;
@@ -166,15 +166,15 @@ static void test_phase_and_reason_are_reported(void)
 static void test_harmonic_is_reported(void)
 {
     t.correction.c_q6[2] = (cam_complex_t){.re = 5, .im = 6};
-    t.correction.gain[2] = (cam_gain_t){.re_q12 = 7, .im_q12 = 8};
+    t.correction.gain[2] = (cam_complex_t){.re = 7, .im = 8};
     t.correction.best_q6[2] = 9;
     t.ripple.mean[1].re = 3;
     t.ripple.mean[1].im = -4;
     const cam_ilc_harmonic_t harmonic = cam_ilc_harmonic(&t, 2);
     TEST_ASSERT_EQUAL_INT32(5, harmonic.correction_q6.re);
     TEST_ASSERT_EQUAL_INT32(6, harmonic.correction_q6.im);
-    TEST_ASSERT_EQUAL_INT16(7, harmonic.gain.re_q12);
-    TEST_ASSERT_EQUAL_INT16(8, harmonic.gain.im_q12);
+    TEST_ASSERT_EQUAL_INT16(7, harmonic.gain.re);
+    TEST_ASSERT_EQUAL_INT16(8, harmonic.gain.im);
     TEST_ASSERT_EQUAL_UINT32(9, harmonic.best_q6);
     TEST_ASSERT_EQUAL_INT32(3 * 512, harmonic.ripple.re); // 2^-23 turn in 2^-32 turn
     TEST_ASSERT_EQUAL_INT32(-4 * 512, harmonic.ripple.im);

@@ -267,11 +267,11 @@ static void test_gains_are_those_that_are_set(void)
         set(cases[i / 3].id, gain_ppm);
         play_turns(is_cut ? 2 : 1, cases[i / 3].state);
         m->ilc.n_steps = is_cut ? 20 : m->ilc.n_steps; // the larger gain of the first turns is over
-        const int32_t before_q16 = m->ilc.k1_q16;
+        const int32_t before_q16 = m->ilc.drive.k1_q16;
         play(cases[i / 3].state);
         const double due = gain_ppm * 1e-6 * 0.01 * n_ticks / TURN;
         TEST_ASSERT_DOUBLE_WITHIN(0.02 * due + (is_cut ? 1e-4 : 0.0), due,
-                                  (m->ilc.k1_q16 - (is_cut ? before_q16 : 0)) / 65536.0);
+                                  (m->ilc.drive.k1_q16 - (is_cut ? before_q16 : 0)) / 65536.0);
     }
 }
 
@@ -344,7 +344,7 @@ static void test_mean_force_of_the_chip_has_the_whole_depth(void)
         play_turns(2, cam_state_cutting);
         table->depth_nm = 1000000;
         *cases[i > 0u ? i - 1u : 0u].of += i > 0u ? (uint32_t)cases[i - 1u].by_nm : 0u;
-        m->ilc.chip_q32 = m->ilc.chip_mean_q32 = 1 << 26; // a 64th
+        m->ilc.drive.chip_q32 = m->ilc.chip_mean_q32 = 1 << 26; // a 64th
         for (int k = 0; k < 400; k++) {
             m->core->bins.z_vel_q10 = (int32_t)(250000.0 * 1024.0 * 10737418.0 / 4294967296.0);
             m->ilc.blending = cam_ilc_blend_drive;

@@ -331,8 +331,8 @@ static void test_learning_is_sent(void)
     m->ilc.n_turns = 0xFEDCBA98u;
     m->ilc.correction.masked = 0x1F0E5u;
     m->ilc.error_nm = 0xEDCBA987u;
-    m->ilc.k1_q16 = -65536; // a tick of 50 us
-    m->ilc.k2_q16 = -65536 * 3;
+    m->ilc.drive.k1_q16 = -65536; // a tick of 50 us
+    m->ilc.drive.k2_q16 = -65536 * 3;
     m->ilc.correction.c_q6[3].re = 64 * 1234;
     m->ilc.speed_q32 = 1 << 22;
     m->ilc.ripple.mean[0].re = 1 << 10;
@@ -366,9 +366,9 @@ static void test_values_are_bounded_by_their_bits(void)
     }
     hal_host.slow.load.n_corrected = 0x1000000u;
     expect(most_24, 4, 8, 24);
-    m->ilc.k1_q16 = 65536 * 200;
+    m->ilc.drive.k1_q16 = 65536 * 200;
     expect(8388607, 13, 8, 24);
-    m->ilc.k1_q16 = -65536 * 200;
+    m->ilc.drive.k1_q16 = -65536 * 200;
     expect(8388608, 13, 8, 24);
     m->ilc.begun_nm = 4321;
     expect(4321, 14, 8, 24);
