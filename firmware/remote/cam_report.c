@@ -93,22 +93,6 @@ static uint32_t tick_time(uint32_t cycles, uint32_t units_per_s, uint32_t most)
     return time < most ? (uint32_t)time : most;
 }
 
-/// Fill in the signals about the progress of the pass, the mean interrupt, and samples of the live
-/// picture.
-static void describe_progress(struct camturn_detail_t *m, const cam_report_t *r,
-                              const cam_machine_t *machine)
-{
-    enum { most = (1 << 24) - 1, most_turns = (1 << 27) - 1, turn_bits = 25, per_s = 100000000 };
-    const cam_progress_t p = cam_progress(machine);
-    m->has_end = p.has_end ? 1u : 0u;
-    m->turns_left = (uint32_t)cam_clamp_i64(p.left_q32 >> turn_bits, 0, most_turns);
-    m->turns_whole = (uint32_t)cam_clamp_i64(p.whole_q32 >> turn_bits, 0, most_turns);
-    m->pass_speed = p.mrpm / 10u < (uint32_t)most ? p.mrpm / 10u : (uint32_t)most;
-    const uint32_t cycles = r->n_loads > 0u ? (uint32_t)(r->load_cycles / r->n_loads) : 0u;
-    m->tick_time_mean = (uint16_t)tick_time(cycles, (uint32_t)per_s, UINT16_MAX);
-    m->strobe_lost = (uint16_t)(machine->strobe.n_lost & UINT16_MAX);
-}
-
 /// @return characters 6 part .. 6 part + 5 of the name, the first in the lowest byte
 static uint64_t name_part(const char *name, uint32_t part)
 {
@@ -122,105 +106,6 @@ static uint64_t name_part(const char *name, uint32_t part)
     return chars;
 }
 
-/// Fill in the signals about the table; without a table they stay 0.
-static void describe_table(struct camturn_detail_t *m, const cam_table_store_t *store)
-{
-    const cam_table_t *table = &store->machine->table;
-    if (!store->machine->has_table) {
-        return;
-    }
-    m->table_generation = store->generation & 0xFFFFFFu;
-    m->table_size = table->image_size;
-    m->table_crc = table->crc32;
-    const uint64_t chars =
-        m->page >= page_name ? name_part(table->name, (uint32_t)m->page - page_name) : 0u;
-    m->table_name_0 = chars; // the generated pack function takes the one that the page has
-    m->table_name_1 = chars;
-    m->table_name_2 = chars;
-    m->table_name_3 = chars;
-    m->table_name_4 = chars;
-    m->table_name_5 = chars;
-}
-
-/// Fill in the signals about learning.
-static void describe_learning(struct camturn_detail_t *m, const cam_machine_t *machine)
-{
-    enum { most = (1 << 24) - 1 };
-    const cam_ilc_status_t t = cam_machine_learning(machine);
-    m->learn_phase = (uint8_t)t.phase;
-    m->learn_reason = (uint8_t)t.reason;
-    m->learn_harmonics = (uint8_t)(t.n_harmonics & 0xFFu);
-    m->learn_turns = t.n_turns;
-    m->learn_masked = t.masked & (uint32_t)most;
-    m->learn_error = t.error_nm;
-    m->learn_k1 = cam_clamp_i32(t.k1_ns, -(most / 2) - 1, most / 2);
-    m->learn_k2 = t.k2_us2;
-    m->learn_begin_error = t.begin_error_nm < (uint32_t)most ? t.begin_error_nm : (uint32_t)most;
-    m->learn_correction = t.correction_nm;
-    m->learn_ripple = t.ripple_nturn < (uint32_t)most ? t.ripple_nturn : (uint32_t)most;
-    m->learn_speed = t.speed_mrpm;
-}
-
-/// Fill in the signals about the parameters.
-static void describe_params(struct camturn_detail_t *m, const cam_machine_t *machine)
-{
-    enum { most = 1 << 20 };
-    m->params_kept = (uint8_t)cam_machine_params_kept(machine);
-    m->params_version = machine->version % (uint32_t)most;
-    m->params_checksum = machine->checksum;
-}
-
-/// Fill in the signals about command and level.
-static void describe_rights(struct camturn_detail_t *m, const cam_machine_t *machine,
-                            const cam_status_t *status)
-{
-    const cam_rights_status_t s = cam_machine_rights(machine, status);
-    m->commander = (uint8_t)(s.commander & 0xFFu);
-    m->take_overs = (uint8_t)(s.n_take_overs & 0xFFu);
-    m->command_losses = (uint8_t)(s.n_losses & 0xFFu);
-    m->level = (uint8_t)s.level;
-    m->level_left = (uint16_t)(s.level_left_s & 0xFFFFu);
-    m->acknowledge = (uint8_t)s.button;
-    m->acknowledge_left = (uint8_t)(s.button_left_s & 0xFFu);
-}
-
-/// Fill in the signals about jogging and homing.
-static void describe_jog(struct camturn_detail_t *m, const cam_machine_t *machine,
-                         const cam_status_t *status)
-{
-    const uint32_t homed = status->jog.homed;
-    const int64_t x_nm = (int64_t)status->x_actual_nm -
-                         cam_offsets_origin_nm(&machine->offsets, &machine->params, hal_axis_x);
-    m->homed_u = (homed & 1u << hal_axis_u) != 0u ? 1u : 0u;
-    m->homed_x = (homed & 1u << hal_axis_x) != 0u ? 1u : 0u;
-    m->homed_z = (homed & 1u << hal_axis_z) != 0u ? 1u : 0u;
-    m->on_home_u = (status->inputs & hal_in_home_u) != 0u ? 1u : 0u;
-    m->on_home_x = (status->inputs & hal_in_home_x) != 0u ? 1u : 0u;
-    m->on_home_z = (status->inputs & hal_in_home_z) != 0u ? 1u : 0u;
-    m->hand_orders = (uint16_t)(status->jog.serial & 0xFFFFu);
-    m->x = cam_sat_i32(x_nm);
-    m->hand_phase = (uint8_t)status->jog.phase;
-    m->hand_end = (uint8_t)status->jog.end;
-    m->hand_axis = (uint8_t)status->jog.axis;
-    m->tool = (uint8_t)((uint32_t)machine->params.tool & 0xFFu);
-}
-
-/// Fill in the signals about the operator's changes, the pass and the recorder.
-static void describe_cut(struct camturn_detail_t *m, const cam_machine_t *machine)
-{
-    const uint32_t n_passes = machine->has_table ? machine->table.n_passes : 0u;
-    m->override_of_feed = (uint32_t)machine->params.feed_override_ppm;
-    m->override_of_spindle = (uint32_t)machine->params.spindle_override_ppm;
-    m->trim_of_x = machine->params.x_trim_nm;
-    m->is_held = machine->is_held ? 1u : 0u;
-    m->parts_cut = machine->n_parts;
-    m->pass = n_passes > 0u ? (uint8_t)((machine->pass + 1u) & 0xFFu) : 0u;
-    m->passes = (uint8_t)(n_passes & 0xFFu);
-    m->recorder_use = (uint8_t)machine->scope.use;
-    m->recorder_phase = (uint8_t)machine->scope.phase;
-    m->recorder_faults = machine->scope.ring.faults;
-}
-
 /// @return whether a start waits for a steady spindle, or was ended because there was none
 static uint8_t start_wait(const cam_machine_t *machine, const cam_status_t *status)
 {
@@ -231,35 +116,119 @@ static uint8_t start_wait(const cam_machine_t *machine, const cam_status_t *stat
                                 : CAMTURN_DETAIL_START_WAIT_NONE_CHOICE;
 }
 
+/// @return v, at most what n bits hold
+static uint32_t in_bits(uint32_t v, uint32_t n)
+{
+    const uint32_t most = (UINT32_C(1) << n) - 1u;
+    return v < most ? v : most;
+}
+
+static bool is_in(uint32_t mask, uint32_t bit)
+{
+    return (mask >> bit & 1u) != 0u;
+}
+
 /// Send a page of Detail. All its signals are set; the generated pack function takes those of the
 /// page.
 static void send_detail(uint32_t page, const cam_report_t *r, const cam_table_store_t *store,
                         const cam_status_t *status)
 {
-    enum { most = (1 << 23) - 1 };
+    enum { most = (1 << 23) - 1, most_turns = (1 << 27) - 1, turn_bits = 25, per_s = 100000000 };
+    const cam_machine_t *machine = store->machine;
+    const cam_params_t *params = &machine->params;
+    const cam_table_t *table = &machine->table;
+    const bool has_table = machine->has_table;
+    const uint32_t n_passes = has_table ? table->n_passes : 0u;
     const hal_load_t load = hal_load();
-    struct camturn_detail_t m = {
+    const uint32_t cycles = r->n_loads > 0u ? (uint32_t)(r->load_cycles / r->n_loads) : 0u;
+    const cam_progress_t progress = cam_progress(machine);
+    const cam_ilc_status_t learning = cam_machine_learning(machine);
+    const cam_rights_status_t rights = cam_machine_rights(machine, status);
+    const int64_t x_nm =
+        (int64_t)status->x_actual_nm - cam_offsets_origin_nm(&machine->offsets, params, hal_axis_x);
+    const uint64_t chars =
+        has_table && page >= page_name ? name_part(table->name, page - page_name) : 0u;
+    const struct camturn_detail_t m = {
         .page = (uint8_t)page,
         .following_error = cam_clamp_i32(status->following_nm, -most - 1, most),
         .z = status->z_nm,
-        .is_synced = status->is_synced ? 1u : 0u,
-        .is_retracted = status->is_retracted ? 1u : 0u,
-        .is_estop = (status->inputs & hal_in_estop) != 0u ? 1u : 0u,
-        .is_drive_ready = (status->inputs & hal_in_drive_ready) != 0u ? 1u : 0u,
-        .is_bus_lost = (status->inputs & hal_in_bus_lost) != 0u ? 1u : 0u,
-        .start_wait = start_wait(store->machine, status),
-        .tick_rate = store->machine->tick_hz,
+        .is_synced = status->is_synced,
+        .is_retracted = status->is_retracted,
+        .is_estop = (status->inputs & hal_in_estop) != 0u,
+        .is_drive_ready = (status->inputs & hal_in_drive_ready) != 0u,
+        .is_bus_lost = (status->inputs & hal_in_bus_lost) != 0u,
+        .start_wait = start_wait(machine, status),
+        .tick_rate = machine->tick_hz,
         .late_ticks = status->n_late,
         .tick_time_max = tick_time(load.max_cycles, 1000000000u, UINT32_MAX),
-        .memory_errors = load.n_corrected < 0xFFFFFFu ? load.n_corrected : 0xFFFFFFu,
+        .memory_errors = in_bits(load.n_corrected, 24),
+        // Table
+        .table_generation = has_table ? store->generation & 0xFFFFFFu : 0u,
+        .table_size = has_table ? table->image_size : 0u,
+        .table_crc = has_table ? table->crc32 : 0u,
+        .table_name_0 = chars,
+        .table_name_1 = chars,
+        .table_name_2 = chars,
+        .table_name_3 = chars,
+        .table_name_4 = chars,
+        .table_name_5 = chars,
+        // Learning
+        .learn_phase = (uint8_t)learning.phase,
+        .learn_reason = (uint8_t)learning.reason,
+        .learn_harmonics = (uint8_t)learning.n_harmonics,
+        .learn_turns = learning.n_turns,
+        .learn_masked = learning.masked & 0xFFFFFFu,
+        .learn_error = learning.error_nm,
+        .learn_k1 = cam_clamp_i32(learning.k1_ns, -most - 1, most),
+        .learn_k2 = learning.k2_us2,
+        .learn_begin_error = in_bits(learning.begin_error_nm, 24),
+        .learn_correction = learning.correction_nm,
+        .learn_ripple = in_bits(learning.ripple_nturn, 24),
+        .learn_speed = learning.speed_mrpm,
+        // Parameters
+        .params_kept = (uint8_t)cam_machine_params_kept(machine),
+        .params_version = machine->version & 0xFFFFFu,
+        .params_checksum = machine->checksum,
+        // Jogging and homing
+        .homed_u = is_in(status->jog.homed, hal_axis_u),
+        .homed_x = is_in(status->jog.homed, hal_axis_x),
+        .homed_z = is_in(status->jog.homed, hal_axis_z),
+        .on_home_u = (status->inputs & hal_in_home_u) != 0u,
+        .on_home_x = (status->inputs & hal_in_home_x) != 0u,
+        .on_home_z = (status->inputs & hal_in_home_z) != 0u,
+        .hand_orders = (uint16_t)status->jog.serial,
+        .x = cam_sat_i32(x_nm),
+        .hand_phase = (uint8_t)status->jog.phase,
+        .hand_end = (uint8_t)status->jog.end,
+        .hand_axis = (uint8_t)status->jog.axis,
+        .tool = (uint8_t)params->tool,
+        // Changes by the operator, pass and recorder
+        .override_of_feed = (uint32_t)params->feed_override_ppm,
+        .override_of_spindle = (uint32_t)params->spindle_override_ppm,
+        .trim_of_x = params->x_trim_nm,
+        .is_held = machine->is_held,
+        .parts_cut = machine->n_parts,
+        .pass = n_passes > 0u ? (uint8_t)(machine->pass + 1u) : 0u,
+        .passes = (uint8_t)n_passes,
+        .recorder_use = (uint8_t)machine->scope.use,
+        .recorder_phase = (uint8_t)machine->scope.phase,
+        .recorder_faults = machine->scope.ring.faults,
+        // Progress of the pass, mean interrupt, samples of the live picture
+        .has_end = progress.has_end,
+        .turns_left = (uint32_t)cam_clamp_i64(progress.left_q32 >> turn_bits, 0, most_turns),
+        .turns_whole = (uint32_t)cam_clamp_i64(progress.whole_q32 >> turn_bits, 0, most_turns),
+        .pass_speed = in_bits(progress.mrpm / 10u, 24),
+        .tick_time_mean = (uint16_t)tick_time(cycles, (uint32_t)per_s, UINT16_MAX),
+        .strobe_lost = (uint16_t)machine->strobe.n_lost,
+        // Command and level
+        .commander = (uint8_t)rights.commander,
+        .take_overs = (uint8_t)rights.n_take_overs,
+        .command_losses = (uint8_t)rights.n_losses,
+        .level = (uint8_t)rights.level,
+        .level_left = (uint16_t)rights.level_left_s,
+        .acknowledge = (uint8_t)rights.button,
+        .acknowledge_left = (uint8_t)rights.button_left_s,
     };
-    describe_table(&m, store);
-    describe_learning(&m, store->machine);
-    describe_params(&m, store->machine);
-    describe_jog(&m, store->machine, status);
-    describe_cut(&m, store->machine);
-    describe_progress(&m, r, store->machine);
-    describe_rights(&m, store->machine, status);
     hal_can_frame_t frame;
     send(&frame, CAMTURN_DETAIL_FRAME_ID, camturn_detail_pack(frame.data, &m, sizeof frame.data));
 }
