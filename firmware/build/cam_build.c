@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_build_inner.h"
+#include "cam_build.h"
 #include "cam_fix.h"      // CAM_TURN_Q32, cam_sat_i32
 #include "cam_feasible.h" // cam_changes_build, cam_demand_half_stroke_nm
+#include "cam_motion.h"   // cam_jerk_filter_most_q10
 #include "cam_plan.h"     // cam_plan_ticks
 #include "cam_eval.h"     // cam_feed_profile_z_last_nm
-#include "hal/hal.h"      // hal_has_edge_time
+#include "hal/hal.h"      // hal_has_edge_time, hal_takes_force
 #include <stddef.h>       // NULL
+
+/// [nm / 1024] Rounding margin of set-point checks, which also allow 1/16 for encoder noise.
+#define MARGIN_Q10 3072
 
 enum {
     height_end = 64,       ///< [slices / 2^32] of U's height below the last slice, with rounding
@@ -277,6 +281,156 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sens
     build_plan(c, tick_hz);
 }
 
+/// [nm / 1024 per tick or plan] limit of speeds and accelerations, so that their sum fits a word
+#define MOST_Q10 (INT64_C(1) << 29)
+
+static cam_motion_limits_t limits(int32_t speed_um_per_s, int32_t acceleration_mm_per_s2,
+                                  uint32_t tick_hz)
+{
+    const int64_t vel = cam_units_scale(speed_um_per_s, 1024000, tick_hz);
+    const int64_t acc =
+        cam_units_scale(acceleration_mm_per_s2, 1024000000, (int64_t)tick_hz * tick_hz);
+    return (cam_motion_limits_t){
+        .speed_q10 = (int32_t)cam_clamp_i64(vel, 1, MOST_Q10),
+        .acceleration_q10 = (int32_t)cam_clamp_i64(acc, 1, MOST_Q10),
+    };
+}
+
+static cam_motion_limits_t per_plan(cam_motion_limits_t limits, int32_t plan_ticks)
+{
+    const int64_t speed = (int64_t)limits.speed_q10 * plan_ticks;
+    const int64_t acceleration = (int64_t)limits.acceleration_q10 * plan_ticks * plan_ticks;
+    return (cam_motion_limits_t){
+        .speed_q10 = (int32_t)cam_clamp_i64(speed, 1, MOST_Q10),
+        .acceleration_q10 = (int32_t)cam_clamp_i64(acceleration, 1, MOST_Q10),
+    };
+}
+
+/// @return limits with their jerk window; its sum of n values limits the acceleration to 2^30 / n
+static cam_motion_limits_t windowed(cam_motion_limits_t limits, uint32_t log2_window)
+{
+    const int32_t most_q10 = cam_jerk_filter_most_q10(log2_window);
+    limits.acceleration_q10 =
+        limits.acceleration_q10 < most_q10 ? limits.acceleration_q10 : most_q10;
+    limits.log2_window = log2_window;
+    return limits;
+}
+
+/// U moves per tick, X and Z per plan.
+static void build_limits(cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+{
+    const cam_motion_limits_t full[hal_n_axes] = {
+        [hal_axis_u] = limits(p->u_speed_um_per_s, p->u_acceleration_mm_per_s2, tick_hz),
+        [hal_axis_x] = limits(p->x_speed_um_per_s, p->x_acceleration_mm_per_s2, tick_hz),
+        [hal_axis_z] = limits(p->z_speed_um_per_s, p->z_acceleration_mm_per_s2, tick_hz),
+    };
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        const int32_t ticks = i == (uint32_t)hal_axis_u ? 1 : c->play.plan_ticks;
+        const cam_motion_limits_t gentle = {
+            .speed_q10 = full[i].speed_q10 / cam_derived_limits_approach_share + 1,
+            .acceleration_q10 = full[i].acceleration_q10 / cam_derived_limits_approach_share + 1,
+        };
+        const uint32_t log2 = cam_gains_log2_window(p, (hal_axis_t)i, tick_hz);
+        c->play.approach[i] = windowed(per_plan(gentle, ticks), log2);
+        c->play.leave[i] = windowed(per_plan(full[i], ticks), log2);
+    }
+    c->guard.u = c->play.leave[hal_axis_u];
+}
+
+/// @return [counts] change of the predicted position from plan to plan, beyond that of the speed,
+///         when the spindle's acceleration reverses: the prediction by the square of the time
+static int32_t reversal_counts(const cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+{
+    const int64_t per_mrad_q32 = 683566; // 2^32 / 2000 pi
+    const int64_t alpha_q32 = cam_units_scale(p->spindle_acceleration_mrad_per_s2, per_mrad_q32,
+                                              (int64_t)tick_hz * tick_hz);
+    const int64_t ahead_q1 = (c->play.xz_plan_q16 >> 15) + 1; // rounded up, like the acceleration
+    const int64_t turn_q32 =
+        cam_smaller_i64(ahead_q1 * ahead_q1 * (alpha_q32 + 1) >> 2, INT64_C(1) << 32);
+    return (int32_t)((turn_q32 * c->spindle.counts_per_turn) >> 32) + 1;
+}
+
+/// @return [counts] change of the predicted position from plan to plan: the reversal of the
+///         spindle's acceleration, and a step of the encoder within the jump window or the
+///         observer's response to a count: w T counts per tick times the prediction, of which half
+///         is the most seen. At most a quarter of a turn.
+static int32_t prediction_counts(const cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+{
+    const int64_t ahead_q47 = (int64_t)c->spindle.kp_q31 * c->play.xz_plan_q16; // kp = 2 w T
+    const int32_t observed = 1 + (int32_t)(ahead_q47 >> 49);
+    const int32_t seen = observed > c->spindle.jump_window ? observed : c->spindle.jump_window;
+    return (int32_t)cam_smaller_i64((int64_t)seen + reversal_counts(c, p, tick_hz),
+                                    c->spindle.counts_per_turn / 4);
+}
+
+/// Limits of the commands of X and Z from plan to plan: twice the change by their acceleration and
+/// by the noise of the spindle's angle times their travel per turn; for the speed once. Z travels
+/// by the feed; X also by its clearance, as a smooth step over whole turns at 15/8 of its mean
+/// speed. A measured Z is not limited, and X follows its measurement from plan to plan.
+static void build_command(cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+{
+    const int32_t ticks = c->play.plan_ticks;
+    const int64_t noise = prediction_counts(c, p, tick_hz);
+    const int64_t ramp_q32 = cam_smaller_i64(c->play.engage_q32, c->play.disengage_q32);
+    const int64_t clearing_nm =
+        (int64_t)c->play.x_clearance_nm * 15 / (8 * (ramp_q32 / CAM_TURN_Q32));
+    cam_axis_command_config_t *t = &c->command;
+    for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
+        const cam_motion_limits_t *full = &c->play.leave[i]; // per plan
+        const int64_t vel_q10 = full->speed_q10 / ticks;
+        const int64_t change_q10 = full->acceleration_q10 / ticks;
+        const int64_t ticks_counts = (int64_t)c->spindle.counts_per_turn * ticks;
+        const int64_t travel_nm =
+            c->play.feed_nm + (i == (uint32_t)hal_axis_x ? clearing_nm : 0); // per turn
+        const int64_t noise_q10 = travel_nm * noise * 256 / ticks_counts * 4;
+        const int64_t most_q10 = vel_q10 + vel_q10 / 16 + noise_q10 + MARGIN_Q10;
+        const bool is_measured = c->play.is_z_measured && i == (uint32_t)hal_axis_z;
+        const int64_t command_q10 = 2 * (change_q10 + noise_q10) + MARGIN_Q10;
+        t->vel_q10[i] = is_measured ? INT32_MAX : cam_sat_i32(most_q10);
+        t->change_q10[i] = is_measured
+                               ? INT32_MAX
+                               : cam_sat_i32(c->play.is_z_measured ? 2 * most_q10 : command_q10);
+        t->jump_q10[i] = is_measured ? INT32_MAX : 4 * ticks; // rounding of equal increments
+    }
+}
+
+/// @return limits of jogging: no faster than an axis can brake within the 2^31 units that
+///         cam_move_profile_to_isr() looks ahead, v (v + a) <= 2 a 2^31
+static cam_motion_limits_t jog_limits(int32_t jog_um_per_s, int32_t speed_um_per_s,
+                                      int64_t acceleration_q10, int32_t plan_ticks,
+                                      uint32_t tick_hz)
+{
+    const int32_t um_per_s = jog_um_per_s < speed_um_per_s ? jog_um_per_s : speed_um_per_s;
+    const int64_t a_q10 = cam_clamp_i64(acceleration_q10, 1, MOST_Q10);
+    const int64_t root_q10 = (int64_t)cam_root_u64((uint64_t)a_q10 << 32);
+    const int64_t most_q10 = cam_clamp_i64(root_q10 - a_q10, 1, MOST_Q10);
+    const int64_t speed_q10 = (int64_t)um_per_s * 1024000 * plan_ticks / tick_hz;
+    return (cam_motion_limits_t){.speed_q10 = (int32_t)cam_clamp_i64(speed_q10, 1, most_q10),
+                                 .acceleration_q10 = (int32_t)a_q10};
+}
+
+static void build_jog(cam_config_t *config, const cam_params_t *p, uint32_t tick_hz)
+{
+    const cam_motion_limits_t *gentle = config->play.approach;
+    const int32_t n = config->play.plan_ticks;
+    cam_jog_config_t *jog = &config->play.jog;
+    // U moves per tick, but its jog speed is per plan as for X and Z.
+    const int64_t u_q10 = (int64_t)gentle[hal_axis_u].acceleration_q10 * n * n;
+    jog->limits[hal_axis_u] = jog_limits(p->u_jog_um_per_s, p->u_speed_um_per_s, u_q10, n, tick_hz);
+    jog->limits[hal_axis_u].acceleration_q10 = gentle[hal_axis_u].acceleration_q10;
+    jog->limits[hal_axis_x] = jog_limits(p->x_jog_um_per_s, p->x_speed_um_per_s,
+                                         gentle[hal_axis_x].acceleration_q10, n, tick_hz);
+    jog->limits[hal_axis_z] = jog_limits(p->z_jog_um_per_s, p->z_speed_um_per_s,
+                                         gentle[hal_axis_z].acceleration_q10, n, tick_hz);
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        jog->limits[i].log2_window = gentle[i].log2_window;
+    }
+    // Braking in steps may overshoot by an eighth of the acceleration (cam_motion.h).
+    const int64_t over_q10 = jog->limits[hal_axis_u].acceleration_q10 / 8 + 1024;
+    const int64_t end_q10 = (int64_t)p->u_stroke_nm * 512 - over_q10;
+    jog->u_end_q10 = cam_clamp_i64(end_q10, 0, INT64_MAX) / 1024 * 1024;
+}
+
 static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t speed_limit_mrpm,
                         uint32_t tick_hz)
 {
@@ -284,8 +438,8 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
     c->overspeed_q32 = cam_build_speed_q32(speed_limit_mrpm, tick_hz);
     c->stopped_ticks = (uint32_t)cam_units_scale(p->stopped_ms, tick_hz, 1000);
     c->homing_ticks = c->stopped_ticks * homing_patience;
-    c->u_vel_q6 = (u->speed_q10 + u->speed_q10 / 16 + CAM_BUILD_MARGIN_Q10) / 16;
-    c->u_acc_q6 = (u->acceleration_q10 + u->acceleration_q10 / 16 + CAM_BUILD_MARGIN_Q10) / 16;
+    c->u_vel_q6 = (u->speed_q10 + u->speed_q10 / 16 + MARGIN_Q10) / 16;
+    c->u_acc_q6 = (u->acceleration_q10 + u->acceleration_q10 / 16 + MARGIN_Q10) / 16;
     c->u_acc_off_q6 = c->u_acc_q6 + c->u_vel_q6;
     c->range_nm = p->u_stroke_nm / 2;
     const int32_t due_q16 = cam_units_ticks_of_ns(p->lead_ns + p->u_scale_latency_ns, tick_hz);
@@ -303,6 +457,66 @@ static int32_t held_k2_q16(int32_t k2_us2, uint32_t tick_hz)
     return k2_q16 > hold_q16 ? k2_q16 - hold_q16 : k2_q16;
 }
 
+enum {
+    observer_hz = 300, ///< bandwidth of the observer, at most a twentieth of the tick rate
+    still_hz = 2000,   ///< half a millisecond
+    scale_steps = 4,   ///< deviation that is accepted at least
+    runaway_most_nm = 50000,
+};
+
+/// @return [nm / 64] accepted deviation of U from its observer; by default that which an unknown
+///         force as large as the force limit causes, which U could not hold
+static int32_t runaway_q6(const cam_params_t *p, const cam_force_config_t *c)
+{
+    const int64_t own_q6 = (int64_t)p->servo_force_limit_mn * 64 * c->motion_q24 / c->vel_q24;
+    const int64_t least_q6 = (int64_t)p->u_scale_nm * scale_steps * 64;
+    const int64_t most_q6 = (int64_t)runaway_most_nm * 64;
+    const bool is_set = p->servo_runaway_nm > 0;
+    return is_set ? p->servo_runaway_nm * 64 : (int32_t)cam_clamp_i64(own_q6, least_q6, most_q6);
+}
+
+/// @return [mN / 64] force under which a standing reading is frozen: twice the friction, and what
+///         deviates U by a quarter of runaway_q6, or moves it by a step of the scale and back while
+///         the reading may stand, less the delay
+static int32_t moving_q6(const cam_params_t *p, const cam_force_config_t *c, uint32_t tick_hz)
+{
+    const int64_t delay_ns = (int64_t)p->servo_force_delay_ns + p->u_scale_latency_ns;
+    const int64_t n = cam_clamp_i64(c->still_ticks - delay_ns * tick_hz / 1000000000, 1, INT32_MAX);
+    const int64_t step_q30 = (int64_t)p->u_scale_nm << 33; // 8 steps
+    const int64_t back_q6 = step_q30 / (n * n * c->motion_q24);
+    const int64_t share_q6 = (int64_t)c->runaway_q6 / 4 * c->vel_q24 / c->motion_q24;
+    const int64_t most_q6 = back_q6 > share_q6 ? back_q6 : share_q6;
+    return cam_sat_i32(most_q6 + 2 * (int64_t)p->servo_friction_mn * 64);
+}
+
+/// The position loop of a U that takes forces, and its supervision without the travel.
+static cam_refusal_t build_force(cam_force_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+{
+    const int64_t tick2 = (int64_t)tick_hz * tick_hz;
+    *c = (cam_force_config_t){.is_used = hal_takes_force()};
+    const cam_refusal_t refusal = cam_servo_setup(p, tick_hz, &c->servo);
+    if (!c->is_used || refusal.err != cam_ok) {
+        return refusal;
+    }
+    const int64_t hz = cam_clamp_i64(observer_hz, 1, tick_hz / 20);
+    const int64_t omega_q24 = cam_units_scale(hz, CAM_TWO_PI_Q24, tick_hz);
+    // 1 mN accelerates 1 g by 10^9 nm/s^2; forces are in mN / 64, which the observer shifts out
+    const int64_t motion_q24 =
+        cam_units_scale(INT64_C(1000000000) << 24, 1, tick2 * p->servo_mass_g);
+    // half of the greatest deceleration, twice
+    const int64_t braking_nm =
+        cam_units_scale(p->servo_force_limit_mn, INT64_C(1000000000), tick2 * p->servo_mass_g);
+    c->motion_q24 = cam_sat_i32(motion_q24); // cut where there is no loop
+    c->pos_q18 = (int32_t)(omega_q24 >> 5);
+    c->vel_q24 = (int32_t)((omega_q24 * omega_q24) >> 24);
+    c->runaway_q6 = runaway_q6(p, c);
+    c->still_ticks = tick_hz / still_hz;
+    c->moving_q6 = moving_q6(p, c, tick_hz);
+    c->braking_nm = (int32_t)cam_clamp_i64(braking_nm, 1, INT32_MAX);
+    c->limited_ticks = (uint32_t)cam_units_scale(p->servo_limited_ms, tick_hz, 1000);
+    return refusal;
+}
+
 cam_refusal_t cam_build_config(cam_config_t *config, const cam_params_t *params,
                                const cam_table_t *table, uint32_t speed_limit_mrpm,
                                uint32_t tick_hz, uint32_t clock_hz)
@@ -310,7 +524,7 @@ cam_refusal_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     cam_force_config_t force;
     cam_refusal_t refusal = cam_derived_limits_check(params, tick_hz);
     if (refusal.err == cam_ok) {
-        refusal = cam_build_force(&force, params, tick_hz);
+        refusal = build_force(&force, params, tick_hz);
     }
     if (refusal.err != cam_ok) {
         return refusal;
@@ -345,8 +559,9 @@ cam_refusal_t cam_build_config(cam_config_t *config, const cam_params_t *params,
         (cam_u_gains_t){.k1_q16 = cam_units_ticks_of_ns(params->k1_ns, tick_hz),
                         .k2_q16 = held_k2_q16(params->k2_us2, tick_hz),
                         .friction_q14 = params->u_friction_nm * 16384};
-    cam_build_motion(config, params, tick_hz);
-    cam_build_jog(config, params, tick_hz);
+    build_limits(config, params, tick_hz);
+    build_command(config, params, tick_hz);
+    build_jog(config, params, tick_hz);
     cam_changes_build(&config->play, params, tick_hz);
     build_guard(&config->guard, params, speed_limit_mrpm, tick_hz);
     config->guard.following_nm = cam_derived_limits_following_nm(params, table);

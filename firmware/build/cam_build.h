@@ -6,6 +6,7 @@
 
 #include "cam_config.h" // cam_config_t
 #include "cam_err.h"    // CAM_MUST_USE
+#include "cam_fix.h"    // cam_sat_i32, CAM_TURN_Q32
 #include "cam_param.h"  // cam_params_t, cam_refusal_t
 #include "cam_table.h"  // cam_table_t
 #include <stdint.h>     // int32_t, int64_t, uint32_t
@@ -40,6 +41,32 @@ int32_t cam_build_speed_q32(uint32_t speed_mrpm, uint32_t tick_hz);
 static inline int64_t cam_units_scale(int64_t a, int64_t b, int64_t c)
 {
     return (a * b + c / 2) / c;
+}
+
+/// @return [turn / 2^32] of micro-degrees
+static inline int32_t cam_units_turn_of_udeg(int32_t udeg)
+{
+    const int64_t magnitude = cam_units_scale(cam_abs_i64(udeg), CAM_TURN_Q32, 360000000);
+    return (int32_t)(uint32_t)(uint64_t)(udeg < 0 ? -magnitude : magnitude); // +180 deg is -2^31
+}
+
+/// @return [ticks / 2^16] of nanoseconds, saturated
+static inline int32_t cam_units_ticks_of_ns(int32_t ns, uint32_t tick_hz)
+{
+    return cam_sat_i32(cam_units_scale(ns, (int64_t)tick_hz * 65536, 1000000000));
+}
+
+/// @return [ticks^2 / 2^16] of square microseconds within cam_derived_limits_check();
+///         2^16 / 10^12 is reduced
+static inline int32_t cam_units_ticks2_of_us2(int32_t us2, uint32_t tick_hz)
+{
+    return cam_sat_i32(cam_units_scale((int64_t)us2 * tick_hz, (int64_t)tick_hz * 16, 244140625));
+}
+
+/// @return [turn / 2^32] of thousandths of a degree below 90 degrees
+static inline int32_t cam_units_turn_of_mdeg(int32_t mdeg)
+{
+    return (int32_t)cam_units_scale(mdeg, CAM_TURN_Q32, 360000);
 }
 
 #endif

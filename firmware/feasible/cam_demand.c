@@ -51,7 +51,6 @@ static cam_demand_t tick_demand(const cam_cut_t *c)
                           c->peak_mrpm};
 }
 
-/// U gets a set-point in every tick.
 static cam_z_coupling_t u_drift(const cam_cut_t *c)
 {
     return cam_z_coupling_of(c, &c->t->u, &c->t->u_change, c->tick_hz);
@@ -81,7 +80,6 @@ static cam_demand_t retract_demand(const cam_cut_t *c)
                           is_set ? outwards_nm(c) + (uint64_t) - (int64_t)retract_nm : 0u};
 }
 
-/// @return turns of the shorter of the two ramps of the depth
 static double depth_turns(const cam_cut_t *c)
 {
     return (double)cam_smaller_i64(c->p->engage_turns, c->p->disengage_turns);
@@ -134,7 +132,6 @@ static double most_acceleration(const cam_cut_t *c, const cam_z_coupling_peaks_t
                         cam_z_coupling_lobes_second(c->t, c->feed_nm, peaks, n_set_points));
 }
 
-/// @return peaks of U over the angle
 static cam_z_coupling_peaks_t u_peaks(const cam_table_t *t)
 {
     return (cam_z_coupling_peaks_t){.f = (double)cam_cut_largest_nm(t),

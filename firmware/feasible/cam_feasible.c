@@ -15,7 +15,6 @@ uint32_t cam_feasible_peak_mrpm(const cam_table_t *table, uint32_t mean_mrpm)
     return peak < UINT32_MAX ? (uint32_t)peak : UINT32_MAX;
 }
 
-/// Set the mean speed of a cut and the highest speed within a turn that goes with it.
 static void set_speed(cam_cut_t *c, uint32_t mrpm)
 {
     c->mean_mrpm = mrpm;
@@ -23,18 +22,18 @@ static void set_speed(cam_cut_t *c, uint32_t mrpm)
 }
 
 /// Set the programmed feed of a cut, and what the override makes of it.
-static void set_feed(cam_cut_t *c, uint64_t feed_nm)
+static void set_feed(cam_cut_t *c, uint32_t feed_nm)
 {
     c->programmed_nm = feed_nm;
-    c->feed_nm = cam_divided_up_u64(feed_nm * (uint64_t)cam_changes_feed_ppm(c->p), 1000000);
+    c->feed_nm =
+        cam_divided_up_u64((uint64_t)feed_nm * (uint64_t)cam_changes_feed_ppm(c->p), 1000000);
 }
 
-/// @return the cut that table and parameters describe, at a mean speed
 static cam_cut_t cut_of(const cam_table_t *table, const cam_params_t *params, uint32_t speed_mrpm,
                         uint32_t tick_hz)
 {
     cam_cut_t c = {.t = table, .p = params, .tick_hz = tick_hz};
-    set_feed(&c, params->feed_nm > 0 ? (uint64_t)params->feed_nm : table->feed_nm);
+    set_feed(&c, params->feed_nm > 0 ? (uint32_t)params->feed_nm : table->feed_nm);
     set_speed(&c, speed_mrpm);
     return c;
 }
@@ -71,30 +70,30 @@ cam_err_t cam_feasible_check(const cam_table_t *table, const cam_params_t *param
     return first_exceeded(&c).err;
 }
 
+/// No demand falls with rising speed or feed, so the bits of the highest feasible value can be
+/// found from the highest one downwards.
+static uint32_t highest(cam_cut_t *c, void (*set)(cam_cut_t *c, uint32_t value), uint32_t n_bits)
+{
+    uint32_t found = 0;
+    for (uint32_t bit = UINT32_C(1) << (n_bits - 1u); bit != 0u; bit >>= 1) {
+        set(c, found + bit);
+        found += cam_demand_first_exceeded(c).err == cam_ok ? bit : 0u;
+    }
+    return found;
+}
+
 uint32_t cam_feasible_highest_mrpm(const cam_table_t *table, const cam_params_t *params,
                                    uint32_t tick_hz)
 {
-    // No demand falls with rising speed, so the bits of the highest feasible speed can be found
-    // from the highest one downwards.
     cam_cut_t c = cut_of(table, params, 0, tick_hz);
-    uint32_t highest = 0;
-    for (uint32_t bit = UINT32_C(1) << (speed_bits - 1); bit != 0u; bit >>= 1) {
-        set_speed(&c, highest + bit);
-        highest += cam_demand_first_exceeded(&c).err == cam_ok ? bit : 0u;
-    }
-    return highest;
+    return highest(&c, set_speed, speed_bits);
 }
 
 uint32_t cam_feasible_largest_feed_nm(const cam_table_t *table, const cam_params_t *params,
                                       uint32_t speed_mrpm, uint32_t tick_hz)
 {
     cam_cut_t c = cut_of(table, params, speed_mrpm, tick_hz);
-    uint32_t largest = 0;
-    for (uint32_t bit = UINT32_C(1) << (feed_bits - 1); bit != 0u; bit >>= 1) {
-        set_feed(&c, (uint64_t)largest + bit);
-        largest += cam_demand_first_exceeded(&c).err == cam_ok ? bit : 0u;
-    }
-    return largest;
+    return highest(&c, set_feed, feed_bits);
 }
 
 cam_refusal_t cam_feasible(const cam_table_t *table, const cam_params_t *params,

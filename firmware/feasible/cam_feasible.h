@@ -32,7 +32,7 @@ typedef struct {
 
 enum { cam_n_demands = 26 };
 
-/// Every limit of the axes, in the order in which excesses are reported.
+/// In the order in which excesses are reported.
 typedef struct {
     cam_demand_t of[cam_n_demands];
 } cam_demands_t;
@@ -44,25 +44,21 @@ typedef struct {
 CAM_MUST_USE cam_err_t cam_feasible_check(const cam_table_t *table, const cam_params_t *params,
                                           uint32_t speed_mrpm, uint32_t tick_hz);
 
-/// List every limit with what the cut needs of it. Parameters as of cam_feasible_check().
-/// @param axes  filled with the limits of the axes
+/// @param axes  result: every limit of the axes with what the cut needs of it
 /// @return      the turns of feed, the only demand that falls with a rising feed
 cam_demand_t cam_feasible_demands(const cam_table_t *table, const cam_params_t *params,
                                   uint32_t speed_mrpm, uint32_t tick_hz, cam_demands_t *axes);
 
-/// Search the highest feasible speed by halving: 26 judgements.
-/// @return [r/min / 1000] highest mean speed at which all limits hold; 0 when none does
+/// @return [r/min / 1000] highest mean speed at which all limits hold, by 26 judgements; 0: none
 uint32_t cam_feasible_highest_mrpm(const cam_table_t *table, const cam_params_t *params,
                                    uint32_t tick_hz);
 
-/// Search the largest feasible feed by halving: 24 judgements.
-/// @return [nm] largest feed per turn with which all limits hold at this speed; 0 when none does
+/// @return [nm] largest feed per turn with which all limits hold, by 24 judgements; 0: none
 uint32_t cam_feasible_largest_feed_nm(const cam_table_t *table, const cam_params_t *params,
                                       uint32_t speed_mrpm, uint32_t tick_hz);
 
-/// Judge a speed and search the limits, for a message. Parameters as of cam_feasible_check().
-/// @return the first limit that is exceeded, if any, and what would be feasible; `needed` is
-///         rounded up
+/// @return for a message: the first limit that is exceeded, if any, and what would be feasible;
+///         `needed` is rounded up
 cam_refusal_t cam_feasible(const cam_table_t *table, const cam_params_t *params,
                            uint32_t speed_mrpm, uint32_t tick_hz);
 

@@ -55,22 +55,19 @@ static inline double cam_cut_at_amplitude(const cam_cut_t *c, double peak)
     return peak * c->p->amplitude_ppm * 1e-6;
 }
 
-/// @param mrpm  [r/min / 1000]
-/// @return      [rad/s] the same angular speed
+/// @return [rad/s] of r/min / 1000
 static inline double cam_cut_omega(uint32_t mrpm)
 {
     return mrpm * (CAM_PI / 30000.0);
 }
 
-/// @param peak  [nm/rad] first derivative over the angle
-/// @return      [um/s] speed at the mean speed of the spindle
+/// @return [um/s] of a derivative in nm/rad at the mean speed of the spindle
 static inline double cam_cut_um_per_s(const cam_cut_t *c, double peak)
 {
     return peak * cam_cut_omega(c->mean_mrpm) * 1e-3;
 }
 
-/// @param peak  [nm/rad2] second derivative over the angle
-/// @return      [mm/s2] acceleration at the mean speed of the spindle
+/// @return [mm/s2] of a second derivative in nm/rad2, likewise
 static inline double cam_cut_mm_per_s2(const cam_cut_t *c, double peak)
 {
     const double omega = cam_cut_omega(c->mean_mrpm);
@@ -105,8 +102,7 @@ static inline uint64_t cam_cut_span_nm(const cam_cut_t *c)
     return (uint64_t)((int64_t)c->t->z_last_nm - c->t->z_first_nm);
 }
 
-/// Compute what a cut demands of every axis.
-/// Source: MATHS.md (61) .. (64), (42), (44).
+/// What a cut demands of every axis. Source: MATHS.md (61) .. (64), (42), (44).
 cam_demands_t cam_demand_all(const cam_cut_t *c);
 
 /// @return the first limit that the cut exceeds; err = cam_ok when it exceeds none

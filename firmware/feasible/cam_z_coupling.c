@@ -4,7 +4,6 @@
 #include <stdbool.h>    // bool
 #include <stddef.h>     // NULL
 
-/// @return whether Z is geared along a ring-helix
 static bool has_rings(const cam_cut_t *c)
 {
     return c->t->is_ring_helix && c->p->z_is_measured == 0;

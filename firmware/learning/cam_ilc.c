@@ -80,7 +80,6 @@ static bool is_drive_error_good(cam_ilc_t *t)
     return false;
 }
 
-/// Layer 1: one step of the drive's constants.
 static void step_drive(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t gain_q16)
 {
     cam_ilc_chip_follow_gap(t);

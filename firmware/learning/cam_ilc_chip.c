@@ -77,7 +77,6 @@ bool cam_ilc_chip_is_due(const cam_ilc_t *t)
     return is_other && (t->drive.chip_q32 != 0 || t->chip_mean_q32 != 0);
 }
 
-/// @return a coefficient times the present feed
 static double at_feed(cam_ilc_t *t, int32_t value_q32)
 {
     const double share_q32 = (double)value_q32 * t->feed_now_nm / cam_ilc_chip_feed_nm;

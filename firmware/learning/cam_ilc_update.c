@@ -170,7 +170,6 @@ static bool is_learning(const cam_ilc_t *t, const cam_ilc_setup_t *s)
            t->blending == 0u && ((t->turn - t->good_from) & CAM_ILC_TURNS) < CAM_ILC_TURNS / 2u;
 }
 
-/// @return value at full amplitude
 static int32_t of_amplitude(const cam_ilc_t *t, double value)
 {
     return cam_nearest(cam_limit(value * 0x1p30 / t->scale_q30, 0x1p29));
@@ -190,7 +189,6 @@ uint32_t cam_ilc_update_guarded_q6(const cam_ilc_t *t)
     return part_q6 > t->floor_q6 ? part_q6 : t->floor_q6;
 }
 
-/// @return why a turn like this one limits learning
 static cam_ilc_reason_t hindrance_of(const cam_ilc_t *t, bool is_still, uint32_t n_ticks,
                                      const cam_turn_t *turn)
 {

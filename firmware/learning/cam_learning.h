@@ -238,7 +238,6 @@ typedef struct {
     uint32_t blend_from_q8; ///< [turn / 256] earliest time of the next step of points
 } cam_ilc_t;
 
-/// Start with nothing learned.
 void cam_ilc_init(cam_ilc_t *t);
 
 /// One piece of work: follow the state, fetch a turn from the interrupt or process one harmonic.
@@ -259,7 +258,6 @@ static inline bool cam_ilc_is_idle(const cam_ilc_t *t)
     return t->blending == 0u && t->drive.chip_q32 == 0 && t->chip_mean_q32 == 0;
 }
 
-/// @param at_q8  [turn / 256] position of the spindle
 /// @return whether cam_ilc_blend() has something to do. Points are computed at most 25 times a
 ///         turn, which bounds the processor load of learning.
 bool cam_ilc_is_blending(const cam_ilc_t *t, uint32_t at_q8);
@@ -267,8 +265,6 @@ bool cam_ilc_is_blending(const cam_ilc_t *t, uint32_t at_q8);
 /// Blend one step from the values in force to the learned values. A step moves each point of the
 /// correction, and the command through the constants, by at most 1000 nm (50 nm in the cut), and
 /// each angle by at most 100 urad (10 urad in the cut) and by what U can follow.
-/// @param at_q8  [turn / 256] position of the spindle
-/// @param in     changed in place
 void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, cam_learned_t *in);
 
 /// Reduce the learned k1 and k2 by an eighth, because U's command would leave its stroke.
@@ -288,16 +284,14 @@ void cam_ilc_fit(cam_ilc_t *t, int64_t spare_nm, int64_t deep_nm);
 /// Discard what was learned of U, because its configuration has changed; the ripple stays.
 void cam_ilc_forget(cam_ilc_t *t);
 
-/// @return status of learning
 cam_ilc_status_t cam_ilc_status(const cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t tick_hz);
 
 /// @param k  0 .. cam_ilc_harmonics; all 0 beyond
 cam_ilc_harmonic_t cam_ilc_harmonic(const cam_ilc_t *t, uint32_t k);
 
-/// @return learned value by index (cam_ilc_value_*), 0 beyond the last
+/// @param index  cam_ilc_value_*
+/// @return       learned value, 0 beyond the last; set: whether index and value are in range
 int32_t cam_ilc_get(const cam_ilc_t *t, uint32_t index);
-
-/// Set a learned value. @return whether index and value are in range
 bool cam_ilc_set(cam_ilc_t *t, uint32_t index, int32_t value);
 
 /// @return c e^(jk angle), relative error up to 8e-5

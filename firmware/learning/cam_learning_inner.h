@@ -20,19 +20,17 @@
 
 enum { cam_gain_one_q12 = 1 << 12 };
 
-/// @return a + b; the parts of the sum must fit int32
+/// The parts of sums and differences must fit int32.
 static inline cam_complex_t cam_complex_add(cam_complex_t a, cam_complex_t b)
 {
     return (cam_complex_t){.re = a.re + b.re, .im = a.im + b.im};
 }
 
-/// @return a - b; the parts of the difference must fit int32
 static inline cam_complex_t cam_complex_sub(cam_complex_t a, cam_complex_t b)
 {
     return (cam_complex_t){.re = a.re - b.re, .im = a.im - b.im};
 }
 
-/// @return |a|^2
 static inline uint64_t cam_complex_square(cam_complex_t a)
 {
     return (uint64_t)((int64_t)a.re * a.re) + (uint64_t)((int64_t)a.im * a.im);
@@ -76,17 +74,13 @@ static inline cam_complex_t cam_gain_ratio(cam_complex_t a, cam_complex_t b)
 ///
 /// Both use the same 256 angles, so angles are exact. Source: MATHS.md (140).
 
-/// @return cos(2 pi step / 256), 2^24 is 1
+/// @return cosine and sine of 2 pi step / 256
 int32_t cam_cos_q24(uint32_t step);
-
-/// @return sin(2 pi step / 256), 2^24 is 1
 int32_t cam_sin_q24(uint32_t step);
 
-/// One harmonic of 128 bins.
-/// @param mean    of the first bin, within +-2^31
+/// @param mean    of the first of 128 bins
 /// @param stride  [words] from a bin to the next
-/// @param k       0 .. 63
-/// @return        in the unit of the means, rounded, saturated
+/// @return        harmonic k, 0 .. 63, in the unit of the means, rounded, saturated
 cam_complex_t cam_harmonics_of(const int32_t *mean, uint32_t stride, uint32_t k);
 
 /// Move the points of a turn towards a sum of harmonics, each by at most one step.
@@ -109,13 +103,11 @@ static inline double cam_drive_omega(uint32_t k, int32_t speed_q32)
     return 2.0 * CAM_PI * k * speed_q32 * 0x1p-32;
 }
 
-/// @return U's response at harmonic k according to the constants, 1 / (1 + j w k1 - w^2 k2)
-/// @param speed_q32       [turn / 2^32 per tick], above 0
-/// @param k1_q16, k2_q16  [ticks], [ticks^2]
+/// @param speed_q32  [turn / 2^32 per tick], above 0
+/// @return           U's response at harmonic k by the constants, 1 / (1 + j w k1 - w^2 k2)
 cam_complex_t cam_drive_gain(uint32_t k, int32_t speed_q32, int32_t k1_q16, int32_t k2_q16);
 
-/// Add a harmonic to the sums of a turn.
-/// @param error, set  [nm / 64] error and set-point of harmonic k, 1 .. 16, within +-2^31
+/// @param error, set  [nm / 64] error and set-point of harmonic k, 1 .. 16
 void cam_drive_add(cam_drive_sums_t *sums, uint32_t k, cam_complex_t error, cam_complex_t set,
                    cam_complex_t gain);
 
@@ -137,7 +129,6 @@ cam_drive_t cam_drive_solve(const cam_drive_sums_t *sums, int32_t speed_q32);
 /// and the fourth time masks the harmonic. The correction is for full amplitude. Source: MATHS.md
 /// (142) .. (144).
 
-/// Clear the correction, the responses and the smallest errors.
 void cam_harmonic_correction_forget(cam_harmonic_correction_t *s);
 
 /// Forget the smallest errors, because the cutting conditions have changed.
@@ -150,13 +141,11 @@ void cam_harmonic_correction_restart_guard(cam_harmonic_correction_t *s);
 void cam_harmonic_correction_set_probe(cam_harmonic_correction_t *s, int32_t size_q6, uint32_t n,
                                        uint32_t which);
 
-/// Evaluate the error of a turn while probing.
 /// @param stage  0: no probe, 1: first probe, 2: second probe, which masks; later ones unmask
 /// @param error_q6  [nm / 64] of harmonic k at full amplitude
 void cam_harmonic_correction_probe(cam_harmonic_correction_t *s, uint32_t stage, uint32_t k,
                                    cam_complex_t error_q6);
 
-/// Update the correction at harmonic k from the error of a turn.
 /// @param error_q6  [nm / 64] at full amplitude
 /// @param floor_q6  [nm / 64] noise floor of the scale
 /// @param mu_q16    learning gain, 0 .. 2^16
@@ -170,16 +159,14 @@ bool cam_harmonic_correction_learn(cam_harmonic_correction_t *s, uint32_t k, cam
 /// grows, because learning may diverge.
 void cam_harmonic_correction_age(cam_harmonic_correction_t *s, uint32_t k);
 
-/// Scale the correction. @param part_q16  0 .. 2^16
+/// @param part_q16  0 .. 2^16
 void cam_harmonic_correction_scale(cam_harmonic_correction_t *s, uint32_t part_q16);
 
-/// Restore the correction of the smallest error at every harmonic.
+/// Take back the correction of the smallest error.
 void cam_harmonic_correction_restore(cam_harmonic_correction_t *s);
 
-/// @return [nm / 64] sum of the magnitudes
 uint32_t cam_harmonic_correction_sum_q6(const cam_harmonic_correction_t *s);
 
-/// Rotate the correction with the pattern.
 void cam_harmonic_correction_rotate(cam_harmonic_correction_t *s, uint32_t angle_q32);
 
 /// Chip: feed-forward of the chip's radial force, learned in the cut.
@@ -211,7 +198,6 @@ void cam_ilc_chip_step_mean(cam_ilc_t *t, int32_t error_q6, int32_t depth_nm, in
 /// has removed it.
 void cam_ilc_chip_follow_gap(cam_ilc_t *t);
 
-/// Take the present feed from the interrupt.
 void cam_ilc_chip_follow(cam_ilc_t *t, cam_state_t state, const cam_turn_bins_t *bins);
 
 /// @return whether the feed differs from that for which A and B are in force
@@ -243,7 +229,6 @@ enum { cam_ripple_most = INT16_MAX / 2 };
 ///             large: the turn must be discarded
 int32_t cam_ripple_deviate(cam_turn_bin_t *bin);
 
-/// Add order k of a turn. @param angle_q32  [turn / 2^32]
 void cam_ripple_add(cam_ripple_t *r, uint32_t k, cam_complex_t angle_q32);
 
 /// Complete a turn. The drift of the speed from the first to the last turn of a mean is subtracted.
@@ -253,7 +238,6 @@ void cam_ripple_add(cam_ripple_t *r, uint32_t k, cam_complex_t angle_q32);
 /// @return whether there is a new mean
 bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t least_q32, int32_t speed_q36);
 
-/// Discard the turns in the sum.
 void cam_ripple_drop(cam_ripple_t *r);
 
 /// @return [turn / 2^32] order k of the mean
@@ -278,10 +262,8 @@ enum {
 
 #define CAM_ILC_TURNS UINT32_C(0xFFFFFF) ///< turns are numbered modulo 2^24
 
-/// Enter a phase.
 void cam_ilc_update_phase(cam_ilc_t *t, cam_ilc_phase_t phase);
 
-/// Restart the guards of both layers.
 void cam_ilc_update_restart_guards(cam_ilc_t *t);
 
 /// @return whether a speed differs from that of the learning by more than 2 %
@@ -302,10 +284,8 @@ bool cam_ilc_update_is_rough(const cam_ilc_t *t);
 ///         that the rest stays observed, and the motion is large for the scale
 bool cam_ilc_update_is_for_drive(const cam_ilc_t *t);
 
-/// Begin the update from the turn in t->bin: classify it and convert its sums to means.
+/// Classify the turn in t->bin and convert its sums to means; then learn from each harmonic t->k.
 void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn_t *turn);
-
-/// Learn from harmonic t->k.
 void cam_ilc_update_harmonic(cam_ilc_t *t, const cam_ilc_setup_t *s);
 
 /// Move a value towards its target by at most `most`. @return whether it has reached it

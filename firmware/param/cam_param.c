@@ -46,7 +46,6 @@ static const cam_param_info_t infos[cam_n_params] = {CAM_PARAMS(PARAM_INFO)};
                    #name ": out of its order");
 CAM_PARAMS(PARAM_CHECK)
 
-/// Set a parameter without checking its range.
 static void assign(cam_params_t *params, uint32_t id, int32_t value)
 {
     (void)memcpy((char *)params + (size_t)id * sizeof value, &value, sizeof value);
@@ -142,4 +141,22 @@ cam_err_t cam_param_set(cam_params_t *params, cam_param_id_t id, int32_t value)
     }
     assign(params, (uint32_t)id, value);
     return cam_ok;
+}
+
+const char *cam_text_number(char *buffer, int64_t value)
+{
+    static const char digits[] = "0123456789";
+    uint32_t at = (uint32_t)cam_text_number_bytes - 1u;
+    uint64_t left = value < 0 ? 0u - (uint64_t)value : (uint64_t)value;
+    buffer[at] = '\0';
+    do {
+        at--;
+        buffer[at] = digits[left % 10u];
+        left /= 10u;
+    } while (left > 0u);
+    if (value < 0) {
+        at--;
+        buffer[at] = '-';
+    }
+    return &buffer[at];
 }

@@ -185,22 +185,20 @@ typedef struct {
     bool is_hard;          ///< it has hard limits
 } cam_param_info_t;
 
-/// @return description of a parameter, NULL when id is not one
+/// @return NULL when id is not a parameter
 const cam_param_info_t *cam_param_info(cam_param_id_t id);
 
-/// @return whether a parameter has a flag, false when id is not one
 bool cam_param_has(cam_param_id_t id, cam_flag_t flag);
 
-/// @return id of the parameter with that name, cam_n_params when there is none
+/// @return cam_n_params when there is none
 cam_param_id_t cam_param_find(const char *name);
 
 /// @return whether a name begins as that of a retired parameter
 bool cam_param_is_retired(const char *name);
 
-/// @return all parameters at their defaults
 cam_params_t cam_param_defaults(void);
 
-/// Set the transient parameters to their defaults.
+/// Reset the transient parameters.
 void cam_param_forget(cam_params_t *params);
 
 /// Clamp all parameters to their ranges.
@@ -210,10 +208,8 @@ void cam_param_fit(cam_params_t *params);
 /// @param measures_u  also what needs a measured U, not only the ripple of the spindle
 void cam_param_learn(cam_params_t *params, bool measures_u);
 
-/// @return value of a parameter; id < cam_n_params
-int32_t cam_param_get(const cam_params_t *params, cam_param_id_t id);
+int32_t cam_param_get(const cam_params_t *params, cam_param_id_t id); ///< id < cam_n_params
 
-/// Set one parameter after checking its range.
 /// @return cam_ok, cam_err_param_id, cam_err_param_range, or cam_err_hard_limit for a parameter
 ///         with hard limits; *params is unchanged on error
 CAM_MUST_USE cam_err_t cam_param_set(cam_params_t *params, cam_param_id_t id, int32_t value);
@@ -230,13 +226,11 @@ typedef struct {
     uint32_t pass;            ///< number of the pass that was judged; 0: the table has none
 } cam_refusal_t;
 
-/// @return no refusal
 static inline cam_refusal_t cam_refusal_none(void)
 {
     return (cam_refusal_t){.err = cam_ok, .param = cam_n_params};
 }
 
-/// @return the refusal of a parameter
 static inline cam_refusal_t cam_refusal_of(cam_err_t err, cam_param_id_t param, int64_t needed,
                                            int64_t limit)
 {
@@ -280,13 +274,10 @@ typedef struct {
 ///         and in a file of tools/camctl
 uint32_t cam_param_store_checksum(const cam_params_t *params);
 
-/// Write parameters as text.
 /// @param text  buffer of cam_param_store_most_bytes
 /// @return      [bytes] of the text
 uint32_t cam_param_store_write(char *text, const cam_params_t *params, uint32_t version);
 
-/// Read parameters from a text.
-/// @param kept    from the port
 /// @param params  parameters without a valid line keep their value, all of them if it is damaged
 cam_param_store_found_t cam_param_store_read(const hal_params_t *kept, cam_params_t *params);
 
@@ -334,23 +325,19 @@ typedef struct {
     uint64_t noise;          ///< from the times of the commander's frames
 } cam_rights_t;
 
-/// Begin: nobody has command, and the level is locked.
 void cam_rights_init(cam_rights_t *r, const hal_operator_t *port, uint32_t tick_hz);
 
-/// Take command with a new session.
 /// @param sender   1 .. cam_rights_most_sender
 /// @param is_over  take it over if another sender has it
 /// @return cam_ok; cam_err_not_commander if another sender has it; cam_err_frame: sender invalid
 CAM_MUST_USE cam_err_t cam_rights_take(cam_rights_t *r, uint8_t sender, bool is_over,
                                        uint32_t tick);
 
-/// Release command and lock the level.
+/// Lock the level, too.
 void cam_rights_release(cam_rights_t *r);
 
-/// @return whether a frame belongs to the current session
 bool cam_rights_is_commander(const cam_rights_t *r, uint8_t sender, uint8_t session);
 
-/// Note a frame of the commander.
 void cam_rights_hear(cam_rights_t *r, uint32_t tick);
 
 /// Make a challenge. Its answer needs the port's secret, so an overheard answer is useless.

@@ -14,7 +14,6 @@ static const char equals[] = " = ";
 /// [characters] longest number, with its sign
 enum { most_digits = 11 };
 
-/// A text that grows.
 typedef struct {
     char *text;
     uint32_t n;
@@ -36,14 +35,19 @@ static void put_line(writer_t *w, const char *name, int64_t value)
     put(w, "\n");
 }
 
+static void put_param(writer_t *w, const cam_params_t *params, uint32_t id)
+{
+    put_line(w, cam_param_info((cam_param_id_t)id)->name,
+             cam_param_get(params, (cam_param_id_t)id));
+}
+
 uint32_t cam_param_store_checksum(const cam_params_t *params)
 {
     uint32_t crc = 0;
     for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
         char line[cam_param_store_line_bytes];
         writer_t w = {.text = line};
-        put_line(&w, cam_param_info((cam_param_id_t)id)->name,
-                 cam_param_get(params, (cam_param_id_t)id));
+        put_param(&w, params, id);
         crc = cam_crc32(crc, line, w.n);
     }
     return crc;
@@ -55,8 +59,7 @@ uint32_t cam_param_store_write(char *text, const cam_params_t *params, uint32_t 
     put(&w, "# camturn parameters, kept by the controller; tools/camctl params changes them\n");
     put_line(&w, version_name, version);
     for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
-        put_line(&w, cam_param_info((cam_param_id_t)id)->name,
-                 cam_param_get(params, (cam_param_id_t)id));
+        put_param(&w, params, id);
     }
     put_line(&w, crc_name, cam_crc32(0, text, w.n));
     return w.n;
@@ -88,7 +91,6 @@ static bool is_number(const char *text, uint32_t n, int64_t *value)
     return is_good;
 }
 
-/// @return the first line of n bytes
 static kept_line_t line_at(const char *text, uint32_t n)
 {
     kept_line_t line = {.text = text};

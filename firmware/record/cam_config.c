@@ -48,7 +48,6 @@ void cam_config_learn(cam_config_t *config)
     cam_config_limit_command(config);
 }
 
-/// @return the larger amount
 static int64_t larger(int32_t a, int32_t b)
 {
     return cam_abs_i64(a) > cam_abs_i64(b) ? cam_abs_i64(a) : cam_abs_i64(b);

@@ -273,8 +273,7 @@ typedef struct {
 /// @return the half that may be written; NULL until the interrupt has taken the previous offer
 cam_config_t *cam_config_free_half(cam_config_bank_t *bank);
 
-/// Copy the newest configuration into the free half.
-/// @return the copy, NULL while the interrupt has not taken the last one.
+/// @return the free half with a copy of the newest configuration; NULL likewise
 cam_config_t *cam_config_copy(cam_config_bank_t *bank);
 
 /// Set the pointers of a configuration to its own table and learned values, before it is offered.
@@ -289,7 +288,7 @@ void cam_config_learn(cam_config_t *config);
 /// (213). Call after every change of the gains.
 void cam_config_limit_command(cam_config_t *config);
 
-/// Hand over the free half; it is in force from the next tick on.
+/// The free half is in force from the next tick on.
 void cam_config_offer(cam_config_bank_t *bank);
 
 /// @return the configuration of this tick. Context: ISR, constant time.

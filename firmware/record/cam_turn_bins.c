@@ -7,7 +7,6 @@
 /// Turns are numbered modulo 2^24; this bit marks a number as valid.
 #define IS_TURN (UINT32_C(1) << 24)
 
-/// @return number of a turn, marked as valid
 static uint32_t numbered(uint32_t turn)
 {
     return (turn & (IS_TURN - 1u)) | IS_TURN;
@@ -67,7 +66,6 @@ void cam_turn_bins_plan_isr(cam_turn_bins_t *g, const cam_tick_record_t *r, cons
     atomic_store_explicit(&g->at_q8, at_q8, CAM_ORDER_RELEASE);
 }
 
-/// @return the first bin of bank 0 or 1
 static cam_turn_bin_t *bank_of(cam_turn_bins_t *g, uint32_t bank)
 {
     return &g->bin[bank != 0u ? cam_turn_bins_n : 0];

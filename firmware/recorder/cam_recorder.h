@@ -232,7 +232,6 @@ CAM_MUST_USE cam_err_t cam_scope_get(const cam_scope_t *s, uint32_t field, int32
 CAM_MUST_USE cam_err_t cam_scope_begin(cam_scope_t *s, const cam_scope_plan_t *plan,
                                        cam_scope_use_t use, uint32_t head, uint32_t tick);
 
-/// End the recording, if there is one.
 void cam_scope_stop(cam_scope_t *s);
 
 /// Reserve words at the start of the memory for a wave. The recording is lost.
@@ -241,7 +240,6 @@ void cam_scope_reserve(cam_scope_t *s, uint32_t n_wave);
 /// Process a record, in the order of the ticks.
 void cam_scope_take(cam_scope_t *s, const cam_tick_record_t *r);
 
-/// @return whether a recording needs records
 static inline bool cam_scope_is_on(const cam_scope_t *s)
 {
     return s->phase == cam_scope_armed || s->phase == cam_scope_recording;
@@ -252,10 +250,9 @@ static inline bool cam_scope_is_on(const cam_scope_t *s)
 /// @return      whether the trigger fires in this tick
 bool cam_trigger_fires(const cam_trigger_t *t, cam_trigger_last_t last, int32_t now);
 
-/// @return number of signals in a set
 uint32_t cam_scope_count(uint32_t signals);
 
-/// @return [words] of the recorded rows, row by row
+/// @return [words]
 static inline uint32_t cam_scope_n_recorded(const cam_scope_t *s)
 {
     return s->ring.n_rows * s->n_signals;
@@ -297,7 +294,7 @@ static inline bool cam_blackbox_is_unread(const cam_scope_t *s)
     return s->use == cam_scope_box && s->phase == cam_scope_done;
 }
 
-/// Write the head of a finished recording and have the port keep it.
+/// Have the port keep a finished recording.
 void cam_blackbox_keep(const cam_scope_t *s);
 
 /// Restore a recording that the port has kept over a restart; one whose head does not match the
@@ -339,8 +336,7 @@ typedef struct {
     cam_strobe_sample_t queue[cam_strobe_capacity];
 } cam_strobe_t;
 
-/// @param tick_hz  [Hz]
-/// @return         [ticks] shortest interval between samples
+/// @return [ticks] shortest interval between samples
 uint32_t cam_strobe_least(uint32_t tick_hz);
 
 /// Start a subscription, or renew it with the same interval.
@@ -348,22 +344,20 @@ uint32_t cam_strobe_least(uint32_t tick_hz);
 /// @param tick   newest tick; samples are later
 void cam_strobe_subscribe(cam_strobe_t *s, uint32_t every, uint32_t tick);
 
-/// @return whether there is a subscription
 static inline bool cam_strobe_is_on(const cam_strobe_t *s)
 {
     return s->every != 0u;
 }
 
-/// Process a record, in the order of the ticks.
+/// Records come in the order of the ticks.
 void cam_strobe_take(cam_strobe_t *s, const cam_tick_record_t *r);
 
 /// End a subscription that was not renewed. @param tick  newest tick
 void cam_strobe_expire(cam_strobe_t *s, uint32_t tick, uint32_t tick_hz);
 
-/// @return oldest sample in the queue, NULL: none
+/// @return NULL: none is queued
 const cam_strobe_sample_t *cam_strobe_oldest(const cam_strobe_t *s);
 
-/// Remove the oldest sample.
 void cam_strobe_drop(cam_strobe_t *s);
 
 #endif

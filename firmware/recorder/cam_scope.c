@@ -190,7 +190,6 @@ static int32_t value_of(const cam_tick_record_t *r, uint32_t signal)
 
 // Trigger
 
-/// @return whether values rise to the level
 static bool reaches(int32_t level, int32_t last, int32_t now)
 {
     return last < level && now >= level;
@@ -228,7 +227,6 @@ bool cam_trigger_fires(const cam_trigger_t *t, cam_trigger_last_t last, int32_t 
     }
 }
 
-/// @return value of the trigger
 static int32_t trigger_value(const cam_scope_t *s, const cam_tick_record_t *r)
 {
     switch (s->plan.trigger.kind) {
@@ -282,7 +280,6 @@ static void add_row(cam_scope_t *s, const cam_tick_record_t *r)
     }
 }
 
-/// Process a record in the selected state.
 static void record_tick(cam_scope_t *s, const cam_tick_record_t *r)
 {
     const bool is_next = !s->last.is_there || r->tick - s->last_tick == 1u;

@@ -56,7 +56,6 @@ static bool send_answers(cam_can_t *r)
 
 // Commands
 
-/// Note the commander as heard if a command is of the current session.
 static void hear(cam_can_t *r, const struct camturn_command_t *m)
 {
     cam_rights_t *rights = &r->machine->rights;
@@ -94,7 +93,6 @@ static void give(cam_can_t *r, const struct camturn_command_t *m)
     rights->is_bus_calling = false;
 }
 
-/// Check the form of a command frame, then execute it.
 static void take_command(cam_can_t *r, const hal_can_frame_t *frame)
 {
     struct camturn_command_t m = {.command = 0};
@@ -134,7 +132,6 @@ static cam_err_t store_block(cam_can_t *r, uint32_t n)
                                   n - cam_table_store_block_header);
 }
 
-/// Store a complete block, or report a lost one.
 static void end_block(cam_can_t *r, cam_isotp_event_t event)
 {
     if (event != cam_isotp_nothing) {
@@ -149,13 +146,8 @@ static void end_block(cam_can_t *r, cam_isotp_event_t event)
 static bool send_flow(cam_can_t *r)
 {
     hal_can_frame_t frame = {.id = CAMTURN_BLOCK_FLOW_FRAME_ID};
-    if (cam_isotp_flow(&r->isotp, &frame)) {
-        if (!hal_can_write(&frame)) {
-            return false;
-        }
-        cam_isotp_flow_sent(&r->isotp);
-    }
-    return true;
+    r->isotp.has_flow = cam_isotp_flow(&r->isotp, &frame) && !hal_can_write(&frame);
+    return !r->isotp.has_flow;
 }
 
 // Samples for a live picture
@@ -164,7 +156,6 @@ static bool send_flow(cam_can_t *r)
 /// bus.
 enum { during_reading_hz = 125 };
 
-/// @return whether the rate allows another message
 static bool is_due(const cam_can_t *r, uint32_t tick)
 {
     const uint32_t rate_hz =

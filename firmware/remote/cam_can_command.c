@@ -16,7 +16,6 @@ static cam_outcome_t get(const cam_can_t *r, cam_param_id_t id, cam_err_t err)
     return (cam_outcome_t){.err = err, .value = cam_param_get(&r->machine->params, id)};
 }
 
-/// @return the smallest or the largest value that a parameter can take
 static cam_outcome_t limit(cam_param_id_t id, bool is_lower)
 {
     const cam_param_info_t *info = cam_param_info(id);
@@ -52,16 +51,9 @@ static cam_outcome_t stage(cam_can_t *r, cam_param_id_t id, int32_t value)
     return with_range(outcome, id);
 }
 
-/// @return a result with the version of the parameters in force
 static cam_outcome_t with_version(const cam_can_t *r, cam_err_t err)
 {
     return (cam_outcome_t){.err = err, .value = (int32_t)r->machine->version};
-}
-
-static cam_outcome_t begin_params(const cam_can_t *r)
-{
-    cam_machine_stage_begin(r->machine);
-    return with_version(r, cam_ok);
 }
 
 /// @return a field of the last refusal, saturated, with units as in cam_refusal_t
@@ -103,7 +95,6 @@ static cam_outcome_t outcome_of(cam_verdict_t verdict)
     return (cam_outcome_t){.err = verdict.err, .value = verdict.value};
 }
 
-/// @return position of an axis in machine coordinates
 static cam_outcome_t place_of(const cam_can_t *r, hal_axis_t axis)
 {
     if ((uint32_t)axis >= (uint32_t)hal_n_axes) {
@@ -112,7 +103,6 @@ static cam_outcome_t place_of(const cam_can_t *r, hal_axis_t axis)
     return (cam_outcome_t){.err = cam_ok, .value = cam_machine_position_nm(r->machine, axis)};
 }
 
-/// @return an error with the number of parts
 static cam_outcome_t with_parts(const cam_can_t *r, cam_err_t err)
 {
     return (cam_outcome_t){.err = err, .value = cam_sat_i32((int64_t)r->machine->n_parts)};
@@ -153,22 +143,12 @@ static cam_outcome_t get_scope(const cam_can_t *r, uint32_t field, cam_err_t err
     return (cam_outcome_t){.err = err != cam_ok ? err : got, .value = value};
 }
 
-static cam_outcome_t set_scope(const cam_can_t *r, uint32_t field, int32_t value)
-{
-    return get_scope(r, field, cam_machine_scope_set(r->machine, field, value));
-}
-
 /// @return a learned value with the error of setting it, or else of reading it
 static cam_outcome_t get_learned(const cam_can_t *r, uint32_t index, cam_err_t err)
 {
     const cam_err_t got = index < cam_ilc_n_values ? cam_ok : cam_err_param_id;
     return (cam_outcome_t){.err = err != cam_ok ? err : got,
                            .value = cam_ilc_get(&r->machine->ilc, index)};
-}
-
-static cam_outcome_t set_learned(const cam_can_t *r, uint32_t index, int32_t value)
-{
-    return get_learned(r, index, cam_machine_set_learned(r->machine, index, value));
 }
 
 /// An FD piece is a multiple of this many words, at most that many times.
@@ -184,18 +164,6 @@ static cam_outcome_t read_scope(cam_can_t *r, const struct camturn_command_t *m,
     const cam_err_t err = cam_reading_begin(&r->reading, &r->machine->scope, m->offset, n_words,
                                             is_fd, cam_status_tick(r->machine->core));
     return (cam_outcome_t){.err = err, .is_deferred = err == cam_ok};
-}
-
-static cam_outcome_t stop_scope(cam_machine_t *machine)
-{
-    cam_machine_scope_stop(machine);
-    return cam_outcome(cam_ok);
-}
-
-static cam_outcome_t keep_alive(cam_machine_t *machine)
-{
-    cam_machine_keep_alive(machine);
-    return cam_outcome(cam_ok);
 }
 
 static cam_outcome_t strobe(cam_can_t *r, uint32_t every)
@@ -220,18 +188,6 @@ static cam_outcome_t take_session(cam_can_t *r, const struct camturn_command_t *
     return (cam_outcome_t){.err = err, .value = session};
 }
 
-static cam_outcome_t release_command(cam_machine_t *machine)
-{
-    cam_machine_release_command(machine);
-    return cam_outcome(cam_ok);
-}
-
-static cam_outcome_t lock(cam_rights_t *rights)
-{
-    cam_rights_lock(rights);
-    return cam_outcome(cam_ok);
-}
-
 static cam_outcome_t challenge(cam_can_t *r, uint32_t tick)
 {
     uint32_t number = 0;
@@ -249,6 +205,9 @@ typedef enum {
 } right_t;
 
 // clang-format off
+/// The outcome of a command that cannot fail.
+#define DONE(call) ((call), cam_outcome(cam_ok))
+
 /// X(name, right, outcome): every command, the right that it requires, and the expression that
 /// executes it and gives its outcome. The machine checks the state, for callers other than this one, too.
 #define COMMANDS(X) \
@@ -265,7 +224,7 @@ typedef enum {
     X(GET_MINIMUM,       none,     limit(id, true)) \
     X(GET_MAXIMUM,       none,     limit(id, false)) \
     X(GET_REFUSAL,       none,     get_refusal(&machine->refusal, m->parameter)) \
-    X(BEGIN_PARAMETERS,  command,  begin_params(r)) \
+    X(BEGIN_PARAMETERS,  command,  (cam_machine_stage_begin(machine), with_version(r, cam_ok))) \
     X(STAGE_PARAMETER,   command,  stage(r, id, m->value)) \
     X(COMMIT_PARAMETERS, command,  with_version(r, cam_machine_stage_commit(machine))) \
     X(SAVE_PARAMETERS,   command,  with_version(r, cam_machine_save_params(machine))) \
@@ -288,25 +247,27 @@ typedef enum {
     X(ZERO_Z,            command,  outcome_of(cam_machine_zero(machine, hal_axis_z, m->height))) \
     X(GET_PLACE,         none,     place_of(r, axis)) \
     /* Recorder, excitation and learning */ \
-    X(SET_SCOPE,         command,  set_scope(r, m->parameter, m->value)) \
+    X(SET_SCOPE,         command,  get_scope(r, m->parameter, \
+                                             cam_machine_scope_set(machine, m->parameter, m->value))) \
     X(GET_SCOPE,         none,     get_scope(r, m->parameter, cam_ok)) \
     X(START_SCOPE,       command,  cam_outcome(cam_machine_scope_start(machine))) \
-    X(STOP_SCOPE,        command,  stop_scope(machine)) \
+    X(STOP_SCOPE,        command,  DONE(cam_machine_scope_stop(machine))) \
     X(RELEASE_SCOPE,     command,  cam_outcome(cam_machine_release(machine))) \
     X(READ_SCOPE,        none,     read_scope(r, m, false)) \
     X(READ_SCOPE_FD,     none,     read_scope(r, m, true)) \
     X(STROBE,            none,     strobe(r, m->every)) \
     X(EXCITE,            command,  outcome_of(cam_machine_excite(machine, m->periods, m->fade))) \
-    X(KEEP_ALIVE,        command,  keep_alive(machine)) \
+    X(KEEP_ALIVE,        command,  DONE(cam_machine_keep_alive(machine))) \
     X(GET_LEARNED,       none,     get_learned(r, m->parameter, cam_ok)) \
-    X(SET_LEARNED,       unlocked, set_learned(r, m->parameter, m->value)) \
+    X(SET_LEARNED,       unlocked, get_learned(r, m->parameter, \
+                                               cam_machine_set_learned(machine, m->parameter, m->value))) \
     /* Rights; the commander has been heard already */ \
     X(TAKE_COMMAND,      none,     take_session(r, m)) \
-    X(RELEASE_COMMAND,   command,  release_command(machine)) \
+    X(RELEASE_COMMAND,   command,  DONE(cam_machine_release_command(machine))) \
     X(HEARTBEAT,         command,  cam_outcome(cam_ok)) \
     X(GET_CHALLENGE,     command,  challenge(r, tick)) \
     X(UNLOCK,            command,  cam_outcome(cam_rights_unlock(rights, m->unlock_answer, tick))) \
-    X(LOCK,              command,  lock(rights))
+    X(LOCK,              command,  DONE(cam_rights_lock(rights)))
 // clang-format on
 
 #define RIGHT(name, right, outcome) [CAMTURN_COMMAND_COMMAND_##name##_CHOICE] = right_##right,

@@ -21,7 +21,6 @@ static void append(cam_isotp_t *t, const uint8_t *bytes, uint32_t most)
     t->n += n;
 }
 
-/// Take a message that fits one frame.
 static cam_isotp_event_t begin_single(cam_isotp_t *t, const hal_can_frame_t *frame)
 {
     const uint32_t length = frame->data[0]; // its high nibble is 0
@@ -135,9 +134,4 @@ bool cam_isotp_flow(const cam_isotp_t *t, hal_can_frame_t *frame)
     frame->data[1] = t->is_too_long ? 0u : cam_isotp_block_size;
     frame->data[2] = 0; // separation time: none
     return t->has_flow;
-}
-
-void cam_isotp_flow_sent(cam_isotp_t *t)
-{
-    t->has_flow = false;
 }

@@ -6,7 +6,6 @@
 
 enum { max_line = 120 }; ///< longest line that hal_text() allows
 
-/// A line that is being put together.
 typedef struct {
     char text[max_line + 1];
     uint32_t n;
@@ -22,7 +21,6 @@ static void add(line_t *line, const char *text)
     line->text[line->n] = '\0';
 }
 
-/// Write four pieces of text as one line.
 static void say(const char *first, const char *second, const char *third, const char *fourth)
 {
     line_t line = {.n = 0};
@@ -45,7 +43,6 @@ void cam_log_text_start(const hal_start_t *start)
     say("start: ", reason, start->why[0] != '\0' ? ": " : "", start->why);
 }
 
-/// Append text and a number.
 static void add_number(line_t *line, const char *before, uint32_t number)
 {
     char text[cam_text_number_bytes];
@@ -96,7 +93,6 @@ static void add_nm(line_t *line, const char *before, uint32_t pm)
     add(line, " nm");
 }
 
-/// Append resolution and speed of an axis.
 static void add_axis(line_t *line, const char *name, const hal_axis_scale_t *scale)
 {
     add_nm(line, name, scale->command_pm);
@@ -109,7 +105,6 @@ static void add_axis(line_t *line, const char *name, const hal_axis_scale_t *sca
     }
 }
 
-/// Report the form error that the resolution costs.
 static void say_form_error(const cam_machine_t *machine)
 {
     const cam_table_t *table = machine->has_table ? &machine->table : NULL;
@@ -168,11 +163,7 @@ void cam_log_text_table(cam_log_text_t *l, const cam_table_store_t *store)
 {
     l->has_table = store->machine->has_table;
     if (store->err == cam_ok) {
-        line_t line = {.n = 0};
-        add(&line, "table: ");
-        add(&line, store->machine->table.name);
-        add(&line, " in use");
-        hal_text(line.text);
+        say("table: ", store->machine->table.name, " in use", "");
         say_counts(store->machine);
     } else {
         say("table: ", cam_err_text(store->err),

@@ -46,17 +46,11 @@ typedef enum {
 /// @return      cam_isotp_message when it completes a message, cam_isotp_broken when it ends one
 cam_isotp_event_t cam_isotp_receive(cam_isotp_t *t, const hal_can_frame_t *frame, uint32_t tick);
 
-/// Check the timeout when no frame has come.
-/// @param tick  [ticks] time, wraps
-/// @return      cam_isotp_broken when the next frame is overdue
+/// @return cam_isotp_broken when the next frame is overdue
 cam_isotp_event_t cam_isotp_wait(cam_isotp_t *t, uint32_t tick);
 
-/// @param frame  result: the flow control to be sent, all but its id
-/// @return       whether there is one; after sending it call cam_isotp_flow_sent()
+/// @return whether a flow control, all but its id, is to be sent; clear has_flow then
 bool cam_isotp_flow(const cam_isotp_t *t, hal_can_frame_t *frame);
-
-/// Note that the flow control has been sent.
-void cam_isotp_flow_sent(cam_isotp_t *t);
 
 /// Commands: whether a sender may give them, what they do, and their answers.
 
@@ -69,7 +63,6 @@ typedef struct {
     int32_t min, max;
 } cam_outcome_t;
 
-/// @return an outcome without a value
 static inline cam_outcome_t cam_outcome(cam_err_t err)
 {
     return (cam_outcome_t){.err = err};
@@ -79,10 +72,9 @@ static inline cam_outcome_t cam_outcome(cam_err_t err)
 ///         cam_err_locked or cam_err_lock_none
 cam_err_t cam_can_admit(const cam_rights_t *rights, const struct camturn_command_t *m);
 
-/// Execute a command that was admitted.
 cam_outcome_t cam_can_carry_out(cam_can_t *r, const struct camturn_command_t *m);
 
-/// @return an error with the number of bytes stored
+/// @return err with the number of bytes stored
 cam_outcome_t cam_can_received(const cam_can_t *r, cam_err_t err);
 
 /// Select the table and report it in a line of text, unless the error is temporary.
@@ -151,7 +143,6 @@ enum { cam_reading_hz = 2500, cam_reading_fd_hz = 1600 };
 /// Result of a poll.
 typedef enum { cam_reading_nothing, cam_reading_complete, cam_reading_lost } cam_reading_event_t;
 
-/// Begin a piece.
 /// @param offset   [words] in the recording
 /// @param n_words  wanted, at most those of a piece; fewer are sent where the recording ends
 /// @param is_fd    in messages of CAN FD
@@ -165,19 +156,18 @@ CAM_MUST_USE cam_err_t cam_reading_begin(cam_reading_t *r, const cam_scope_t *sc
 /// @return complete: the last message was queued; lost: another recording has begun meanwhile
 cam_reading_event_t cam_reading_poll(cam_reading_t *r, const cam_scope_t *scope, uint32_t tick);
 
-/// @return CRC-32 of the bytes of the piece
+/// @return CRC-32 of the piece
 uint32_t cam_reading_crc(const cam_reading_t *r, const cam_scope_t *scope);
 
 /// Report: the cyclic status, messages State, Spindle, AxisU and Detail of can/camturn.dbc. Sent
 /// every 10 ms, counted in ticks, so without ticks there is no status. Of Detail, page 0 is sent
 /// each time, and the other pages in turn. A frame that does not fit the transmit queue is dropped.
 
-/// Send the status if it is due.
 void cam_report_send(cam_report_t *r, const cam_table_store_t *store, const cam_status_t *status);
 
 /// Lines of text for people, written by hal_text().
 
-/// Report why the controller started, for example "start: watchdog reset".
+/// For example "start: watchdog reset".
 void cam_log_text_start(const hal_start_t *start);
 
 /// Report the initial parameters, for example "params: version 12 in use", and the stored ones that

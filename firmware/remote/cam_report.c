@@ -42,7 +42,6 @@ static void send(hal_can_frame_t *frame, uint32_t id, int n)
     (void)hal_can_write(frame);
 }
 
-/// Send the message State.
 static void send_state(const cam_report_t *r, const cam_table_store_t *store,
                        const cam_status_t *status)
 {

@@ -2,7 +2,6 @@
 #include "cam_table_inner.h"
 #include "cam_fix.h" // cam_abs_i64, cam_is_between
 
-/// Raise a bound to the magnitude of a value.
 static void widen(int64_t *bound, int64_t value)
 {
     const int64_t magnitude = cam_abs_i64(value);
@@ -104,7 +103,6 @@ static void halve(hull_t mean, hull_t *lower, hull_t *upper)
     }
 }
 
-/// @return whether a range in LSB / SCALE covers an interval
 static bool is_covered(const cam_extent_t *range, const hull_t *hull)
 {
     bool is_inside = true;

@@ -35,7 +35,6 @@ static cam_extent_t knot_range(const cam_entry_t *e)
                           e->value_offset + ((e->p_max + below_one) >> e->frac_bits)};
 }
 
-/// Check each field of the entry by itself.
 static cam_err_t check_shape(const cam_entry_t *e)
 {
     const bool is_u = e->kind == cam_kind_u;

@@ -14,7 +14,6 @@ static int64_t change_nm(const cam_lobe_t *lobe)
     return ((int64_t)lobe[1].z_first_nm - lobe->z_last_nm) / 2 - cam_lobes_kept_off_nm;
 }
 
-/// Check the gap above a lobe and its stored reciprocal.
 static bool is_gap_good(const cam_lobe_t *lobe)
 {
     const int64_t nm = change_nm(lobe);

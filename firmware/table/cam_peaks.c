@@ -14,19 +14,16 @@ enum {
     unit_bits = 26,            // fraction bits of the unit of an angle channel, 2^-26 turn
 };
 
-/// @return v >= 0 limited to the range of uint32
 static uint32_t saturated(int64_t v)
 {
     return v < (int64_t)UINT32_MAX ? (uint32_t)v : UINT32_MAX;
 }
 
-/// Raise a bound to a value, saturated.
 static void raise_to(uint32_t *most, int64_t value)
 {
     *most = value > (int64_t)*most ? saturated(value) : *most;
 }
 
-/// @return knot intervals per turn
 static int64_t intervals_per_turn(const cam_channel_t *ch)
 {
     return INT64_C(1) << (ch->log2_knots + ch->log2_repeat);
@@ -189,7 +186,6 @@ static int64_t per_rad_q20(int64_t per_turn_q20)
     return per_turn_q20 < 0 ? -magnitude : magnitude;
 }
 
-/// Raise the demand to that of one knot.
 static void raise_demand(cam_spindle_demand_t *demand, cam_ratio_t at)
 {
     const int64_t slope_q20 = per_rad_q20(at.slope_q20);
@@ -256,7 +252,6 @@ static cam_ratio_t ratio_at(const cam_table_t *t, const cam_channel_t *ch, uint3
     return cam_speed_ratio_at(&t->speed, theta_q32, z);
 }
 
-/// Check speed and acceleration of U at knot k of u.
 static bool is_motion_kept(const cam_table_t *t, uint32_t k)
 {
     const cam_channel_t *u = &t->u;

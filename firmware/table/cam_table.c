@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_table_inner.h"
 #include "cam_fix.h" // cam_is_between
+#include <stddef.h>  // offsetof
 #include <string.h>  // memcpy, memcmp
 
 _Static_assert(sizeof(cam_knot_t) == 12, "a knot is three words of the image");
+_Static_assert(offsetof(cam_table_t, u3_peak_nm_per_rad3) - offsetof(cam_table_t, name) ==
+                   cam_table_header_size - 32,
+               "the members are those of the header");
 
 /// Offsets of some of the header's fields in bytes: TABLE_FORMAT.md, "Header".
 enum {
@@ -114,30 +118,15 @@ static bool is_header_sound(const cam_table_t *t)
            cam_is_between(t->spindle_peak_ppm_per_rad, 0, max_spindle_ppm);
 }
 
-/// Read the header's fields and check their ranges and the part name.
 static cam_err_t check_header(const uint8_t *image, cam_table_t *t)
 {
     *t = (cam_table_t){
         .image = image,
         .image_size = word_at(image, at_image_size),
         .crc32 = word_at(image, at_crc),
-        .z_first_nm = (int32_t)word_at(image, 64),
-        .z_last_nm = (int32_t)word_at(image, 68),
-        .direction = (int32_t)word_at(image, 72),
-        .spindle_mrpm = word_at(image, 76),
-        .feed_nm = word_at(image, 80),
-        .depth_nm = word_at(image, 84),
-        .limit_u_stroke_nm = word_at(image, 88),
-        .limit_u_speed_um_per_s = word_at(image, 92),
-        .limit_u_acceleration_mm_per_s2 = word_at(image, 96),
-        .limit_spindle_mrpm = word_at(image, 100),
-        .u_min_nm = (int32_t)word_at(image, 104),
-        .u_max_nm = (int32_t)word_at(image, 108),
-        .u1_peak_nm_per_rad = word_at(image, 112),
-        .u2_peak_nm_per_rad2 = word_at(image, 116),
-        .spindle_peak_ppm_per_rad = word_at(image, 124),
     };
-    (void)memcpy(t->name, image + at_name, sizeof t->name);
+    (void)memcpy((uint8_t *)t + offsetof(cam_table_t, name), image + at_name,
+                 cam_table_header_size - at_name);
     return word_at(image, at_header_size) == cam_table_header_size && is_header_sound(t)
                ? check_name(image + at_name)
                : cam_err_image_header;

@@ -113,32 +113,34 @@ typedef struct {
                          ///< NULL: a skirt
     cam_channel_t way;   ///< lead of Z over a plain helix; knots == NULL: 0
     bool has_stations;   ///< Z may stand; x and lobes are found on the plain helix
-    const cam_pass_t *passes;       ///< in the order of cutting; NULL: one, as the header has it
-    uint32_t n_passes;              ///< 1 .. 16; 0 without passes
-    const cam_lobe_t *lobes;        ///< rising; NULL: slices are heights, not patterns
-    uint32_t n_lobes;               ///< 1 .. 64; 0 without lobes
-    uint32_t least_change_nm;       ///< [nm] height of the shortest change between lobes; 0: none
-    bool is_swung;                  ///< the tool must swing by `angle` (kind 4)
-    bool is_ring_helix;             ///< a geared Z follows a ring-helix (cam_motion.h), not a helix
-    cam_swing_peaks_t swing;        ///< of the swing at uniform speed; all 0 without a swing
-    cam_change_t u_change;          ///< [nm] of u over height, at every angle
-    cam_change_t swing_change;      ///< [turn / 2^26] of the swing over height; 0 without a swing
-    char name[cam_table_name_size]; ///< printable ASCII, zero-terminated
-    int32_t z_first_nm, z_last_nm;  ///< [nm] range of heights that every channel serves
-    int32_t direction;              ///< +1 (M3) or -1: sense of the spindle while cutting
-    uint32_t spindle_mrpm;          ///< [r/min / 1000] the part's spindle speed
-    uint32_t feed_nm;               ///< [nm] feed per turn
-    uint32_t depth_nm;              ///< [nm] depth of cut at the long axis
-    uint32_t limit_u_stroke_nm;     ///< [nm] peak to peak; limit_*: of the intended machine
-    uint32_t limit_u_speed_um_per_s;         ///< [um/s]
+    const cam_pass_t *passes;  ///< in the order of cutting; NULL: one, as the header has it
+    uint32_t n_passes;         ///< 1 .. 16; 0 without passes
+    const cam_lobe_t *lobes;   ///< rising; NULL: slices are heights, not patterns
+    uint32_t n_lobes;          ///< 1 .. 64; 0 without lobes
+    uint32_t least_change_nm;  ///< [nm] height of the shortest change between lobes; 0: none
+    bool is_swung;             ///< the tool must swing by `angle` (kind 4)
+    bool is_ring_helix;        ///< a geared Z follows a ring-helix (cam_motion.h), not a helix
+    cam_swing_peaks_t swing;   ///< of the swing at uniform speed; all 0 without a swing
+    cam_change_t u_change;     ///< [nm] of u over height, at every angle
+    cam_change_t swing_change; ///< [turn / 2^26] of the swing over height; 0 without a swing
+    // The header of the image from its name on, in its order
+    char name[cam_table_name_size];  ///< printable ASCII, zero-terminated
+    int32_t z_first_nm, z_last_nm;   ///< [nm] range of heights that every channel serves
+    int32_t direction;               ///< +1 (M3) or -1: sense of the spindle while cutting
+    uint32_t spindle_mrpm;           ///< [r/min / 1000] the part's spindle speed
+    uint32_t feed_nm;                ///< [nm] feed per turn
+    uint32_t depth_nm;               ///< [nm] depth of cut at the long axis
+    uint32_t limit_u_stroke_nm;      ///< [nm] peak to peak; limit_*: of the intended machine
+    uint32_t limit_u_speed_um_per_s; ///< [um/s]
     uint32_t limit_u_acceleration_mm_per_s2; ///< [mm/s2]
     uint32_t limit_spindle_mrpm;             ///< [r/min / 1000] highest spindle speed
     int32_t u_min_nm, u_max_nm;              ///< [nm] bounds of u, between the knots too
     uint32_t u1_peak_nm_per_rad;       ///< [nm/rad] bound of |u' r|: speed of U over mean speed
     uint32_t u2_peak_nm_per_rad2;      ///< [nm/rad2] bound of |u'' r^2 + u' r r'|
+    uint32_t error_pm;                 ///< [pm] of u and x against the exact geometry
+    uint32_t spindle_peak_ppm_per_rad; ///< [1e-6 / rad] bound of |r r'|; 0: uniform speed
     uint32_t u3_peak_nm_per_rad3;      ///< [nm/rad3] bound of |u'''|, measured by the check
     uint32_t u2_rms_nm_per_rad2;       ///< [nm/rad2] rms of u'' over a turn, largest of all slices
-    uint32_t spindle_peak_ppm_per_rad; ///< [1e-6 / rad] bound of |r r'|; 0: uniform speed
     uint32_t ratio_max_q20;            ///< [2^-20] bound of the ratio r, between the knots too
     cam_spindle_demand_t spindle_demand; ///< demand of speed on the spindle's loop
     int32_t x_min_nm, x_max_nm;          ///< [nm] bounds of x, between the knots too

@@ -79,7 +79,7 @@ void cam_bounds_add(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_k
 /// true maximum, even next to a knot at which the third derivative jumps.
 void cam_bounds_add_second(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_knot_t *k1);
 
-/// Widen the bound of the third derivative, which jumps at the knots.
+/// The third derivative jumps at the knots.
 void cam_bounds_add_third(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_knot_t *k1);
 
 /// A range of values in the unit of a channel.
@@ -108,29 +108,23 @@ cam_extent_t cam_extent_widened(const cam_channel_t *ch, bool is_around, cam_ext
 /// @return      cam_ok, or the first error in the order entry, layout, heights, knots
 CAM_MUST_USE cam_err_t cam_entry_check(const cam_entry_t *e, const cam_table_t *t, uint64_t *used);
 
-/// Check an entry of records: 0 in all fields that describe knots, and the heights of the table.
-/// @param most  largest count of records
-/// @param size  [bytes] of a record
-/// @param used  as of cam_entry_check()
+/// Check an entry of at most `most` records: 0 in all fields that describe knots, and the heights
+/// of the table.
 CAM_MUST_USE cam_err_t cam_entry_check_records(const cam_entry_t *e, uint32_t most, size_t size,
                                                const cam_table_t *t, uint64_t *used);
 
 /// Check the entry of the passes and its records, and put them into the table.
-/// @param used  as of cam_entry_check()
-/// @return      cam_ok, cam_err_image_channel or cam_err_image_layout
 CAM_MUST_USE cam_err_t cam_entry_check_passes(const cam_entry_t *e, uint64_t *used, cam_table_t *t);
 
 /// @return whether values are valid for the entry's kind: a speed ratio between 1/16 and 4, an
 ///         angle within a quarter turn to either side; lengths are not limited here
 bool cam_entry_is_in_unit(const cam_entry_t *e, cam_extent_t values);
 
-/// @return whether a channel is a function of angle and height, not of height alone
+/// @return false: of height alone
 bool cam_entry_is_over_angle(const cam_entry_t *e);
 
-/// @return the knots or records of an entry whose layout has been checked
+/// Knots or records, and channel, of an entry whose layout has been checked.
 const void *cam_entry_data(const cam_entry_t *e, const cam_table_t *t);
-
-/// @return the channel of an entry whose layout has been checked
 cam_channel_t cam_entry_channel(const cam_entry_t *e, const cam_table_t *t);
 
 /// Check that a way begins and ends with 0 and that Z rises everywhere (with stations: never
@@ -139,8 +133,7 @@ cam_channel_t cam_entry_channel(const cam_entry_t *e, const cam_table_t *t);
 /// @return cam_ok or cam_err_image_channel
 CAM_MUST_USE cam_err_t cam_feed_profile_check(cam_table_t *table);
 
-/// Check the entry and the directory of lobes, and fill in lobes, n_lobes and least_change_nm.
-/// @param used  as of cam_entry_check()
+/// Check the entry and the directory of lobes, and put them into the table.
 CAM_MUST_USE cam_err_t cam_lobes_check(const cam_entry_t *e, uint64_t *used, cam_table_t *table);
 
 /// Check, once all channels are known, that every channel over angle has all patterns.
@@ -151,24 +144,18 @@ CAM_MUST_USE cam_err_t cam_lobes_check_patterns(const cam_table_t *table);
 /// between the knots too. They exceed the largest values by at most two per cent where the knots
 /// are as dense as a tolerance of 1e-4 degrees makes them. One pass over the knots.
 
-/// Bound the swing of the tool.
-/// @param ch  kind swing, its knots checked
-/// @return    bounds over all angles and heights, rounded up, saturated
+/// All bounds: of a channel whose knots have been checked, over all angles and slices, rounded up,
+/// saturated.
 cam_swing_peaks_t cam_peaks_of_swing(const cam_channel_t *ch);
 
-/// Bound the third derivative of u: its jerk over the cube of the spindle speed.
-/// @param ch  over angle and height, its knots checked
-/// @return    [nm/rad3] bound over all angles and slices, rounded up, saturated
+/// @return [nm/rad3] bound of the third derivative of u: its jerk over the cube of the spindle
+/// speed
 uint32_t cam_peaks_third(const cam_channel_t *ch);
 
-/// Rms of the second derivative over a turn, from its values at the knots.
-/// @param ch  over angle and height, its knots checked
-/// @return    [nm/rad2] largest of all slices, rounded up, saturated
+/// @return [nm/rad2] rms of the second derivative over a turn, from its values at the knots
 uint32_t cam_peaks_rms_second(const cam_channel_t *ch);
 
-/// Bound the change of a channel over height: linear between slices, with a kink at each slice.
-/// @param ch  over angle and height, its knots checked
-/// @return    bounds over all angles and slices, rounded up, saturated; 0 when the slices are equal
+/// @return change over height: linear between slices, with a kink at each
 cam_change_t cam_peaks_of_change(const cam_channel_t *ch);
 
 /// Largest slope and curvature of a channel over height, saturated at UINT32_MAX.

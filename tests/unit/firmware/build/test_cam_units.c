@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Angles and parameters in the units of the interrupt: rounded to nearest, saturated, wrapped.
-#include "cam_build_inner.h" // cam_units_scale, cam_units_ticks2_of_us2, cam_units_ticks_of_ns
+#include "cam_build.h" // cam_units_scale, cam_units_ticks2_of_us2, cam_units_ticks_of_ns
 #include "cam_fix.h"
 #include "unity.h"
 
