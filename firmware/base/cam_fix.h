@@ -198,13 +198,15 @@ static inline uint64_t cam_greater_u64(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-/// @return a / b, rounded up. Context: slow side.
+/// @return a / b, rounded up, b above 0. Context: slow side.
+//@ requires b > 0;
 static inline uint64_t cam_divided_up_u64(uint64_t a, uint64_t b)
 {
     return (a + b - 1u) / b;
 }
 
-/// @return a * b / c, rounded up, saturated. Context: slow side.
+/// @return a * b / c, rounded up, saturated, c above 0. Context: slow side.
+//@ requires c > 0;
 static inline uint64_t cam_scaled_up_u64(uint64_t a, uint64_t b, uint64_t c)
 {
     return a == 0u || b < (uint64_t)INT64_MAX / a ? cam_divided_up_u64(a * b, c)
