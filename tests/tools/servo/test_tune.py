@@ -154,7 +154,7 @@ def test_margins_that_are_missing_are_refused(
 ) -> None:
     """One line names the cause; nothing is written. The mode has no loop at all."""
     kept = tmp_path / "kept.toml"
-    kept.write_text("".join(f"servo_{name} = {value}\n" for name, value in proposal.values.items()))
+    kept.write_text("".join(f"{name} = {value}\n" for name, value in proposal.values.items()))
     text = DRIVE.replace(*change)
     given = ["--loop", str(kept)]
     if culprit.startswith("the mode"):
