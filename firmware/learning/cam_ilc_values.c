@@ -27,11 +27,13 @@ static const int32_t *word_of(const cam_ilc_t *t, uint32_t index)
     if (index >= cam_ilc_value_friction) {
         return scalars[cam_ilc_value_correction + index - cam_ilc_value_friction];
     }
-    const cam_complex_t *pair = &t->correction.c_q6[(index - cam_ilc_value_correction) / 2u];
+    const cam_complex_t *pair = NULL;
     if (index >= cam_ilc_value_ripple) {
         pair = &t->ripple.mean[(index - cam_ilc_value_ripple) / 2u];
     } else if (index >= cam_ilc_value_gain) {
         pair = &t->correction.gain[(index - cam_ilc_value_gain) / 2u];
+    } else {
+        pair = &t->correction.c_q6[(index - cam_ilc_value_correction) / 2u];
     }
     return (index - cam_ilc_value_correction) % 2u == 0u ? &pair->re : &pair->im;
 }

@@ -188,26 +188,26 @@ enum {
 typedef struct {
     cam_harmonic_correction_t correction;
     cam_ripple_t ripple;
-    cam_drive_sums_t sums;   ///< of the turn being processed
-    uint64_t square;         ///< [(nm / 64)^2] sum of that turn's squared errors over the harmonics
-    uint64_t last_square;    ///< ... of the turn before
-    uint64_t calm_square;    ///< ... at which a pause of layer 1 ends
-    uint64_t best_square;    ///< ... smallest since layer 1 started
-    cam_turn_bin_t *bin;     ///< the turn being processed; NULL: none
-    uint32_t begun_nm;       ///< [nm] rms error before learning
-    uint32_t error_nm;       ///< [nm] of the last turn
-    double speed_nm;         ///< [nm per tick] sum of w_k |U_k|
-    double acceleration_nm;  ///< [nm per tick^2] sum of w_k^2 |U_k|
-    uint32_t largest;        ///< [nm / 64] largest k |U_k| of the last turn
-    uint32_t larger;         ///< ... of this turn so far
-    int64_t set_square;      ///< [nm^2] sum of |U_k|^2 less the mean square of the whole motion
-    uint32_t trusted;        ///< [nm / 64] largest k |U_k| to which the guard's best applies
-    uint32_t floor_q6;       ///< [nm / 64] 3 sigma of the scale in a harmonic of this turn
-    uint32_t room_q6;        ///< [nm / 64] by which corrections may still grow in this turn
-    cam_drive_t drive, best; ///< added to the configured constants; with the smallest error
-    int32_t
-        chip_mean_q32; ///< [1] deflection by the chip, of its mean, as a share of the mean depth
-    int32_t mean_nm;   ///< [nm] mean of the set-point in the last turn that was learned from
+    cam_drive_sums_t sums;  ///< of the turn being processed
+    uint64_t square;        ///< [(nm / 64)^2] sum of that turn's squared errors over the harmonics
+    uint64_t last_square;   ///< ... of the turn before
+    uint64_t calm_square;   ///< ... at which a pause of layer 1 ends
+    uint64_t best_square;   ///< ... smallest since layer 1 started
+    cam_turn_bin_t *bin;    ///< the turn being processed; NULL: none
+    uint32_t begun_nm;      ///< [nm] rms error before learning
+    uint32_t error_nm;      ///< [nm] of the last turn
+    double speed_nm;        ///< [nm per tick] sum of w_k |U_k|
+    double acceleration_nm; ///< [nm per tick^2] sum of w_k^2 |U_k|
+    uint32_t largest;       ///< [nm / 64] largest k |U_k| of the last turn
+    uint32_t larger;        ///< ... of this turn so far
+    int64_t set_square;     ///< [nm^2] sum of |U_k|^2 less the mean square of the whole motion
+    uint32_t trusted;       ///< [nm / 64] largest k |U_k| to which the guard's best applies
+    uint32_t floor_q6;      ///< [nm / 64] 3 sigma of the scale in a harmonic of this turn
+    uint32_t room_q6;       ///< [nm / 64] by which corrections may still grow in this turn
+    cam_drive_t drive;      ///< added to the configured constants
+    cam_drive_t best;       ///< ... those with the smallest error
+    int32_t chip_mean_q32;  ///< [1] mean deflection by the chip, a share of the mean depth
+    int32_t mean_nm;        ///< [nm] mean of the set-point in the last turn that was learned from
     int32_t chip_most_q32;  ///< [1] limit of the shares in force
     int32_t feed_now_nm;    ///< [nm] present feed per turn, 0 outside the cut
     int32_t chip_feed_nm;   ///< [nm] feed for which both are in force

@@ -12,10 +12,6 @@
 _Static_assert(sizeof(cam_ilc_t) + sizeof(cam_turn_bins_t) + 2u * sizeof(cam_learned_t) <= 8704u,
                "RAM of learning: state, bins of two turns, and what is in force in two halves");
 
-_Static_assert(sizeof(cam_learned_t) ==
-                   5u * sizeof(int32_t) + 3u * (cam_learned_points + 2u) * sizeof(int16_t),
-               "no padding: compared as bytes");
-
 /// The learned change of a drive constant may reach the configured value plus this.
 enum { spare_ticks_q16 = 4 << 16, spare_ticks2_q16 = 16 << 16 };
 
@@ -185,6 +181,15 @@ void cam_machine_unlearn(cam_machine_t *m, cam_param_id_t id)
     }
 }
 
+/// @return whether both hold the same values
+static bool is_same(const cam_learned_t *a, const cam_learned_t *b)
+{
+    return a->k1_q16 == b->k1_q16 && a->k2_q16 == b->k2_q16 && a->friction_q6 == b->friction_q6 &&
+           a->chip_q32 == b->chip_q32 && a->chip_q6 == b->chip_q6 &&
+           memcmp(a->c, b->c, sizeof a->c) == 0 && memcmp(a->d, b->d, sizeof a->d) == 0 &&
+           memcmp(a->dm, b->dm, sizeof a->dm) == 0;
+}
+
 /// @return [r/min / 1000] speed of the last turn, the highest one before the first
 static uint64_t turning_mrpm(const cam_machine_t *m)
 {
@@ -290,8 +295,7 @@ void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state, bool is_u_moving)
             setup.angle_step_q23 = angle_step_q23(m, fit_stroke(m, &setup, state));
         }
         cam_ilc_blend(&m->ilc, &setup, at_q8, &copy->learned);
-        const cam_learned_t *last = &cam_machine_newest_config(m)->learned;
-        if (memcmp(&copy->learned, last, sizeof *last) != 0) {
+        if (!is_same(&copy->learned, &cam_machine_newest_config(m)->learned)) {
             cam_machine_offer_copy(m);
         }
     }

@@ -122,7 +122,7 @@ static uint32_t in_bits(uint32_t v, uint32_t n)
     return v < most ? v : most;
 }
 
-static bool is_in(uint32_t mask, uint32_t bit)
+static bool has_bit(uint32_t mask, uint32_t bit)
 {
     return (mask >> bit & 1u) != 0u;
 }
@@ -189,9 +189,9 @@ static void send_detail(uint32_t page, const cam_report_t *r, const cam_table_st
         .params_version = machine->version & 0xFFFFFu,
         .params_checksum = machine->checksum,
         // Jogging and homing
-        .homed_u = is_in(status->jog.homed, hal_axis_u),
-        .homed_x = is_in(status->jog.homed, hal_axis_x),
-        .homed_z = is_in(status->jog.homed, hal_axis_z),
+        .homed_u = has_bit(status->jog.homed, hal_axis_u),
+        .homed_x = has_bit(status->jog.homed, hal_axis_x),
+        .homed_z = has_bit(status->jog.homed, hal_axis_z),
         .on_home_u = (status->inputs & hal_in_home_u) != 0u,
         .on_home_x = (status->inputs & hal_in_home_x) != 0u,
         .on_home_z = (status->inputs & hal_in_home_z) != 0u,
