@@ -54,6 +54,12 @@ def cut(
     return result
 
 
+def form_um(found: Result) -> float:
+    """Return the largest form error of a cut [um], which must have been gauged."""
+    assert found.form_error_um is not None
+    return found.form_error_um
+
+
 def refusal(table: Path, *words: str | Path | float, machine: str | None = None) -> str:
     """Return the one line of a cut that the simulator refuses to begin."""
     with pytest.raises(CamtoolsError) as refused:

@@ -66,7 +66,8 @@ def command(
 def job_of(*words: str) -> RunJob:
     """Return what the words of tools/run ask for."""
     given = read_arguments(make_parser("tools/run", run), run, words)
-    return replace(given["job"], extra=tuple(for_camsim(given["extra"])))
+    job: RunJob = given["job"]
+    return replace(job, extra=tuple(for_camsim(given["extra"])))
 
 
 def fresh_command(

@@ -29,7 +29,8 @@ from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
 from camtools.lobe.undercut import all_round, check_roller, check_wheel, shape_of
 from camtools.part.tool import SwungTool
 from camtools.pipeline.make_table import Made
-from tests.tools.cases.cut_cases import PARTS, cut, written
+from tests.tools.cases.camsim_cases import cut
+from tests.tools.cases.cut_cases import PARTS, written
 from tests.tools.cases.lobe_cases import MACHINE, NM, QUICK, cam, evaluate
 from tests.tools.cases.lobe_tables import DISC, POLY345, POLY345_WHEEL
 

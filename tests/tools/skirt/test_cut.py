@@ -31,10 +31,9 @@ from camtools.skirt.table.speed import motion_played
 from camtools.table.channel import RATIO_ONE
 from camtools.table.evaluate import evaluate_at
 from camtools.table.image import pack
-from tests.tools.cases.camsim_cases import plain, while_in
+from tests.tools.cases.camsim_cases import cut, form_um, plain, while_in
 from tests.tools.cases.cut_cases import (
     PARTS,
-    cut,
     cut_made,
     evaluated,
     made_of,
@@ -86,7 +85,7 @@ def test_equal_volume_evens_the_removal_rate(tmp_path: Path) -> None:
     assert next(volumes) == pytest.approx(next(volumes), rel=1e-3)
     # the encoder's half count shows where its edges come in step with the ticks, here at 240 r/min,
     # which the modulated spindle passes in every turn: the bound is that of uniform turning there
-    in_step = cut_made(plain, tmp_path / "step", *coarse, "--rpm", "240").form_error_um
+    in_step = form_um(cut_made(plain, tmp_path / "step", *coarse, "--rpm", "240"))
     assert even["form_error_um"]["max"] <= in_step < 0.1
     assert even["cut"]["seconds"] == pytest.approx(rough["cut"]["seconds"], rel=2e-3)
 
@@ -203,8 +202,8 @@ def test_points_are_the_drawing_of_a_measured_part(tmp_path: Path) -> None:
     )
     inside = turn[near] < 357 / 360
     off_um = 1e3 * np.abs(radius_mm[near] - (a_mm[near] - points))[inside]
-    assert off_um.max() < found.form_error_um + 0.3
-    assert found.form_error_um >= geometry.off_points_um - 0.05
+    assert off_um.max() < form_um(found) + 0.3
+    assert form_um(found) >= geometry.off_points_um - 0.05
     assert found.summary["control_error_um"]["max"] < 0.05
 
 

@@ -38,7 +38,8 @@ from camtools.skirt.report.summary import make_summary
 from camtools.skirt.report.summary_text import emit_text
 from camtools.skirt.table.generate import generate
 from camtools.skirt.table.search import UnreachableError
-from tests.tools.cases.cut_cases import cut, made_skirt, written
+from tests.tools.cases.camsim_cases import cut, form_um
+from tests.tools.cases.cut_cases import made_skirt, written
 from tests.tools.cases.part_cases import PERKINS, ROOT, load_part, parse_part
 
 # the conical end of a drawing
@@ -68,7 +69,7 @@ def cut_radii(
     found = cut(written(made_skirt(part, tolerance_nm), folder), "--feed", "0.2")
     on_axis = found.surface["turn"] % 0.5 < 1 / 720
     assert found.summary["is_good"]
-    return found.surface["z_mm"][on_axis], found.surface["radius_mm"][on_axis], found.form_error_um
+    return found.surface["z_mm"][on_axis], found.surface["radius_mm"][on_axis], form_um(found)
 
 
 def test_splines_that_overshoot() -> None:

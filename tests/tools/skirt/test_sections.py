@@ -28,10 +28,9 @@ from camtools.skirt.geometry.skirt_geometry import Geometry, OvalSurface, make_g
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.part.profile_keys import Ovality, Profile
 from camtools.skirt.tool.turning import turning_at
-from tests.tools.cases.camsim_cases import plain, refusal
+from tests.tools.cases.camsim_cases import cut, plain, refusal
 from tests.tools.cases.cut_cases import (
     PARTS,
-    cut,
     evaluated,
     geometry_of_part,
     made_of,

@@ -31,8 +31,8 @@ from camtools.skirt.tool.u_zero import middle_nm
 from camtools.table.channel import KIND_U, KIND_X, ImageError
 from camtools.table.evaluate import evaluate_at, evaluate_x, jumps
 from camtools.table.image import pack, unpack
-from tests.tools.cases.camsim_cases import refusal
-from tests.tools.cases.cut_cases import PARTS, cut, evaluated, made_skirt, tip_mm, written
+from tests.tools.cases.camsim_cases import cut, refusal
+from tests.tools.cases.cut_cases import PARTS, evaluated, made_skirt, tip_mm, written
 from tests.tools.cases.part_cases import PERKINS, load_part
 
 

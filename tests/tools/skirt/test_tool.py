@@ -22,15 +22,9 @@ from camtools.skirt.table.generate import generate
 from camtools.skirt.tool.heel import check_heel, steepest_heel
 from camtools.skirt.tool.nose import NoseGeometry, tip_geometry
 from camtools.table.image import pack
+from tests.tools.cases.camsim_cases import cut, form_um
 from tests.tools.cases.command_cases import job_of
-from tests.tools.cases.cut_cases import (
-    PARTS,
-    cut,
-    geometry_of_part,
-    made_skirt,
-    skirt_of,
-    written,
-)
+from tests.tools.cases.cut_cases import PARTS, geometry_of_part, made_skirt, skirt_of, written
 from tests.tools.cases.part_cases import PERKINS, load_part
 
 NM = 1e6
@@ -185,12 +179,12 @@ def test_the_gauge_shows_a_nose_that_the_table_does_not_know(tmp_path: Path) -> 
     z = np.linspace(0, 62, 2001)
     slope = make_geometry(pointed).radius_mm(z, 1) - 0.5 * 0.1 / 42
     assert found.form_error_um == pytest.approx(800 * (np.hypot(1, slope).max() - 1), abs=0.3)
-    assert coarse(pointed, tmp_path).form_error_um < 0.1
+    assert form_um(coarse(pointed, tmp_path)) < 0.1
     table = written(made_skirt(steep(0.8), 10.0), tmp_path)
-    assert cut(table, "--feed", "1").form_error_um < 0.1
+    assert form_um(cut(table, "--feed", "1")) < 0.1
     # the machine file names the tool in use: a point leaves what the nose would have taken
     found = cut(table, "--feed", "1", status=None, machine="[tool]\nnose_mm = 0\n")
-    assert 11 < found.form_error_um < 14
+    assert 11 < form_um(found) < 14
     assert "the table is made for another nose" in found.message
 
 
@@ -200,7 +194,7 @@ def test_an_end_that_rises_comes_out_well(run_mm: float, tmp_path: Path) -> None
     tree = part_of([0, 20, 40, 60], [60, 66, 72, 78], tool={"nose_radius_mm": 0.8}).model_dump()
     tree["process"] |= {"run_in_mm": run_mm, "run_out_mm": run_mm}
     tree["piston"] |= {"ovality": {"height_mm": [0, 60], "ovality_mm": [0.15, 0.3]}}
-    assert coarse(SkirtPart.model_validate(tree), tmp_path).form_error_um < 0.2
+    assert form_um(coarse(SkirtPart.model_validate(tree), tmp_path)) < 0.2
 
 
 def test_a_worn_tool_cuts_well_with_its_offset(tmp_path: Path) -> None:
@@ -208,10 +202,10 @@ def test_a_worn_tool_cuts_well_with_its_offset(tmp_path: Path) -> None:
     worn = tmp_path / "worn.toml"
     worn.write_text("[tool]\nwear_um = 25\n")
     found = coarse(example_part(), tmp_path, "--machine", worn, status=1)
-    assert round(found.form_error_um) == 25
+    assert round(form_um(found)) == 25
     assert "the tool is worn: set x_trim_nm" in found.message
     words = ("--machine", worn, "--set", "x_trim_nm=-25000")
-    assert coarse(example_part(), tmp_path, *words).form_error_um < 0.1
+    assert form_um(coarse(example_part(), tmp_path, *words)) < 0.1
 
 
 RINGS = """\

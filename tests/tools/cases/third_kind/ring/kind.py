@@ -4,7 +4,7 @@ All that a kind brings stands in this one file; nothing of camtools names it.
 """
 
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field, field_validator
@@ -12,7 +12,7 @@ from pydantic import Field, field_validator
 from camtools.base.json_text import Json
 from camtools.base.quantities import NM_PER_MM, Floats
 from camtools.cut.verdict import check_table
-from camtools.part.common import MachineLimits, PartInfo, check_feed
+from camtools.part.common import Machine, PartInfo, Process, check_feed
 from camtools.part.model import HeightMm, TomlTable, rising
 from camtools.pipeline.kind import Kind, Rig
 from camtools.report.kind_report import KindReport
@@ -41,28 +41,13 @@ class Ring(TomlTable):
     _check_z = field_validator("z_mm")(rising)
 
 
-class RingProcess(TomlTable):
-    """[process]: how the ring is turned."""
-
-    spindle_rpm: Annotated[float, Field(ge=1, le=60_000)]
-    feed_mm: Annotated[float, Field(ge=0.000_1, le=10)]
-    depth_mm: Annotated[float, Field(ge=0, le=100)] = 0.1
-    direction: Literal[1, -1] = 1
-
-
-class RingMachine(TomlTable):
-    """[machine]: the lathe."""
-
-    limits: MachineLimits = Field(default_factory=MachineLimits)
-
-
 class RingPart(TomlTable):
     """The whole part file of a ring."""
 
     part: PartInfo
     ring: Ring
-    process: RingProcess
-    machine: RingMachine = Field(default_factory=RingMachine)
+    process: Process
+    machine: Machine = Field(default_factory=Machine)
 
     @property
     def height_mm(self) -> float:
