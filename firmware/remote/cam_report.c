@@ -127,27 +127,79 @@ static bool has_bit(uint32_t mask, uint32_t bit)
     return (mask >> bit & 1u) != 0u;
 }
 
+/// Fill in what the operator changed, the progress of the pass, command and level.
+static void describe_work(struct camturn_detail_t *m, const cam_report_t *r,
+                          const cam_machine_t *machine, const cam_status_t *status)
+{
+    enum { most_turns = (1 << 27) - 1, turn_bits = 25, per_s = 100000000 };
+    const cam_params_t *params = &machine->params;
+    const uint32_t n_passes = machine->has_table ? machine->table.n_passes : 0u;
+    const uint32_t cycles = r->n_loads > 0u ? (uint32_t)(r->load_cycles / r->n_loads) : 0u;
+    const cam_progress_t progress = cam_progress(machine);
+    const cam_rights_status_t rights = cam_machine_rights(machine, status);
+    m->override_of_feed = (uint32_t)params->feed_override_ppm;
+    m->override_of_spindle = (uint32_t)params->spindle_override_ppm;
+    m->trim_of_x = params->x_trim_nm;
+    m->is_held = machine->is_held;
+    m->parts_cut = machine->n_parts;
+    m->pass = n_passes > 0u ? (uint8_t)(machine->pass + 1u) : 0u;
+    m->passes = (uint8_t)n_passes;
+    m->recorder_use = (uint8_t)machine->scope.use;
+    m->recorder_phase = (uint8_t)machine->scope.phase;
+    m->recorder_faults = machine->scope.ring.faults;
+    m->has_end = progress.has_end;
+    m->turns_left = (uint32_t)cam_clamp_i64(progress.left_q32 >> turn_bits, 0, most_turns);
+    m->turns_whole = (uint32_t)cam_clamp_i64(progress.whole_q32 >> turn_bits, 0, most_turns);
+    m->pass_speed = in_bits(progress.mrpm / 10u, 24);
+    m->tick_time_mean = (uint16_t)tick_time(cycles, (uint32_t)per_s, UINT16_MAX);
+    m->strobe_lost = (uint16_t)machine->strobe.n_lost;
+    m->commander = (uint8_t)rights.commander;
+    m->take_overs = (uint8_t)rights.n_take_overs;
+    m->command_losses = (uint8_t)rights.n_losses;
+    m->level = (uint8_t)rights.level;
+    m->level_left = (uint16_t)rights.level_left_s;
+    m->acknowledge = (uint8_t)rights.button;
+    m->acknowledge_left = (uint8_t)rights.button_left_s;
+}
+
+/// Fill in learning and the state of the parameters.
+static void describe_values(struct camturn_detail_t *m, const cam_machine_t *machine)
+{
+    enum { most = (1 << 23) - 1 };
+    const cam_ilc_status_t learning = cam_machine_learning(machine);
+    m->learn_phase = (uint8_t)learning.phase;
+    m->learn_reason = (uint8_t)learning.reason;
+    m->learn_harmonics = (uint8_t)learning.n_harmonics;
+    m->learn_turns = learning.n_turns;
+    m->learn_masked = learning.masked & 0xFFFFFFu;
+    m->learn_error = learning.error_nm;
+    m->learn_k1 = cam_clamp_i32(learning.k1_ns, -most - 1, most);
+    m->learn_k2 = learning.k2_us2;
+    m->learn_begin_error = in_bits(learning.begin_error_nm, 24);
+    m->learn_correction = learning.correction_nm;
+    m->learn_ripple = in_bits(learning.ripple_nturn, 24);
+    m->learn_speed = learning.speed_mrpm;
+    m->params_kept = (uint8_t)cam_machine_params_kept(machine);
+    m->params_version = machine->version & 0xFFFFFu;
+    m->params_checksum = machine->checksum;
+}
+
 /// Send a page of Detail. All its signals are set; the generated pack function takes those of the
 /// page.
 static void send_detail(uint32_t page, const cam_report_t *r, const cam_table_store_t *store,
                         const cam_status_t *status)
 {
-    enum { most = (1 << 23) - 1, most_turns = (1 << 27) - 1, turn_bits = 25, per_s = 100000000 };
+    enum { most = (1 << 23) - 1 };
     const cam_machine_t *machine = store->machine;
     const cam_params_t *params = &machine->params;
     const cam_table_t *table = &machine->table;
     const bool has_table = machine->has_table;
-    const uint32_t n_passes = has_table ? table->n_passes : 0u;
     const hal_load_t load = hal_load();
-    const uint32_t cycles = r->n_loads > 0u ? (uint32_t)(r->load_cycles / r->n_loads) : 0u;
-    const cam_progress_t progress = cam_progress(machine);
-    const cam_ilc_status_t learning = cam_machine_learning(machine);
-    const cam_rights_status_t rights = cam_machine_rights(machine, status);
     const int64_t x_nm =
         (int64_t)status->x_actual_nm - cam_offsets_origin_nm(&machine->offsets, params, hal_axis_x);
     const uint64_t chars =
         has_table && page >= page_name ? name_part(table->name, page - page_name) : 0u;
-    const struct camturn_detail_t m = {
+    struct camturn_detail_t m = {
         .page = (uint8_t)page,
         .following_error = cam_clamp_i32(status->following_nm, -most - 1, most),
         .z = status->z_nm,
@@ -171,23 +223,6 @@ static void send_detail(uint32_t page, const cam_report_t *r, const cam_table_st
         .table_name_3 = chars,
         .table_name_4 = chars,
         .table_name_5 = chars,
-        // Learning
-        .learn_phase = (uint8_t)learning.phase,
-        .learn_reason = (uint8_t)learning.reason,
-        .learn_harmonics = (uint8_t)learning.n_harmonics,
-        .learn_turns = learning.n_turns,
-        .learn_masked = learning.masked & 0xFFFFFFu,
-        .learn_error = learning.error_nm,
-        .learn_k1 = cam_clamp_i32(learning.k1_ns, -most - 1, most),
-        .learn_k2 = learning.k2_us2,
-        .learn_begin_error = in_bits(learning.begin_error_nm, 24),
-        .learn_correction = learning.correction_nm,
-        .learn_ripple = in_bits(learning.ripple_nturn, 24),
-        .learn_speed = learning.speed_mrpm,
-        // Parameters
-        .params_kept = (uint8_t)cam_machine_params_kept(machine),
-        .params_version = machine->version & 0xFFFFFu,
-        .params_checksum = machine->checksum,
         // Jogging and homing
         .homed_u = has_bit(status->jog.homed, hal_axis_u),
         .homed_x = has_bit(status->jog.homed, hal_axis_x),
@@ -201,33 +236,9 @@ static void send_detail(uint32_t page, const cam_report_t *r, const cam_table_st
         .hand_end = (uint8_t)status->jog.end,
         .hand_axis = (uint8_t)status->jog.axis,
         .tool = (uint8_t)params->tool,
-        // Changes by the operator, pass and recorder
-        .override_of_feed = (uint32_t)params->feed_override_ppm,
-        .override_of_spindle = (uint32_t)params->spindle_override_ppm,
-        .trim_of_x = params->x_trim_nm,
-        .is_held = machine->is_held,
-        .parts_cut = machine->n_parts,
-        .pass = n_passes > 0u ? (uint8_t)(machine->pass + 1u) : 0u,
-        .passes = (uint8_t)n_passes,
-        .recorder_use = (uint8_t)machine->scope.use,
-        .recorder_phase = (uint8_t)machine->scope.phase,
-        .recorder_faults = machine->scope.ring.faults,
-        // Progress of the pass, mean interrupt, samples of the live picture
-        .has_end = progress.has_end,
-        .turns_left = (uint32_t)cam_clamp_i64(progress.left_q32 >> turn_bits, 0, most_turns),
-        .turns_whole = (uint32_t)cam_clamp_i64(progress.whole_q32 >> turn_bits, 0, most_turns),
-        .pass_speed = in_bits(progress.mrpm / 10u, 24),
-        .tick_time_mean = (uint16_t)tick_time(cycles, (uint32_t)per_s, UINT16_MAX),
-        .strobe_lost = (uint16_t)machine->strobe.n_lost,
-        // Command and level
-        .commander = (uint8_t)rights.commander,
-        .take_overs = (uint8_t)rights.n_take_overs,
-        .command_losses = (uint8_t)rights.n_losses,
-        .level = (uint8_t)rights.level,
-        .level_left = (uint16_t)rights.level_left_s,
-        .acknowledge = (uint8_t)rights.button,
-        .acknowledge_left = (uint8_t)rights.button_left_s,
     };
+    describe_values(&m, machine);
+    describe_work(&m, r, machine, status);
     hal_can_frame_t frame;
     send(&frame, CAMTURN_DETAIL_FRAME_ID, camturn_detail_pack(frame.data, &m, sizeof frame.data));
 }
