@@ -55,8 +55,9 @@ static int32_t rate_at_q30(const cam_feed_motion_t *c, const cam_play_config_t *
 {
     const int64_t done_q32 = minus(pos_q32, c->from_q32);
     const int32_t by_q30 = done_q32 > 0 ? change_q30(cfg->per_ramp_q31, done_q32) : 0;
-    return c->to_rate_q30 > c->rate_q30 ? cam_wrap_add(c->rate_q30, by_q30)
-                                        : cam_wrap_sub(c->rate_q30, by_q30);
+    return c->to_rate_q30 > c->rate_q30
+               ? cam_clamp_i32(cam_wrap_add(c->rate_q30, by_q30), c->rate_q30, c->to_rate_q30)
+               : cam_clamp_i32(cam_wrap_sub(c->rate_q30, by_q30), c->to_rate_q30, c->rate_q30);
 }
 
 /// @return [turn] feed at a position before the brake

@@ -175,10 +175,22 @@ static void plan_speed(cam_plan_t *p, const cam_play_config_t *cfg, const cam_an
     m->alpha_u = cam_sat_i32(((int64_t)m->alpha_q40 * m->scale_q30) >> cfg->u.alpha_shift);
 }
 
-/// @return a value after a step of at most `most` towards another, without overshoot
+/// Move a value towards another by at most a step, without overshoot.
+/// @return the new value
+/*@ requires most >= 0;
+    assigns \result \from value, to, most;
+    ensures between: \min(value, to) <= \result <= \max(value, to);
+    ensures step: \abs(\result - value) <= most;
+    ensures there: \abs(to - value) <= most ==> \result == to;
+*/
 static int32_t ramped(int32_t value, int32_t to, int32_t most)
 {
-    return cam_sat_add(value, cam_clamp_i32(cam_sat_sub(to, value), -most, most));
+    if (value < to) {
+        const int32_t more = cam_sat_add(value, most);
+        return more < to ? more : to;
+    }
+    const int32_t less = cam_sat_add(value, -most);
+    return less > to ? less : to;
 }
 
 /// Ramp phase, amplitude, trim and spindle override towards the operator's values.

@@ -38,6 +38,7 @@ WP = {
         ("can_brake", "choose", "cam_move_profile_to_isr", "cam_move_profile_stop_isr"),
     ),
     "guard": ("cam_guard.c", ("is_allowed", "within_stroke_nm")),
+    "plan": ("cam_plan.c", ("ramped",)),
 }
 MACHINES = {"32": "gcc_x86_32", "64": "gcc_x86_64"}
 ONLY_32 = ("tick",)  # as long as all others together; its parts are analysed for both

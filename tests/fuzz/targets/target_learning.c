@@ -118,8 +118,8 @@ static void judge(const cam_ilc_t *t, const cam_ilc_setup_t *s)
                 (int)t->drive.k1_q16);
     FUZZ_EXPECT(s->k2_least_q16 <= t->drive.k2_q16 && t->drive.k2_q16 <= s->k2_most_q16, "k2 is %d",
                 (int)t->drive.k2_q16);
-    FUZZ_EXPECT(-s->friction_q6 <= t->drive.friction_q6 && t->drive.friction_q6 <= most_q6, "friction is %d",
-                (int)t->drive.friction_q6);
+    FUZZ_EXPECT(-s->friction_q6 <= t->drive.friction_q6 && t->drive.friction_q6 <= most_q6,
+                "friction is %d", (int)t->drive.friction_q6);
     FUZZ_EXPECT(status.correction_nm <= 20u * cam_ilc_most_nm, "corrections: %u nm",
                 (unsigned)status.correction_nm);
     for (uint32_t k = 0; k < cam_ilc_n_values; k++) {

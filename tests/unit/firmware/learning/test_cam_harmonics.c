@@ -203,7 +203,8 @@ static void test_a_ratio_is_a_gain(void)
         TEST_ASSERT_DOUBLE_WITHIN(1.01 / 4096.0, fmin(fmax(re, -most), most), g.re / 4096.0);
         TEST_ASSERT_DOUBLE_WITHIN(1.01 / 4096.0, fmin(fmax(im, -most), most), g.im / 4096.0);
     }
-    const cam_complex_t none = cam_gain_ratio((cam_complex_t){.re = 5, .im = 6}, (cam_complex_t){0});
+    const cam_complex_t none =
+        cam_gain_ratio((cam_complex_t){.re = 5, .im = 6}, (cam_complex_t){0});
     TEST_ASSERT_EQUAL_INT16(0, none.re);
     TEST_ASSERT_EQUAL_INT16(0, none.im);
 }
