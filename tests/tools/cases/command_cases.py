@@ -13,7 +13,6 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -21,7 +20,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from camtools.base.arguments import make_parser, read_arguments
-from camtools.pipeline.job import RunJob, for_camsim
+from camtools.pipeline.job import RunJob
 from camtools.pipeline.run import run
 from camtools.report import kind_report, sheet_page
 from tests.tools.cases.camsim_cases import BUILD
@@ -67,7 +66,7 @@ def job_of(*words: str) -> RunJob:
     """Return what the words of tools/run ask for."""
     given = read_arguments(make_parser("tools/run", run), run, words)
     job: RunJob = given["job"]
-    return replace(job, extra=tuple(for_camsim(given["extra"])))
+    return job.with_words(given["extra"])
 
 
 def fresh_command(

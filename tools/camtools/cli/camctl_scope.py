@@ -143,7 +143,7 @@ def _finish(
     Parameters
     ----------
     number : str
-        What the names of pictures get behind their stems, of several.
+        What the names of pictures get after their stems, of several.
     """
     say = control.say
     made = _pictures(wanted, recording)

@@ -21,7 +21,7 @@ from camtools.part.model import TomlTable
 Step = str | int
 Schema = dict[str, Any]
 
-_DRAFT = "http://json-schema.org/draft-07/schema#"  # the one that editors of TOML know
+DRAFT = "http://json-schema.org/draft-07/schema#"  # the one that editors of TOML know
 _MOST_ENTRIES = 1000  # of a list of tables: more are changed in the text
 _MOST_NAMED = 3  # choices before a meaning
 _LINK = re.compile(r"\[([^\]]*)\]\([^)]*\)")
@@ -120,7 +120,7 @@ class Keys:
 
     def published(self, title: str) -> Schema:
         """Return the JSON schema for editors, with meanings and units in plain words."""
-        return {"$schema": _DRAFT} | self._published(self.schema, "") | {"title": title}
+        return {"$schema": DRAFT} | self._published(self.schema, "") | {"title": title}
 
     def _published(self, node: Schema, name: str) -> Schema:
         found: Schema = {}

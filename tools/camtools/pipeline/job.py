@@ -9,13 +9,12 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import isfinite
 from pathlib import Path
 from typing import Annotated
 
-from camtools.base.arguments import Option, Word
+from camtools.base.arguments import Option, Word, positive
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import cannot_write
 from camtools.base.project_paths import RESULTS, ROOT, shown_name
@@ -59,18 +58,16 @@ def _above_0(option: str, unit: str) -> Callable[[str], float]:
 
     def read(text: str) -> float:
         try:
-            value = float(text)
-        except ValueError:
-            value = float("nan")
-        if not (isfinite(value) and value > 0):
+            return positive(text)
+        except (ValueError, argparse.ArgumentTypeError) as error:
             problem = f"{option} {text}: must be a finite number above 0"
-            raise CamtoolsError([f"{problem}; give {unit}, or leave it out for the part's own"])
-        return value
+            remedy = f"give {unit}, or leave it out for the part's own"
+            raise CamtoolsError([f"{problem}; {remedy}"]) from error
 
     return read
 
 
-def for_camsim(words: Sequence[str]) -> list[str]:
+def _for_camsim(words: Sequence[str]) -> list[str]:
     """Return the user's words for camsim, which works in another folder.
 
     Raises
@@ -153,6 +150,10 @@ class RunJob:
             raise CamtoolsError(["-o: an empty path; give a folder"])
         if self.keep is not None and self.output:
             raise CamtoolsError(["--keep: applies only to build/run; leave out -o or --keep"])
+
+    def with_words(self, words: Sequence[str]) -> RunJob:
+        """Return the job with the user's words for camsim."""
+        return replace(self, extra=tuple(_for_camsim(words)))
 
     def check_feed(self, part: PartFile) -> None:
         """Refuse a feed that camsim would refuse, before anything is made.

@@ -14,7 +14,6 @@ import shutil
 import sys
 import time
 from contextlib import chdir
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -25,7 +24,7 @@ from camtools.base.output import cannot_write, staged
 from camtools.base.provenance import Origin, origin_of
 from camtools.base.quantities import length_text
 from camtools.base.readable import size_text
-from camtools.pipeline.job import RUNS, RunJob, for_camsim, say, shown, without_faults, write_files
+from camtools.pipeline.job import RUNS, RunJob, say, shown, without_faults, write_files
 from camtools.pipeline.kind import Rig
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import Made, make
@@ -200,7 +199,7 @@ def run(
         Wrong usage, or a part that cannot be made or cut.
     """
     begin_s = time.monotonic()
-    job = replace(job, extra=tuple(for_camsim(extra)))
+    job = job.with_words(extra)
     origin = origin_of("tools/run", list(typed))
     loaded = load(job.part)
     job.check_feed(loaded.part)

@@ -10,13 +10,10 @@ Meanings are the comments of host_sim/machines/default.toml.
 from __future__ import annotations
 
 import re
-from typing import Any
 
-from camtools.base.input_file import read_text
+from camtools.part.schema import DRAFT, Schema
 from camtools.sim.binding import machine_keys
-from camtools.sim.machine_file import BELIEVED, MACHINES
-
-Schema = dict[str, Any]
+from camtools.sim.machine_file import BELIEVED, find_machine
 
 _LINE = re.compile(r"(?:\[(\w+)\]|(\w+) *=[^#\n]*)?\s*(?:#\s*(.*))?")
 
@@ -55,7 +52,7 @@ def _object(properties: Schema) -> Schema:
 
 def machine_schema() -> Schema:
     """Return the JSON schema of machine files."""
-    meanings = _meanings(read_text(MACHINES / "default.toml", 1 << 20))
+    meanings = _meanings(find_machine("default").text)
     tables: dict[str, Schema] = {"machine": {"name": {"type": "string", "maxLength": 63}}}
     for line in machine_keys().splitlines():
         table, name, kind, low, high, default, words = line.split("\t")
@@ -66,5 +63,5 @@ def machine_schema() -> Schema:
     found = {name: _object(keys) for name, keys in tables.items()}
     believed = _object({name: one for name, one in found.items() if name != "machine"})
     parameters = {"type": "object", "additionalProperties": {"type": ["integer", "boolean"]}}
-    title = {"$schema": "http://json-schema.org/draft-07/schema#", "title": "machines"}
+    title = {"$schema": DRAFT, "title": "machines"}
     return title | _object(found | {"controller": parameters, BELIEVED: believed})
