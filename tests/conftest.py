@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What all tests share: the tables of parts that they cut, and how long each test takes.
 
 `--quick S` leaves out the tests that took longer when they last ran without it, in this clone.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Fails a test that hangs, and only that one: no output and no processor time for minutes.
 
 A thread watches the process of pytest and those below it; a signal interrupts the hanging test,

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 r"""Prints the part of requirements.lock that some groups of packages need: locked.py GROUP...
 
 A group is "base", an extra of pyproject.toml, or the middle of a name requirements-GROUP.in.

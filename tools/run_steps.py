@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Lets CTest run the steps of tools/steps: run_steps.py LABEL [STEP...].
 
 CTest reports which step begins or has ended, and what a failed one printed. Then this program

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Processor time of mktables for each part of tools/parts, and the bytes of its table.
 
 The record holds the fewest bytes that a table has had; what makes one larger is a step back.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Measure the figures of FIGURES.md, record them in figures.json and write the page.
 
 A case makes the table of a part, cuts it on the simulator and names some numbers of the table's

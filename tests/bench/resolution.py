@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 r"""What each resolution of a machine costs of form, cut by cut on the simulator, beside its bound.
 
 Each row of the first table spoils one thing of a machine that is else exact; the bounds

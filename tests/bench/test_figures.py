@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """FIGURES.md has the recorded figures, and the record is what is measured."""
 
 import pytest

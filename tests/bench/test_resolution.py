@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What resolutions cost is what the documents say, and what the equations let expect."""
 
 from pathlib import Path

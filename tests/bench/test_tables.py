@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Tables do not grow, and nothing needless is loaded for them."""
 
 import os

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What axe finds wrong with a page for people who see, hear or move otherwise."""
 
 from axe_playwright_python.base import AXE_SCRIPT

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Shared by the tests in the browser: Chromium, a panel, a report, and pictures of the pages.
 
 An error in the console, an exception that nobody caught or a request that would leave this computer

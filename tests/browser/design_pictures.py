@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Take the picture of tools/docs/DESIGN.md from a panel that runs.
 
 Start `tools/panel --port 8611` in another terminal and give this module the address that it prints.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A visitor's actions on the operator's page."""
 
 import re

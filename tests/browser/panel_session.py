@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A live lathe and the panel of its controller, as two programs, for tests and benchmarks.
 
     with panel_session(folder) as session, chromium() as browser, browser.window() as window:

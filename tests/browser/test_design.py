@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A part is edited, cut and compared in the browser; its numbers are read where a person does."""
 
 import json

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The loop of a U that takes forces is measured and set in the browser."""
 
 from collections.abc import Iterator

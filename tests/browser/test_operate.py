@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A lathe is operated from the browser; what is so is asked of the controller, past the panel."""
 
 import pytest

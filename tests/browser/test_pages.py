@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Every page of the panel: it works, can be read by all, and has STOP at hand."""
 
 import pytest

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The report of a cut in a browser: its linked charts against the gauged surface, print, words."""
 
 import itertools

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Command, open questions and names of strangers, as visitors meet them."""
 
 import struct
@@ -8,8 +7,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from camtools.link.download import download, select_table
-from camtools.pipeline.load import load
-from camtools.pipeline.make_table import make
+from camtools.pipeline.load import load, make
 from tests.browser.panel_page import command, give, order
 from tests.browser.panel_session import PanelSession
 from tests.browser.windows import OpenWindow

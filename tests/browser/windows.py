@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Chromium, its windows, and what goes wrong in them.
 
 A window is a browser's context of its own with one page: nothing of another visitor is in it. It

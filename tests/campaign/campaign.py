@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Runs the programs of the campaign and adds their figures up."""
 
 import argparse

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Runs the targets of tests/fuzz in build/host-fuzz, on what earlier runs collected."""
 
 import argparse

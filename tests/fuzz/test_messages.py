@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The functions that the firmware packs and unpacks messages by agree with cantools itself.
 
 Random bytes of every message are unpacked by the generated C and by cantools; both read the same

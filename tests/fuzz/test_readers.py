@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Readers of the tools take any bytes: they read them, or refuse them by an error of ours.
 
 Real files are changed byte by byte, and pieces of one are put into another. CAMTURN_EXAMPLES sets
@@ -16,15 +15,14 @@ from hypothesis import strategies as st
 
 from camtools.base.errors import CamtoolsError
 from camtools.forecast.vary import read_vary
-from camtools.link.learned_file import learned_values
-from camtools.link.parameters import INFOS
-from camtools.link.parameters import parse as parse_parameters
+from camtools.link.kept_values import INFOS, learned_values
+from camtools.link.kept_values import parse as parse_parameters
 from camtools.lobe.listed_lift import parse_points as parse_listed
 from camtools.measured.points import parse_points as parse_measured
 from camtools.pipeline.load import parse as parse_part
 from camtools.sim.machine_file import read_machine
+from camtools.skirt.geometry.measured_sections import parse_sections
 from camtools.skirt.geometry.scan import parse_scan
-from camtools.skirt.geometry.scan_text import parse_sections
 from camtools.table.channel import ImageError
 from camtools.table.image import unpack
 from camtools.table.points import parse_points as parse_gauged

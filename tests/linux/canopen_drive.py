@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A drive made with the library canopen: CiA 402, cyclic synchronous position, node 2.
 
 Network management, heartbeat, PDO mapping and the bits of the status word are the library's; only

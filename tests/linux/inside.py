@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What runs beside the controller inside the kernel: machine, operator, troublemakers.
 
     inside.py SCENARIO < setup.json

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Where the Linux port meets a kernel: this computer's own, or one in User-Mode Linux.
 
 This computer's own is used where it has vcan and gpio-sim and the user may use them (in practice:

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The kernel, the part and the programs that all tests here share."""
 
 import os

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What test_linux_port.py and test_linux_set_up.py share: the machine, the program, an operator.
 
 They need an interface RIG_CAN (default vcan0) that is up and a simulated chip RIG_GPIOCHIP with

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The scripted machine and the program, for the tests of the port (port_cases.py)."""
 
 import signal

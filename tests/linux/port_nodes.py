@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A scripted machine on a CAN bus: an encoder, four drives and the controller's own program.
 
 Written from hal/linux/README.md, not from the port's code, and only as much of a machine as the

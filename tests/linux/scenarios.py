@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What happens in each scenario; test_linux.py judges it. Runs inside the kernel (inside.py)."""
 
 import signal

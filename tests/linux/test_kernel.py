@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The kernel for the Linux port: this computer's, or one of our own."""
 
 from pathlib import Path

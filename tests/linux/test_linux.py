@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The firmware's process on a real kernel against the machine of camsim bus (README.md).
 
 Times are asserted in virtual time only; figures are printed (tests/linux/run -s shows them).

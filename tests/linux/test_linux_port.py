@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The Linux port in operation, against a scripted machine: enable, trouble on the bus, the end."""
 
 import os

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The Linux port and its computer: what it asks for at the start, and what is taken from it."""
 
 import contextlib

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """How camturn-linux starts, or does not: what needs neither CAN nor GPIO."""
 
 import os

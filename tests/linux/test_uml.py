@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """tools/uml without its kernel: what it says of one that breaks down, and which one it takes."""
 
 import os

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Runs under LinuxCNC's own Python: switches on and starts a program, aborts, or switches off.
 
 usage: auto.py NML_FILE PROGRAM|abort|off

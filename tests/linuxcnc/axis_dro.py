@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Runs under LinuxCNC's own Python on a virtual screen: starts AXIS and compares its DRO with HAL.
 
 usage: axis_dro.py NML_FILE

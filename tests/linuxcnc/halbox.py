@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """LinuxCNC's HAL for tests: its own programs in a folder of their own, run by an ordinary user.
 
 The programs look for their modules in a place that is compiled in. Copies of two of them get the

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The component, built once as a user builds it, and a folder for each test in which HAL runs."""
 
 from collections.abc import Iterator

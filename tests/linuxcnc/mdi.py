@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Runs under LinuxCNC's own Python: switches the machine on and carries out blocks, one a line.
 
 Behind each block it prints the block, whether it ended in time, and output 0, input 0 and Z.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Runs under LinuxCNC's own Python: stands in for PyVCP without a screen, with the pins of a panel.
 
 usage: panel_pins.py PANEL.xml

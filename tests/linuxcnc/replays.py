@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Cuts of the simulator, played again tick by tick through the HAL component."""
 
 import csv

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What needs no LinuxCNC: sources of the components, the panel, the lock of the other tests."""
 
 import os

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The HAL component in LinuxCNC's own threads: the same cut, handshake, faults, refusals."""
 
 import re

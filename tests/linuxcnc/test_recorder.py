@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Recordings of the HAL component: the black box of a fault, and by command, in files."""
 
 import csv

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The sample configuration in the whole of LinuxCNC, without its screen: a program of mkgcode's."""
 
 import os

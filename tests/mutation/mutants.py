@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Small changes of the firmware's sources, drawn at random from all that the rules make.
 
 The rules are those of universalmutator for languages like C: an operator becomes another one, a

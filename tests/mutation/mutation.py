@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Draw mutants of the firmware, judge each by the tests, and name those that survive.
 
 A mutant that does not compile, or of which the compiler makes the same code, is replaced by the

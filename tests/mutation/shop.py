@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A private copy of the tree in which mutants are built and judged by the tests."""
 
 import json

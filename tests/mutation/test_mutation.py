@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Each entry of explained.toml is about one line of the firmware."""
 
 from itertools import pairwise

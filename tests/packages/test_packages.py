@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """camturn as others get it: a Python package, a library, a base for a port, a Debian package."""
 
 import os
@@ -13,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from camtools.base.project_paths import VERSION
+from camtools.base.project import VERSION
 from tests.linux.kernel import UML, Kernel
 from tests.tools.cases.camsim_cases import BUILD, ROOT
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Run Frama-C: WP proves the contracts beside the functions, Eva that no tick overflows.
 
 The program fails if anything is left open.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Cuts on the simulator in this process, or by camsim where it is built with sanitizers."""
 
 from pathlib import Path

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Run every scenario of cases/ and judge it; README.md explains their keys."""
 
 import tomllib

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Faults at many moments of a cut: a stuck encoder, an emergency stop with a slow drive."""
 
 from collections.abc import Callable

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The machine around the chip, wired as hal/stm32h743/README.md says.
 
 An ideal machine: the spindle follows the voltage of channel D on a ramp, U takes the position of

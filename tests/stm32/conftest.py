@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Sessions that are made once; each test continues from there in a fork.
 
 An emulated start takes seconds, homing as long again, and both are the same every time. A test

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """An STM32H743 that executes a real image: Unicorn for the instructions, models for the rest.
 
 The clock counts instructions, one per cycle of the core; sleep lasts until the next event. An

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The same controller on the host, fed with the senses of the one in the image (replay.c)."""
 
 import os

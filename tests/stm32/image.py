@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """An image as the linker leaves it."""
 
 import re

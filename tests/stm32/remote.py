@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Talks to the image over CAN, by the messages of firmware/remote/can/camturn.dbc."""
 
 import zlib

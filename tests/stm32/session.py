@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A board that runs the real image, with everything recorded: what the tests start from."""
 
 from collections.abc import Callable

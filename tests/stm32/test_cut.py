@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A whole cut by the image, tick by tick compared with the host."""
 
 from itertools import pairwise

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Tables and parameters come over the bus into flash, and the supply falls on the way.
 
 A table goes into the place that is not in use. tests/campaign/power_stm.c and

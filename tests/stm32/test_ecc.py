@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Error-correcting memory: start-up, corrected errors in the status, halt on the others."""
 
 import struct

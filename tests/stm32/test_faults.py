@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The image's reaction to a bad table, a late tick, a dead clock, a reset, a hang."""
 
 from collections.abc import Callable

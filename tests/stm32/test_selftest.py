@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The self-test that the letter t on the serial line starts, on good boards and on bad ones."""
 
 import re
@@ -6,7 +5,7 @@ import re
 import pytest
 from unicorn import UC_HOOK_MEM_READ
 
-from camtools.base.project_paths import VERSION
+from camtools.base.project import VERSION
 from tests.stm32.board import TABLE
 from tests.stm32.emulator import AXI, DTCM, DTCM_BYTES
 from tests.stm32.remote import ENABLE, errors

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The image after its start: memory, clocks, pins; encoder, bus and lines outside of a cut."""
 
 import re
@@ -6,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from camtools.base.project_paths import VERSION
+from camtools.base.project import VERSION
 from tests.stm32.board import COUNTS_PER_TURN, INDEX_AT, READY, TABLE, TICK_CLOCKS
 from tests.stm32.emulator import Chip
 from tests.stm32.host import CLOCK_HZ, IMAGE, ROOT

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Images built with other settings: the highest tick rate, U by steps or force."""
 
 import subprocess

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The image's own record of every tick, read out of its memory as a debugger would."""
 
 import subprocess

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What files cite lies in the repository: equations of MATHS.md, documents, headings, tests."""
 
 import re

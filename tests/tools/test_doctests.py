@@ -20,7 +20,7 @@ WITHOUT = {
 # They draw in a page of a browser: tests/browser shows what they do. Their examples are true, too.
 DRAWING = (
     *("camtools.panel.operate.", "camtools.panel.pages."),
-    *("camtools.panel.page_frame", "camtools.panel.dialogs"),
+    *("camtools.panel.page_frame", "camtools.panel.pieces"),
 )
 
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Worked numbers of the equations that no module's test asserts, each by a second method."""
 
 import numpy as np
@@ -8,14 +7,13 @@ from scipy.optimize import brentq
 from scipy.signal import lsim
 
 from camtools.base.quantities import Floats
+from camtools.lobe.channels import N_GRID, SpindleLimits, surface_speed
 from camtools.lobe.contact import contact, follow
 from camtools.lobe.lift import Disc, LiftLaw, Poly345
-from camtools.lobe.speed import N_GRID, SpindleLimits, surface_speed
-from camtools.skirt.geometry.composite import Joint
 from camtools.skirt.geometry.refit import CANDIDATES, Recipe, judge, kept_sites, sites_rad
-from camtools.skirt.geometry.sections import DoubleEllipse, Ellipse
+from camtools.skirt.geometry.sections import DoubleEllipse, Ellipse, Joint
 from camtools.skirt.geometry.skirt_geometry import make_geometry
-from camtools.table.quintics import segment_coefficients
+from camtools.table.channel import segment_coefficients
 from tests.tools.cases.part_cases import PERKINS, load_part
 
 A_MM, G_MM = 46.0, 0.2

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A room of firmware, HAL or simulator sees the rooms below it and no others.
 
 The compiler is asked, not CMake, with the include paths that the host build gives the sources of a

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 r"""camturn.dbc: the parts that lists of the C sources give, and the C that cantools makes of it.
 
 >>> enumerators("typedef enum {\n    cam_x_a, ///< a, b\n    cam_x_b = 3,\n} cam_x_t;", "cam_x_t")
@@ -15,7 +14,7 @@ from collections.abc import Mapping
 from cantools.database.can import Database, c_source
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.project_paths import ROOT
+from camtools.base.project import ROOT
 
 DBC = "firmware/remote/can/camturn.dbc"
 # What differs from one cantools to the next, and the helpers that judge floating-point values.

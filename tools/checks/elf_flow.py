@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 r"""Calls, jumps and loops of one function of an ARM image.
 
 >>> from checks.elf_image import parse_code

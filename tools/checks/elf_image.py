@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 r"""An ARM image as text of the binary utilities, read into functions of instructions.
 
 >>> code = parse_code('''

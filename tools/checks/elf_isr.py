@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Everything that an interrupt can reach in an image: its stack, and what is forbidden."""
 
 from __future__ import annotations

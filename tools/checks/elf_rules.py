@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What an interrupt may not reach: names, instructions and sources.
 
 >>> forbidden_name("__aeabi_uldivmod"), forbidden_name("cam_tick_isr")

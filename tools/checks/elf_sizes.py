@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Sizes of the modules of an image, by source file, against recorded ones.
 
 Code counts for the file it is written in, wherever it was inlined; constants and variables for

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Command line of the checks of an ARM image: its interrupt, its sizes.
 
 >>> _arguments(["isr", "firmware.elf", "--stack-limit", "800"]).stack_limit
@@ -13,7 +12,7 @@ from pathlib import Path
 
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError, InputError
-from camtools.base.output import write_all
+from camtools.base.files import write_all
 from checks.elf_image import PREFIX, Image
 from checks.elf_isr import IsrReport, examine, load_bounds
 from checks.elf_sizes import compare, emit_sizes, measure, parse_sizes, table

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 r"""Make look-up pages, lists of camturn.dbc and its C from their sources, or compare them.
 
 >>> print(table([("a", "b"), ("1", "2|3")]), end="")
@@ -15,9 +14,9 @@ from collections.abc import Iterable, Sequence
 
 from cantools.database.can import Database, Message, Signal
 
-from camtools.base.project_paths import ROOT
+from camtools.base.project import ROOT
+from camtools.link.kept_values import INFOS, Info, group_of
 from camtools.link.messages import choices_of
-from camtools.link.parameters import INFOS, Info, group_of
 from checks.dbc import DBC, c_sources, dbc_text, errors, headers
 from checks.page_command import page_command
 

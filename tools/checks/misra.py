@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Command line of the MISRA gate: what cppcheck finds in the firmware against its deviations.
 
 A deviation is a row of firmware/MISRA.md. It covers the findings of its rules in the files of its

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What the commands of generated pages share: compare with the source, or write.
 
 >>> import tempfile
@@ -14,7 +13,7 @@ from pathlib import Path
 
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
-from camtools.base.output import write_all
+from camtools.base.files import write_all
 
 
 def page_command(

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Make the tables of PARTFILE.md from the models of the kinds of parts.
 
 The text before the first kind and after the last stays as it is in the page.
@@ -12,10 +11,10 @@ from __future__ import annotations
 import json
 import sys
 
-from camtools.base.project_paths import ROOT
+from camtools.base.project import ROOT
 from camtools.part.schema import Key, Table
 from camtools.pipeline.kind import AnyKind
-from camtools.pipeline.registry import keys_of, kinds
+from camtools.pipeline.load import keys_of, kinds
 from checks.lookup import table
 from checks.page_command import page_command
 

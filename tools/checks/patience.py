@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """How long a test waits for an event: until it comes, at most for longer on a slower machine.
 
 >>> until(lambda: 3, "a three")

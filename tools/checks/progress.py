@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Detects hangs without a clock that judges: processes that neither compute nor print for minutes.
 
 Processor time and bytes written are those of a process and all below it, the ended ones included.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Command line: the same sources, built in another folder, give the same image as in build/PRESET.
 
 >>> difference(b"same bytes", b"same bytes") is None
@@ -19,7 +18,7 @@ from pathlib import Path
 
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
-from camtools.base.project_paths import ROOT
+from camtools.base.project import ROOT
 
 FAILED = 1
 

@@ -1,5 +1,5 @@
 # What tools/pyproject.toml adds to the modules of the Python package: the simulator, and the files of
-# the project that commands read, at the same places as in a clone (tools/camtools/base/project_paths.py).
+# the project that commands read, at the same places as in a clone (tools/camtools/base/project.py).
 set(wheel COMPONENT wheel EXCLUDE_FROM_ALL)
 foreach(file IN ITEMS firmware/FAULTS.md firmware/base/cam_err.h firmware/param/cam_param.h firmware/remote/can/camturn.dbc
         LICENSE hal/include/hal/version.h tools/docs/CAMS.md tools/docs/PARTFILE.md tools/docs/POLYGONS.md)

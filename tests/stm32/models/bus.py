@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Registers that are known bit by bit, and the clock: the basis of every device model.
 
 A model lists the registers and bits that the port uses, as in stm_reg.h, and the rules of the

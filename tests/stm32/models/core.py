@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The core apart from its instructions (Armv7-M Architecture Reference Manual, B1, B3).
 
 Exceptions: priorities after reset, pending, entry with a frame of 8 words, return by EXC_RETURN.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The peripherals of the chip, at their addresses and wired to each other."""
 
 from collections.abc import Callable

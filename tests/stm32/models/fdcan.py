@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """FDCAN1 with its message RAM (RM0433, section 56) and a bus with one listener, the bench.
 
 Modelled: initialisation, clock calibration unit (bypassed), bit timing, receive FIFO 0 in blocking

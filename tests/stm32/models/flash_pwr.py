@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Flash interface, supply and system configuration (RM0433, sections 4, 6 and 12).
 
 Flash: erase and programming of the sectors that hold no code, quicker than the device (2 ms and

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """GPIO ports (RM0433, section 11): modes, alternate functions, levels at the pins.
 
 A pin that nobody drives follows its pull resistor, the board's before the chip's; `pins`

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The memory protection unit (Armv7-M Architecture Reference Manual, B3.5).
 
 It answers where the core may read or fetch ahead by itself: wherever memory is normal and may be

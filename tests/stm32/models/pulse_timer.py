@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Timers TIM16, TIM17 and TIM8 (RM0433, sections 41 and 38) making trains of pulses.
 
 Modelled: one-pulse mode with the repetition counter, PWM mode 2 on one channel, main output enable.

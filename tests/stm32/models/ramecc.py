@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """RAM ECC monitoring of domain 1 (RM0433, section 3): flags, latched addresses, its interrupt.
 
 A test marks words with flipped bits (`flip`); a load of such a word is an error, and a store to it

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Reset and clock control (RM0433, section 8): oscillators, PLL1, dividers, gates, reset flags.
 
 Oscillators and PLL1 are ready a fixed time after they are switched on. What the manual forbids is

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """SPI3 as a master (RM0433, section 50), the AD5754R at it (its data sheet), and DAC1.
 
 The SPI shifts frames of 24 bits, at the kernel clock divided by MBR, out of a FIFO that takes four.

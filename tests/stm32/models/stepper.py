@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A drive's input for step and direction: it counts edges and measures times between them."""
 
 from dataclasses import dataclass, field

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Timers TIM1 to TIM5 (RM0433, sections 38 and 39).
 
 Modelled: counting up from the internal clock without prescaler and preload, encoder mode 3, input

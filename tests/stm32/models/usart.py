@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """USART3 (RM0433, section 48): 8N1, with a FIFO of 16 bytes for each direction."""
 
 from collections import deque

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """IWDG1 (RM0433, section 46) on the LSI of 32 kHz; WWDG1 (section 44) on the clock of APB3."""
 
 from collections.abc import Callable

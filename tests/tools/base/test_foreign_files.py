@@ -9,8 +9,8 @@ from camtools.lobe.listed_lift import CSV_HEADER
 from camtools.lobe.listed_lift import parse_points as parse_lift
 from camtools.measured.points import HEADER as GAUGED_HEADER
 from camtools.measured.points import parse_points as parse_gauged
-from camtools.skirt.geometry.scan_text import HEADER as SCAN_HEADER
-from camtools.skirt.geometry.scan_text import parse_sections
+from camtools.skirt.geometry.measured_sections import HEADER as SCAN_HEADER
+from camtools.skirt.geometry.measured_sections import parse_sections
 from camtools.table.points import parse_points
 
 READERS: dict[str, tuple[Callable[[str, str], object], str]] = {

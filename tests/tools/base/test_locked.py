@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """requirements.lock holds what the groups of packages ask for."""
 
 import re

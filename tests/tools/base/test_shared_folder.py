@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.output import growing, staged, write_all
+from camtools.base.files import growing, staged, write_all
 from tests.tools.cases.camsim_cases import camsim
 from tests.tools.cases.part_cases import environment
 
@@ -19,7 +19,7 @@ NOBODY = 65534
 KILLED = """
 import sys, time
 from pathlib import Path
-from camtools.base.output import growing, staged
+from camtools.base.files import growing, staged
 folder = Path(sys.argv[1])
 with staged(folder) as stage, growing(folder / "log.txt") as stream:
     (stage.folder / "half").write_text("1")

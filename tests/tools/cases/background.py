@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A program that runs beside a test, which hears what it says and may type to it.
 
 >>> with background(sys.executable, "-c", "print('ready'); print(input())") as echo:

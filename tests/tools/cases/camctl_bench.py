@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The firmware with an ideal machine, over a bus within this process, for tests of camctl."""
 
 import csv
@@ -15,13 +14,12 @@ from pathlib import Path
 import can
 
 from camtools.cli.camctl import main
-from camtools.cli.camctl_cut import follow_cut
-from camtools.cli.camctl_rights import RightsOptions
+from camtools.cli.camctl_control import RightsOptions
+from camtools.cli.camctl_operate import follow_cut
 from camtools.link.controller import PERIOD_S, Link, Status
 from camtools.link.messages import COMMAND, Refused, command_bytes
 from camtools.link.refusal_text import ask_done
-from camtools.link.rights import sender_of
-from camtools.link.shared_session import SharedSession
+from camtools.link.rights import SharedSession, sender_of
 from checks.patience import limit_s, until
 from tests.tools.cases.camsim_cases import BUILD
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """How the tests call the simulator: `cut` in this process, `camsim` as people in a shell."""
 
 import itertools

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Commands of camtools, called in this process as a shell would start them, or in one of their own.
 
 What may depend on how a process begins, as the order of sets does, takes `fresh_command`.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A service of the panel with visitors, over a bus within this process."""
 
 import asyncio
@@ -9,11 +8,9 @@ import can
 
 from camtools.base.errors import CamtoolsError
 from camtools.link.controller import Link
-from camtools.panel.orders.command_log import CommandLog
-from camtools.panel.orders.commander import Commander
+from camtools.panel.orders.commander import Commander, CommandLog, Visitor
 from camtools.panel.orders.controller_service import ControllerService
 from camtools.panel.orders.order import Order, Outcome
-from camtools.panel.orders.visitor import Visitor
 from checks import patience
 
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Tables of parts and their cuts: each part of the repository is made once in a process."""
 
 from collections.abc import Callable, Sequence
@@ -9,8 +8,7 @@ import numpy as np
 
 from camtools.base.quantities import Floats
 from camtools.cut.correction import Correction
-from camtools.pipeline.load import Loaded, load
-from camtools.pipeline.make_table import Made, make
+from camtools.pipeline.load import Loaded, Made, load, make
 from camtools.sim.simulate import Result
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from camtools.skirt.kind import KIND

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Plants that judge loops and fits: not the simulator's, not the fit's; plants.c moves them.
 
 A position drive: exact flow of the linear part over short steps, Coulomb friction as a set-valued

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Tiny images for a Cortex-M7 that the tests of elfcheck compile and link."""
 
 import shutil

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Gauged surfaces by formula, and a judge of surfaces that knows nothing of the correction."""
 
 import numpy as np

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """LinuxCNC itself, for tests only: installed, or unpacked from its Debian packages.
 
 Unpacking needs no root and leaves the system alone: the package itself would bring a desktop.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Run by the system's Python: lets LinuxCNC's interpreter read a program, writes down its moves.
 
 usage: linuxcnc_reader.py PROGRAM POINTS VARIABLES

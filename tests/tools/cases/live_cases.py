@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A live lathe beside a test, with a link to its controller."""
 
 from collections.abc import Iterator

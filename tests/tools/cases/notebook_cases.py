@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 r"""Notebooks of the documentation are executed, cell after cell, as Jupyter would.
 
     python tests/tools/cases/notebook_cases.py NOTEBOOK    # executes it and keeps what it prints

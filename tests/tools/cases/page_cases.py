@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A report read as a browser reads it: its elements, and the numbers that it holds."""
 
 import json

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Previews for tests: what the worker answers, without a process of its own."""
 
 from pathlib import Path

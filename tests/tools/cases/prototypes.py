@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from camtools.base.shared_library import Prototypes
+from camtools.base.project import Prototypes
 
 _WORDS = {
     "void": "None",

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Requests to the panel without a browser: those of NiceGUI's script, or of an attacker."""
 
 import http.client

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """elfcheck follows calls, jumps and loops of an interrupt, and refuses what it may not reach."""
 
 import re

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The command line of elfcheck: exit status, messages, the record of sizes."""
 
 from pathlib import Path

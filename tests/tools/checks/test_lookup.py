@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The DBC's lists, its C and the look-up pages are what their sources give."""
 
 import re
@@ -6,9 +5,9 @@ import re
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.project_paths import ROOT
+from camtools.base.project import ROOT
+from camtools.link.kept_values import INFOS
 from camtools.link.messages import DATABASE
-from camtools.link.parameters import INFOS
 from checks import dbc, lookup, partfile
 
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The MISRA gate: deviations cover what they say and nothing else."""
 
 import shutil

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The runner of all tests: what it counts, reports and stops; CTest itself runs the steps."""
 
 import os

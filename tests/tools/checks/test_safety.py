@@ -1,10 +1,9 @@
-# SPDX-License-Identifier: Apache-2.0
 """What SAFETY.md and THREATS.md name exists, and no fault or hazard lacks a test."""
 
 import re
 from functools import cache
 
-from camtools.base.project_paths import ROOT
+from camtools.base.project import ROOT
 
 TEXT = "".join(
     (ROOT / "firmware" / f"{one}.md").read_text("utf-8") for one in ("SAFETY", "THREATS")

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """tools/camctl against the firmware with an ideal machine, over a bus within this process."""
 
 import csv

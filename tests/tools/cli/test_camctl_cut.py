@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What changes in the cut, with tools/camctl, against the firmware with an ideal machine."""
 
 import re

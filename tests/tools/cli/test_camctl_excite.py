@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """camctl's excitation of U and learned values against the firmware, over a bus."""
 
 import signal
@@ -12,7 +11,7 @@ import pytest
 
 from camtools.link import excitation, scope
 from camtools.link.controller import Link
-from camtools.link.learned_file import LAYOUT
+from camtools.link.kept_values import LAYOUT
 from camtools.link.messages import COMMAND, Refused
 from checks.patience import until
 from tests.tools.cases.camctl_bench import Bench, Refusal, act_when, columns, order

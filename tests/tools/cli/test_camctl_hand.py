@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Axes by hand with tools/camctl, against the firmware with an ideal machine."""
 
 import re

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """All parameters as a file and in the controller's memory, and refusals with their numbers."""
 
 import tomllib
@@ -6,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from camtools.link.kept_values import INFOS
 from camtools.link.messages import NAMES
-from camtools.link.parameters import INFOS
 from tests.tools.cases.camctl_bench import Bench, Refusal
 
 

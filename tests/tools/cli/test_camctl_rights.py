@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Who commands, the level and acknowledge: tools/camctl against the firmware."""
 
 import re
@@ -10,13 +9,12 @@ from pathlib import Path
 import can
 import pytest
 
-from camtools.cli import camctl_rights
+from camtools.cli import camctl_control
 from camtools.cli.camctl import main as camctl_main
 from camtools.link.controller import Link
 from camtools.link.messages import NUMBERS, Refused
 from camtools.link.refusal_text import ask_done
-from camtools.link.rights import CommandHeld, CommandLost, May, sender_of
-from camtools.link.shared_session import SharedSession
+from camtools.link.rights import CommandHeld, CommandLost, May, SharedSession, sender_of
 from checks.patience import limit_s
 from tests.tools.cases.background import background, python
 from tests.tools.cases.camctl_bench import SECRET, Bench, Refusal, keeping, order
@@ -154,7 +152,7 @@ def test_the_secret_unlocks_by_itself_and_until_it_is_locked(
     secret.chmod(0o644)
     assert "others may read it; chmod 600" in refusal(strict, 2, "unlock")
     monkeypatch.delenv("CAMTURN_SECRET")
-    monkeypatch.setattr(camctl_rights, "_KEY_S", 0.3)
+    monkeypatch.setattr(camctl_control, "_KEY_S", 0.3)
     assert "nobody turned the key switch; give --secret FILE" in refusal(strict, 1, "unlock")
 
 

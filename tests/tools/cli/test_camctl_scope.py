@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """camctl's recorder against the firmware, over a bus."""
 
 import json

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Tables over the bus by tools/camctl: downloaded, selected, refused, repeated."""
 
 import struct

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What all command lines share: a signal is a signal, whatever a library makes of it."""
 
 import os

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The command line tools/flash: what it refuses, and what it asks a programmer to do."""
 
 import re

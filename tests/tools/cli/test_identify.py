@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The command that identifies U: on the simulator, over CAN, and what it refuses."""
 
 import contextlib
@@ -15,7 +14,7 @@ import numpy as np
 import pytest
 
 from camtools.cli.identify import main
-from camtools.identify import can_drive
+from camtools.identify import drives
 from camtools.link import excitation
 from camtools.link.controller import Link
 from camtools.link.scope import Recording
@@ -215,7 +214,7 @@ def test_settings_reach_the_controller(
 ) -> None:
     """The drives go off, the parameters are set, and read back by camctl."""
     ready(bench)
-    monkeypatch.setattr(can_drive, "excite", excited_plant(Plant(friction_m_s2=5)))
+    monkeypatch.setattr(drives, "excite", excited_plant(Plant(friction_m_s2=5)))
     status, text = run(*bus_words(bench), "--periods", "3", "--apply", "-o", tmp_path)
     assert status == 0, text
     assert "applied: k1_ns, k2_us2, lead_ns, u_friction_nm; the drives are off" in text

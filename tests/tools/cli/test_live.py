@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """tools/live: a session through camctl as an operator has it, and what is left when one dies."""
 
 import io

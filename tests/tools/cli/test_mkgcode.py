@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The command line tools/mkgcode: programs read back, files whole or absent, refusals."""
 
 import re
@@ -11,8 +10,7 @@ import numpy as np
 import pytest
 
 from camtools.ngc.gcode_words import CLEARANCE_MM, ENGAGE_TURNS
-from camtools.skirt.geometry.blank import section_cut
-from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry, section_cut
 from camtools.skirt.tool.turning import path_of
 from tests.tools.cases.command_cases import command, fresh_command
 from tests.tools.cases.linuxcnc import AXES, Interpreter

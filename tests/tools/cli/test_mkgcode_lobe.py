@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """NC programs of cams: X over C and the swing, times, read back by us and by LinuxCNC."""
 
 import re

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.output import write_all
+from camtools.base.files import write_all
 from camtools.cli.mktables import main
-from camtools.pipeline.make_table import Made
+from camtools.pipeline.load import Made
 from camtools.skirt.kind import KIND
 from camtools.skirt.table.generate import GeneratedSkirt
-from camtools.table.c_source import emit_header, emit_source, identifier
+from camtools.table.summary import emit_header, emit_source, identifier
 from tests.tools.cases.part_cases import PERKINS, ROOT, Command, environment, listing
 
 STRICT_C = ["-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wpedantic", "-Werror"]
@@ -207,7 +207,7 @@ def test_interrupted_run_leaves_nothing(
         assert any(name.endswith(".tmp") for name in listing(tmp_path / "out"))
         signal.raise_signal(signal.SIGINT)
 
-    monkeypatch.setattr("camtools.base.output.os.fsync", interrupt)
+    monkeypatch.setattr("camtools.base.files.os.fsync", interrupt)
     done = mktables(PERKINS, "-o", tmp_path / "out")
     assert done.returncode == 128 + signal.SIGINT
     assert done.stderr == "mktables: interrupted; nothing was written\n"

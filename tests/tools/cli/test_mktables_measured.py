@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """mktables --measured: what it writes and says, and every surface that it refuses."""
 
 import json

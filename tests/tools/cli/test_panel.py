@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """tools/panel as a program: what is wrong is one line, and its end leaves nothing behind."""
 
 import os

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What commands refuse: one line with the option and the remedy, status 2, nothing written."""
 
 from importlib import import_module

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The command line tools/run: results complete or not at all, exit status, one line per error."""
 
 import json

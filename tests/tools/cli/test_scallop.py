@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The ring-helix on the simulator: Z against its path, the surface between tracks."""
 
 import csv as csv_module

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What a cut demands: generator and controller refuse by one rule, with numbers that would do."""
 
 import re
@@ -19,8 +18,7 @@ from camtools.lobe.generate import GeneratedLobes, generate_lobes
 from camtools.lobe.kind import KIND, lobe_machine_text
 from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
 from camtools.part.common import MachineLimits, SwingLimits
-from camtools.pipeline.load import parse
-from camtools.pipeline.make_table import Made
+from camtools.pipeline.load import Made, parse
 from camtools.sim.machine_file import machine_text
 from camtools.skirt.table.generate import peaks_of_table
 from camtools.table.header import image_limits

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """How Z follows the turns: the worked numbers of MATHS.md (40) .. (43), ramps, tracks, scallops."""
 
 import numpy as np

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Removal, the speed law of least ripple and the spindle that plays it: MATHS.md (20) .. (29)."""
 
 import numpy as np
@@ -37,9 +36,8 @@ from camtools.cut.speed_law import (
     uniform,
 )
 from camtools.cut.spindle_loop import SpindleLoop, _PlayedSpindle, played_ripple
-from camtools.skirt.geometry.blank import section_cut
 from camtools.skirt.geometry.sections import DoubleEllipse, Ellipse, Section
-from camtools.skirt.geometry.skirt_geometry import Geometry
+from camtools.skirt.geometry.skirt_geometry import Geometry, section_cut
 from tests.tools.cases.maths_tables import MEAN_SPEEDS, SPINDLE_LIMITS, TABLE_1, TABLE_4
 
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What is not known: read from V.toml, drawn evenly, judged by statistics with printed values."""
 
 import math
@@ -11,9 +10,8 @@ from scipy.integrate import quad
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
-from camtools.forecast.sampling import draw
-from camtools.forecast.statistics import effects, quantile, share_within
-from camtools.forecast.vary import Unknown, default_vary, read_vary
+from camtools.forecast.result import effects, quantile, share_within
+from camtools.forecast.vary import Unknown, default_vary, draw, read_vary
 from camtools.sim.machine_file import find_machine, mistaken, names, read_machine
 
 SHARES = np.array([0.0, 0.025, 0.1, 0.5, 0.77, 0.975, 1.0])

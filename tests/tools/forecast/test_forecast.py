@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """tools/forecast: it draws, cuts and reports; goes on where it was stopped; refuses in one line."""
 
 import json
@@ -15,10 +14,9 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.cli.forecast import main
 from camtools.forecast import parallel_cuts
+from camtools.forecast.cuts import CutOutcome, Store, cut_batch
 from camtools.forecast.job import ForecastPlan, Question, plan_of
-from camtools.forecast.one_cut import CutOutcome, cut_batch
 from camtools.forecast.parallel_cuts import cut_all
-from camtools.forecast.store import Store
 from camtools.sim.simulate import simulate
 from checks.patience import until
 from tests.tools.cases.background import python

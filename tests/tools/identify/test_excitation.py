@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Excitations of U: waves and plans within limits, records of them, drives simulated and on CAN."""
 
 import tomllib
@@ -9,16 +8,13 @@ import numpy as np
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.identify.can_drive import ConnectedU
-from camtools.identify.configured_drive import Believed
-from camtools.identify.excitation_plan import Excitation, Wishes, plan
-from camtools.identify.excited import excited
+from camtools.identify.configured_drive import Believed, with_keys
+from camtools.identify.drives import ConnectedU, CutShortError, SimulatedU
+from camtools.identify.excitation_plan import Excitation, Wishes, excited, plan
 from camtools.identify.fit import K1, K2, LEAD
 from camtools.identify.identified import Identified, Limits, identify
-from camtools.identify.machine_file import with_keys
 from camtools.identify.multisine import CARRIER_LINE, Grid, multisine
 from camtools.identify.recording import record_of
-from camtools.identify.simulated_drive import CutShortError, SimulatedU
 from camtools.link.controller import Link
 from camtools.link.messages import Refused
 from camtools.sim.machine_file import machine_bytes, names
@@ -298,7 +294,7 @@ def test_a_value_that_reads_another_is_refused(
     """Somebody else sets it at the same time."""
     ready(bench)
     u = ConnectedU(link)
-    monkeypatch.setattr("camtools.identify.can_drive.set_all", lambda *_: {})
+    monkeypatch.setattr("camtools.identify.drives.set_all", lambda *_: {})
     with pytest.raises(Refused, match=r"servo_mass_g = 777: reads 1500; .*apply again"):
         u.apply({"servo_mass_g": 777})
 

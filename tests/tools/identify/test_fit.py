@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Constants found of drives of another make, whose constants are known (drive_plant.py).
 
 What they cost a part, their picture and their report.
@@ -13,8 +12,7 @@ from camtools.base.quantities import Floats
 from camtools.identify.bode import bode_png, left_by_fit, measured_response
 from camtools.identify.configured_drive import Believed
 from camtools.identify.fit import FRICTION, K1, K2, LEAD, second_order
-from camtools.identify.friction import friction_of
-from camtools.identify.identified import Identified, Limits, identify
+from camtools.identify.identified import Identified, Limits, friction_of, identify
 from camtools.identify.multisine import Grid, multisine
 from camtools.identify.part_error import (
     ToolMotion,
@@ -23,9 +21,8 @@ from camtools.identify.part_error import (
     friction_error_nm,
     motion_of,
 )
-from camtools.identify.recording import record_of
+from camtools.identify.recording import record_of, spectra_of
 from camtools.identify.report import report
-from camtools.identify.spectra import spectra_of
 from camtools.skirt.table.generate import GeneratedSkirt
 from tests.tools.cases.drive_plant import Plant, faded, played
 

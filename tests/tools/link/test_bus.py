@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Every interface of python-can opens, or one line says what is missing."""
 
 import io

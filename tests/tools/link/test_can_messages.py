@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """camturn.dbc against the C sources that it describes."""
 
 import itertools
@@ -10,9 +9,9 @@ import cantools
 import pytest
 from cantools.database.can import Database, Message
 
-from camtools.link.faults import FAULTS
-from camtools.link.learned_file import LAYOUT
+from camtools.link.kept_values import LAYOUT
 from camtools.link.messages import FAULT_TEXTS
+from camtools.link.refusal_text import FAULTS
 
 ROOT = Path(__file__).resolve().parents[3]
 DBC = ROOT / "firmware" / "remote" / "can" / "camturn.dbc"

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A cut on the live lathe as the panel sees it: learning and the time that is left."""
 
 from pathlib import Path
@@ -6,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camtools.link.convergence import Convergence
-from camtools.link.progress import cut_progress
+from camtools.link.status_text import cut_progress
+from camtools.link.strobe import Convergence
 from checks.patience import limit_s
 from tests.tools.cases.live_cases import live_case
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A controller of another version: what it does not know or tell is said, with the remedy."""
 
 from collections.abc import Callable

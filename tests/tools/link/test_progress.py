@@ -1,12 +1,11 @@
-# SPDX-License-Identifier: Apache-2.0
 """Progress, load and convergence from the status: also what is not known, and says so."""
 
 import pytest
 
 from camtools.link.controller import Link
-from camtools.link.convergence import Convergence
 from camtools.link.messages import NUMBERS
-from camtools.link.progress import cut_progress, tick_load
+from camtools.link.status_text import cut_progress, tick_load
+from camtools.link.strobe import Convergence
 
 CUT = {"has_end": 1.0, "turns_left": 300.0, "turns_whole": 400.0, "pass_speed": 600.0}
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The remedies of refusals."""
 
 from typing import cast

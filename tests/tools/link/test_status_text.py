@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The page that camctl watch draws over and over."""
 
 import pytest

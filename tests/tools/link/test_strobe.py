@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Samples of single ticks: what the frames say, against the recorder and against cantools."""
 
 import itertools

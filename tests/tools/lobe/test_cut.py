@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Cams on the simulator: the profile that wheel and tool leave, the swing, what is refused."""
 
 import json
@@ -15,7 +14,7 @@ from camtools.lobe.contact import contact
 from camtools.lobe.generate import generate_lobes
 from camtools.lobe.kind import KIND
 from camtools.lobe.lift import Poly345
-from camtools.pipeline.make_table import Made
+from camtools.pipeline.load import Made
 from camtools.sim.binding import Rows
 from tests.tools.cases.camsim_cases import (
     ROOT,

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Cams by law: contacts, followers, rise laws, flat faces and heels against other methods."""
 
 from pathlib import Path
@@ -8,11 +7,22 @@ import pytest
 
 from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import Floats
-from camtools.lobe.contact import Contact, Follower, contact, follow, solved_at
+from camtools.lobe.contact import (
+    Contact,
+    Follower,
+    all_round,
+    check_roller,
+    check_wheel,
+    contact,
+    follow,
+    shape_of,
+    solved_at,
+)
 from camtools.lobe.generate import generate_lobes
 from camtools.lobe.heel import check_lobe_heel, nearest_heel, needed_clearance_deg
 from camtools.lobe.kind import KIND
 from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345, Risen
+from camtools.lobe.listed_lift import periodic_spline
 from camtools.lobe.motion import ShaftLobe, example_lobe, make_lobes
 from camtools.lobe.part import LobePart
 from camtools.lobe.rise_laws import (
@@ -24,11 +34,9 @@ from camtools.lobe.rise_laws import (
     Quintic,
     RiseLaw,
 )
-from camtools.lobe.smooth_list import periodic_spline
 from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
-from camtools.lobe.undercut import all_round, check_roller, check_wheel, shape_of
-from camtools.part.tool import SwungTool
-from camtools.pipeline.make_table import Made
+from camtools.part.common import SwungTool
+from camtools.pipeline.load import Made
 from tests.tools.cases.camsim_cases import cut
 from tests.tools.cases.cut_cases import PARTS, written
 from tests.tools.cases.lobe_cases import MACHINE, NM, QUICK, cam, evaluate

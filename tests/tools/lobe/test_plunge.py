@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Plunge grinding: infeed and spark-out by the turn, wheel width and wear, Z that stands."""
 
 import re
@@ -15,7 +14,7 @@ from camtools.lobe.kind import KIND
 from camtools.lobe.plunge import left_by_wear_um
 from camtools.lobe.summary import design_of_lobes, make_lobe_summary
 from camtools.ngc.lobe_program import LobeJob, lobe_program
-from camtools.pipeline.make_table import Made
+from camtools.pipeline.load import Made
 from camtools.sim.binding import Rows
 from camtools.table.channel import ImageError
 from camtools.table.image import pack, unpack

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """tools/run with a cam: results complete, figures in words, errors as for a skirt."""
 
 import json
@@ -10,11 +9,11 @@ import numpy as np
 import pytest
 
 from camtools.cli.run import main as run
-from camtools.lobe.cut_plots import band, draw_rake, speed_of_contact
 from camtools.lobe.generate import GeneratedLobes, generate_lobes
 from camtools.lobe.motion import example_lobe
+from camtools.lobe.plots import band, draw_rake, speed_of_contact
 from camtools.lobe.report import REPORT
-from camtools.lobe.report_text import LobeOutcome
+from camtools.lobe.summary import LobeOutcome
 from camtools.report.kind_report import make_report, rows_of
 from camtools.report.text import page_text
 from camtools.sim.results import STATES, CutTrace, GaugedSurface

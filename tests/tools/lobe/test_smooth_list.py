@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Rounded lists of lift, smoothed within a band, judged by the laws before rounding."""
 
 import json
@@ -15,9 +14,9 @@ from camtools.cli.run import main as run
 from camtools.lobe.generate import generate_lobes
 from camtools.lobe.kind import KIND
 from camtools.lobe.lift import Listed
+from camtools.lobe.listed_lift import band_for
 from camtools.lobe.motion import make_lobes
-from camtools.lobe.smooth_list import band_for
-from camtools.pipeline.make_table import Made
+from camtools.pipeline.load import Made
 from camtools.table.points import PointedTurn
 from tests.tools.cases.lobe_cases import QUICK, cam
 from tests.tools.cases.part_cases import ROOT

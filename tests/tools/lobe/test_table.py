@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Tables of cams: errors, several lobes, patterns, speeds, refusals, the firmware's evaluation."""
 
 import json
@@ -10,13 +9,20 @@ import pytest
 
 from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import Floats, Ints
-from camtools.lobe.channels import choose_angle, choose_lift, patterns_of
+from camtools.lobe.channels import (
+    N_GRID,
+    SpindleLimits,
+    choose_angle,
+    choose_lift,
+    mean_of,
+    patterns_of,
+    surface_speed,
+)
 from camtools.lobe.contact import contact, follow
 from camtools.lobe.generate import GeneratedLobes, generate_lobes
 from camtools.lobe.lift import Disc
 from camtools.lobe.motion import ShaftLobe, example_lobe, make_lobes
 from camtools.lobe.part import LobePart
-from camtools.lobe.speed import N_GRID, SpindleLimits, mean_of, surface_speed
 from camtools.pipeline.load import load
 from camtools.table.channel import KIND_SPEED, KIND_U, MAX_CHANNEL_BYTES
 from camtools.table.image import pack, unpack

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Corrections by gauged parts: files read, waves fitted, steps taken, rounds on the simulator.
 
 The simulated machine of the rounds is not as it is believed.
@@ -13,15 +12,13 @@ import numpy as np
 import pytest
 
 from camtools.base.errors import CamtoolsError, InputError
-from camtools.base.json_text import Json
 from camtools.base.quantities import Floats
+from camtools.base.text import Json
 from camtools.cli.mktables import main
 from camtools.cut.correction import N_NODES, Complexes, Correction
-from camtools.measured.correction_step import take
+from camtools.measured.correction_step import best_round, round_text, take
 from camtools.measured.points import GaugedPoints, parse_points
-from camtools.measured.round_summary import best_round
 from camtools.measured.surface import fit_surface
-from camtools.measured.text import round_text
 from tests.tools.cases.camsim_cases import camsim
 from tests.tools.cases.gauged_cases import ENDS, amplitudes_um, error_um, gauged, helix, traces
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A service before a fresh controller."""
 
 from collections.abc import Iterator

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What reaches a panel that runs: its own pages with the token, and nothing else."""
 
 import asyncio
@@ -17,10 +16,9 @@ from starlette.responses import PlainTextResponse
 from starlette.routing import Mount, Route
 
 from camtools.cli.panel import token_of
-from camtools.panel.access import middleware
-from camtools.panel.pages.reports import reports
-from camtools.panel.runs.options import RunOptions
-from camtools.panel.runs.store import RunStore
+from camtools.panel.pages.runs import reports
+from camtools.panel.runs.store import RunOptions, RunStore
+from camtools.panel.server import middleware
 from tests.browser.panel_session import Panel, panel_alone
 from tests.tools.cases.raw_page import SOCKET, ask
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The panel as one commander on the bus: beside another one, locked, and before the button."""
 
 import asyncio
@@ -11,8 +10,8 @@ from camtools.link.controller import Link
 from camtools.link.messages import COMMAND
 from camtools.link.refusal_text import ask_done
 from camtools.link.rights import sender_of, sender_text
-from camtools.panel.views.bus_commander import held_text, other_sender
-from camtools.panel.views.missing import way_on
+from camtools.panel.views.availability import way_on
+from camtools.panel.views.wording import held_text, other_sender
 from checks.patience import limit_s
 from tests.tools.cases.camctl_bench import SECRET, Bench
 from tests.tools.cases.controller_cases import Seat, until

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The controller service and the firmware on an ideal machine: orders, rights, parameters."""
 
 import asyncio
@@ -11,8 +10,8 @@ import can
 import pytest
 
 from camtools.link.controller import Link
+from camtools.link.kept_values import INFOS
 from camtools.link.messages import COMMAND, Answer, Refused
-from camtools.link.parameters import INFOS
 from camtools.link.refusal_text import ask_done
 from tests.tools.cases.camctl_bench import Bench, named
 from tests.tools.cases.controller_cases import Seat, until

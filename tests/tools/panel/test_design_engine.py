@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The processes of the previews: the newest change wins, and whatever dies is replaced."""
 
 import asyncio

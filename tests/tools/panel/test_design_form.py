@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The form and the text are one: a change of a field changes that value and nothing else."""
 
 import tomllib
@@ -9,11 +8,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from camtools.base.errors import CamtoolsError
-from camtools.panel.design.document import edited, lines_of
-from camtools.panel.design.draft import Draft
-from camtools.panel.design.fields import shown_text, typed
+from camtools.panel.design.document import edited, lines_of, shown_text, typed
+from camtools.panel.design.part_library import Draft
 from camtools.part.schema import Key
-from camtools.pipeline.registry import keys_of, kind_of
+from camtools.pipeline.load import keys_of, kind_of
 from tests.tools.cases.preview_cases import PARTS, text_of
 
 NAMES = sorted(path.stem for path in PARTS.glob("*.toml"))

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The numbers of a preview are those of the table, of the controller, and of its set-points."""
 
 import json
@@ -12,10 +11,9 @@ import pytest
 
 from camtools.base.cache import Memory
 from camtools.cut.feasibility import tenth_below
-from camtools.panel.design.preview_values import N_ANGLES, motion_of
-from camtools.pipeline.exact import ExactTurn, SpeedRatio
-from camtools.pipeline.load import parse
-from camtools.pipeline.make_table import make
+from camtools.panel.design.preview_worker import N_ANGLES, motion_of
+from camtools.pipeline.kind import ExactTurn, SpeedRatio
+from camtools.pipeline.load import make, parse
 from tests.tools.cases.camsim_cases import cut
 from tests.tools.cases.cut_cases import evaluated, made_of
 from tests.tools.cases.preview_cases import PARTS, answers, problems, stage, text_of

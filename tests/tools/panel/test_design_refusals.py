@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What a part file may not do on the page: read other files, have hostile names, hide faults."""
 
 import json

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Following error over the angle: scale, series that change, bounded payload."""
 
 import json
@@ -10,18 +9,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camtools.panel.views.axis_scale import Scale, step_above
-from camtools.panel.views.error_chart import POLAR, UNROLLED, change, whole
-from camtools.panel.views.error_trail import (
+from camtools.panel.views.error_chart import (
     BINS,
     MOST_POINTS,
+    POLAR,
     SHOWN_TURNS,
     SLOTS,
+    UNROLLED,
+    Scale,
     Ticks,
     Trail,
+    change,
     mean_by_angle,
     recent,
     statistics,
+    step_above,
+    whole,
 )
 
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The loop of a U that takes forces is measured and set from the panel."""
 
 import asyncio
@@ -9,12 +8,12 @@ from pathlib import Path
 import can
 import pytest
 
-from camtools.base.project_paths import ROOT
+from camtools.base.project import ROOT
 from camtools.link.bus import open_bus
 from camtools.link.controller import Link
+from camtools.link.kept_values import INFOS
 from camtools.link.live_lathes import live_lathes
-from camtools.link.parameters import INFOS
-from camtools.panel.views.force_drive import has_force_drive, loop_text
+from camtools.panel.views.parameter_rows import has_force_drive, loop_text
 from tests.tools.cases.camctl_bench import Bench
 from tests.tools.cases.controller_cases import Seat, until
 from tests.tools.cases.live_cases import LiveCase, live_case

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Files of strangers that would keep the panel busy for hours; questions that are out of date."""
 
 import asyncio
@@ -10,7 +9,7 @@ from typing import Any
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.link import learned_file, parameters
+from camtools.link import kept_values
 from camtools.panel.design.document import edited, lines_of
 from camtools.panel.operate import command_card
 from camtools.panel.operate.command_card import CommandCard
@@ -32,8 +31,8 @@ HOSTILE = {
 READERS: dict[str, Callable[[str], object]] = {
     "part": lambda text: read_tree(text.encode(), "a.toml"),
     "machine": lambda text: read_machine(text, "a.toml"),
-    "parameters": lambda text: parameters.parse(text.encode(), "a.toml"),
-    "learned": lambda text: learned_file.learned_values(text.encode(), "a.toml"),
+    "parameters": lambda text: kept_values.parse(text.encode(), "a.toml"),
+    "learned": lambda text: kept_values.learned_values(text.encode(), "a.toml"),
     "form": lambda text: edited(text, ("part", "name"), "a"),
 }
 

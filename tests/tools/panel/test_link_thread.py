@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The link's thread between two connections."""
 
 import can
@@ -6,9 +5,9 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.link.controller import Link
+from camtools.panel.orders.commander import Visitor
 from camtools.panel.orders.link_thread import Job, LinkThread
 from camtools.panel.orders.snapshot import Snapshot
-from camtools.panel.orders.visitor import Visitor
 from checks.patience import limit_s
 from tests.tools.cases.camctl_bench import Bench
 from tests.tools.cases.controller_cases import until

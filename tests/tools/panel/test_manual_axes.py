@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Axes that the service moves by hand: held buttons, steps, homes, what stops them."""
 
 import asyncio

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What is missing to go on: a sentence for everything, in the order in which it must be done."""
 
 from itertools import product
@@ -6,9 +5,8 @@ from itertools import product
 import pytest
 
 from camtools.link.messages import NAMES
-from camtools.panel.views.availability import RULES, stop_order, why_not
-from camtools.panel.views.missing import way_on
-from camtools.panel.views.state_style import LOOKS, look
+from camtools.panel.views.availability import RULES, stop_order, way_on, why_not
+from camtools.panel.views.wording import LOOKS, look
 
 STATES = list(NAMES["state"].values())
 INPUTS = {

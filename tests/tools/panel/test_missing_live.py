@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What is missing, compared with what the firmware really refuses.
 
 For each situation the order that leads on is refused, its first missing item tells why and vanishes
@@ -8,11 +7,11 @@ when it is done; when nothing is missing the order is accepted.
 import pytest
 
 from camtools.link.controller import Link
-from camtools.link.manual_axes import AXES, carry_out
+from camtools.link.kept_values import get_all
 from camtools.link.messages import NUMBERS
-from camtools.link.parameters import get_all
+from camtools.link.operator import AXES, carry_out
 from camtools.link.refusal_text import ask_done
-from camtools.panel.views.missing import Way, way_on
+from camtools.panel.views.availability import Way, way_on
 from checks.patience import limit_s
 from tests.tools.cases.camctl_bench import FAULTS, Bench
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Numbers, parameters and learning as the operator's page shows them."""
 
 import re
@@ -6,15 +5,14 @@ import re
 from hypothesis import given
 from hypothesis import strategies as st
 
+from camtools.link.kept_values import INFOS
 from camtools.link.messages import DATABASE, NAMES
-from camtools.link.parameters import INFOS
-from camtools.panel.views import numbers
-from camtools.panel.views.busy_text import share_of
+from camtools.panel.views import wording
 from camtools.panel.views.convergence_chart import MOST_POINTS, points_of, words
-from camtools.panel.views.numbers import Field, clock, plain, signed
 from camtools.panel.views.parameter_rows import judged, rows, unit_of
+from camtools.panel.views.wording import Field, clock, plain, share_of, signed
 
-FIELDS = [one for one in vars(numbers).values() if isinstance(one, Field)]
+FIELDS = [one for one in vars(wording).values() if isinstance(one, Field)]
 DEFAULTS = {name: info.default for name, info in INFOS.items()}
 
 
@@ -31,8 +29,8 @@ def test_what_is_not_known_is_no_zero() -> None:
     """A dash, for every number of the page."""
     assert len(FIELDS) >= 10
     for one in FIELDS:
-        assert one.text({}) == numbers.NOTHING
-    assert clock(None) == clock(float("inf")) == signed(float("nan"), 2) == numbers.NOTHING
+        assert one.text({}) == wording.NOTHING
+    assert clock(None) == clock(float("inf")) == signed(float("nan"), 2) == wording.NOTHING
 
 
 def test_every_number_is_a_signal_of_the_status_with_a_unit() -> None:
@@ -48,8 +46,8 @@ def test_every_number_is_a_signal_of_the_status_with_a_unit() -> None:
 def test_x_is_marked_as_radius_and_as_diameter() -> None:
     """Nobody takes one for the other."""
     at = {"x": 40.0}
-    assert numbers.X_RADIUS.text(at) == "40.0000" and numbers.X_DIAMETER.text(at) == "80.0000"
-    assert "radius" in numbers.X_RADIUS.label and "diameter" in numbers.X_DIAMETER.label
+    assert wording.X_RADIUS.text(at) == "40.0000" and wording.X_DIAMETER.text(at) == "80.0000"
+    assert "radius" in wording.X_RADIUS.label and "diameter" in wording.X_DIAMETER.label
 
 
 def test_every_parameter_has_a_row_with_meaning_and_range() -> None:

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A page that returns, and a measurement on a slow computer, continue where they were."""
 
 import asyncio
@@ -14,14 +13,12 @@ from camtools.link import excitation
 from camtools.link.controller import Link
 from camtools.link.messages import Refused
 from camtools.link.scope import EXCITED
-from camtools.panel import dialogs
+from camtools.panel import pieces
 from camtools.panel.orders import loop_tuner
-from camtools.panel.orders.command_log import CommandLog
-from camtools.panel.orders.commander import Commander
+from camtools.panel.orders.commander import Commander, CommandLog, Visitor
 from camtools.panel.orders.execute_order import ACTIONS
 from camtools.panel.orders.loop_tuner import LoopTuner, Tuned
-from camtools.panel.orders.visitor import Visitor
-from camtools.panel.reconnect import repeat_newest
+from camtools.panel.page_frame import repeat_newest
 from tests.tools.cases.controller_cases import Seat
 
 Sent = list[tuple[str, dict[Any, Any]]]
@@ -106,9 +103,9 @@ def test_an_open_question_is_asked_again() -> None:
 
     try:
         with client:
-            dialogs.asks("start", ask)
+            pieces.asks("start", ask)
         for name in ("None", "stop", "start"):
-            asyncio.run(dialogs.ask_again(client, name))
+            asyncio.run(pieces.ask_again(client, name))
         assert asked == ["start"]
     finally:
         client.delete()

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Command, presses of a jog button and the log, by themselves."""
 
 import errno
@@ -10,12 +9,10 @@ from pathlib import Path
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.panel.orders import command_log
-from camtools.panel.orders.command_log import CommandLog
-from camtools.panel.orders.commander import Commander
+from camtools.panel.orders import commander
+from camtools.panel.orders.commander import Commander, CommandLog, Visitor
 from camtools.panel.orders.jog_press import LATE_S, SILENT_S, Presses
 from camtools.panel.orders.order import Outcome
-from camtools.panel.orders.visitor import Visitor
 from tests.tools.cases.command_cases import files_end_at
 
 DONE = Outcome(True, "done")
@@ -173,7 +170,7 @@ def test_a_log_that_could_not_begin_anew_goes_on_when_it_can(
         raise OSError(errno.ENOSPC, "no space left")
 
     with monkeypatch.context() as patch:
-        patch.setattr(command_log, "_open", no_room)
+        patch.setattr(commander, "_open", no_room)
         for _ in range(3):
             log.add(visitor, "lost", {"what": "x" * 200}, DONE)
             assert "no space left" in log.problem

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Runs are kept, cut one after the other, stopped, and compared by their own numbers."""
 
 import asyncio
@@ -17,14 +16,15 @@ from camtools.panel.runs.compare import (
     N_HEIGHTS,
     differing,
     error_curves,
+    error_map,
     figures_of,
+    over_height,
+    scale_of,
     section_error,
     settings_rows,
 )
-from camtools.panel.runs.compare_charts import error_map, over_height, scale_of
-from camtools.panel.runs.options import RunOptions
 from camtools.panel.runs.run_queue import MOST_WAITING, RunQueue
-from camtools.panel.runs.store import DONE, FAILED, OWN, STOPPED, WAITING, RunStore
+from camtools.panel.runs.store import DONE, FAILED, OWN, STOPPED, WAITING, RunOptions, RunStore
 from camtools.sim.machine_file import names
 from checks.patience import limit_s
 

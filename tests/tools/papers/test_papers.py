@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Figures and tables of the papers, and the studies that they are made of."""
 
 import csv
@@ -13,13 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camtools.base.csv_text import csv_text
 from camtools.base.errors import CamtoolsError
+from camtools.base.text import csv_text
 from camtools.cli import analyse
 from camtools.cli.papers import MODULES, main
 from camtools.lobe.part import LobePart
 from camtools.papers import corner, helix, refit
-from camtools.papers.comparison import Paper, compared, filled, page
+from camtools.papers.declared import Paper, compared, filled, page
 from camtools.papers.lobe import LobeWishes
 from camtools.pipeline.load import load
 from tests.tools.cases.cut_cases import PARTS, geometry_of_part

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What lies in build/run: only runs are counted, and only runs are removed."""
 
 import os

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The published schemas accept what the commands accept, and refuse what a schema can refuse."""
 
 import json
@@ -9,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from camtools.base.toml_text import toml_tree
+from camtools.base.text import toml_tree
 from camtools.cli.mktables import main as mktables
-from camtools.pipeline.registry import keys_of, kind_of, kinds, schemas
+from camtools.pipeline.load import keys_of, kind_of, kinds, schemas
 from tests.tools.cases.part_cases import ROOT
 
 PARTS = sorted((ROOT / "tools" / "parts").glob("*.toml"))

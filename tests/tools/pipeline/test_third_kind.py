@@ -7,12 +7,11 @@ from typing import Any
 import pytest
 
 import camtools
-from camtools.base.toml_text import toml_tree
+from camtools.base.text import toml_tree
 from camtools.cli.mkgcode import main as mkgcode
 from camtools.cli.mktables import main as mktables
 from camtools.cli.run import main as run
-from camtools.pipeline.load import parse
-from camtools.pipeline.registry import kinds
+from camtools.pipeline.load import kinds, parse
 from camtools.table.image import unpack
 from tests.tools.cases.part_cases import PERKINS
 

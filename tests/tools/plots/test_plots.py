@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Pictures: numbers in full, none over another; every recording can be drawn."""
 
 import re

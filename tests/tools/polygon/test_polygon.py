@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Polygons: outlines by other constructions, blends, tables, cuts, what is refused."""
 
 import json
@@ -11,15 +10,13 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.cli.run import main as run
-from camtools.pipeline.load import load, parse
-from camtools.pipeline.make_table import Made, make
+from camtools.pipeline.load import Made, load, make, parse
 from camtools.polygon.blend import bend_of, blended
 from camtools.polygon.generate import GeneratedPolygon, generate_polygon
 from camtools.polygon.outline import Outline, measures_of
-from camtools.polygon.part import PolygonPart
+from camtools.polygon.part import P3G, P4C, PolygonPart
 from camtools.polygon.plots import draw_motion
 from camtools.polygon.shapes import cornered, p3g, p4c, regular
-from camtools.polygon.standard_sizes import P3G, P4C
 from tests.tools.cases import polygon_cases as cases
 from tests.tools.cases.camsim_cases import columns_of, plain
 from tests.tools.cases.cut_cases import PARTS, cut_made, evaluated, made_of, tip_mm

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A report: what it states of learning, its page, where a result comes from."""
 
 import re
@@ -14,10 +13,9 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from camtools.base import provenance
+from camtools.base import project
 from camtools.base.errors import CamtoolsError
-from camtools.base.project_paths import VERSION
-from camtools.base.provenance import Origin, command_text, date_text, origin_of, version_text
+from camtools.base.project import VERSION, Origin, command_text, date_text, origin_of, version_text
 from camtools.base.quantities import Floats
 from camtools.plots.style import drawing, png_of
 from camtools.report import motion
@@ -407,7 +405,7 @@ def test_date_is_that_of_the_environment(monkeypatch: pytest.MonkeyPatch) -> Non
 
 def test_version_without_git_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """A project that was copied without its history does not invent a version."""
-    monkeypatch.setattr(provenance, "ROOT", tmp_path)
+    monkeypatch.setattr(project, "ROOT", tmp_path)
     assert version_text() == VERSION
     (tmp_path / ".git").touch()
     assert version_text() == "unknown (git cannot tell)"

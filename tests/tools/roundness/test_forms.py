@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Circles, straightness and waves against scipy, linear programs, brute force and the standard."""
 
 from itertools import combinations, pairwise
@@ -12,7 +11,7 @@ from scipy.optimize import minimize
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
-from camtools.roundness import simplex
+from camtools.roundness import circles
 from camtools.roundness.circles import (
     RoundProfile,
     about,
@@ -22,10 +21,9 @@ from camtools.roundness.circles import (
     minimum_circumscribed,
     minimum_zone,
     roundness,
+    straightness,
 )
-from camtools.roundness.lines import straightness
-from camtools.roundness.oval import axes_of
-from camtools.roundness.waves import UPR_CHOICES, harmonics, low_pass, transmission
+from camtools.roundness.section import UPR_CHOICES, axes_of, harmonics, low_pass, transmission
 
 PHI = 2 * np.pi * np.arange(720) / 720
 
@@ -204,7 +202,7 @@ def test_form_does_not_depend_on_level_slope_and_scale(
 
 def test_what_comes_to_no_end_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """A program that is not done after the steps allowed ends in a message, not in a number."""
-    monkeypatch.setattr(simplex, "_MOST_STEPS", 1)
+    monkeypatch.setattr(circles, "_MOST_STEPS", 1)
     with pytest.raises(CamtoolsError, match="zone of the profile cannot be found"):
         straightness(*profile(1, 50))
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Sheets whose every answer is known in closed form, and sections of a real cut, recomputed."""
 
 import json
@@ -12,13 +11,13 @@ from pydantic import ValidationError
 from scipy.interpolate import CubicSpline
 
 from camtools.base.quantities import Floats
-from camtools.part.tolerances import FormTolerances, Tolerances
+from camtools.part.common import FormTolerances, Tolerances
 from camtools.plots.style import drawing
 from camtools.report.sheet import NO_TOLERANCE, Feature, Sheets, Subject, make_sheets
 from camtools.report.sheet_page import out_of_tolerance, sheet_pages, sheets_json
 from camtools.report.sheet_plots import draw_lines, draw_section
 from camtools.report.text import verdict_of
-from camtools.roundness.waves import transmission
+from camtools.roundness.section import transmission
 from camtools.sim.results import (
     PLACES,
     AnyCut,

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What the tests of force drives share."""
 
 from collections.abc import Iterator

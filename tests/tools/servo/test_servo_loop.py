@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The position loop of the firmware, closed over a force drive; its fit."""
 
 import math
@@ -13,9 +12,9 @@ from numpy.typing import NDArray
 
 from camtools.base.errors import CamtoolsError
 from camtools.cli.tune import main
+from camtools.tune.excited import pulse_fit
 from camtools.tune.loop_design import Loop, Plant, margins
 from camtools.tune.plant_fit import fit_record
-from camtools.tune.pulse import pulse_fit
 from tests.tools.cases.drive_plant import Drive, designed, library
 
 STEP_HZ = 20000

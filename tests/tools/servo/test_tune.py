@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """tools/tune: a force drive by file, record or excitation; reports hold for the firmware's loop."""
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from camtools.base.project_paths import ROOT
+from camtools.base.project import ROOT
 from camtools.cli.tune import main
 from camtools.link.controller import Link
 from camtools.link.messages import NUMBERS

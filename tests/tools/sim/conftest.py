@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What the tests of the simulator share."""
 
 from collections.abc import Callable

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Machines drawn at random from the whole range of every key: a cut ends, and tells a number."""
 
 import json

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The commands of camsim: results, determinism, and everything that must be refused."""
 
 import csv

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """camsim identify: what U plays is the file, and nothing is written of what was cut short.
 
 A pulse of force moves U as Newton's law says.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Encoder counts in step with the ticks, and the orientation of a part: MATHS.md (231)."""
 
 from collections.abc import Callable

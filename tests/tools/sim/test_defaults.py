@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Windows, limits and bandwidth that nobody set fit the machine, or are refused with numbers."""
 
 from pathlib import Path

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The line of tools/run about a drive that is worse than believed."""
 
 import math
@@ -8,8 +7,7 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import omega_rad_s
-from camtools.pipeline.load import load
-from camtools.pipeline.make_table import make
+from camtools.pipeline.load import load, make
 from camtools.sim.drive_mismatch import mismatch
 from tests.tools.cases.part_cases import ROOT
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The reach of a U that takes forces: the firmware's loop as tools/tune designs it, in whole cuts.
 
 The limits are those of the plant: a step F of the force moves it by about F / (m w^2) at the

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Effects of a real lathe in whole cuts: what the gauge sees against what a formula says."""
 
 from pathlib import Path

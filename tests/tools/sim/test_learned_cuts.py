@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Whole cuts with learning: its table, its limits, slow cams, the chip's force, the steady start.
 
 The table is that of tests/learn/README.md: each machine keeps its form error once it has learned.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """U about its mean, run-in and run-out: cuts on the simulated lathe, judged by the drawing."""
 
 import json

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Machines by name or file: what is found, what is refused, and that all of them can be read."""
 
 from pathlib import Path

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The notebook of the documentation runs and prints what it shows."""
 
 import re

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What a retract costs, as FAULTS.md states it: emergency stops at 24 angles."""
 
 import math

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The same part with M3 and M4: every surface against a formula of the drawing, both ways round.
 
 The formulas stand here, in the drawing's angle (PARTFILE.md, "The drawing's angle"); neither
@@ -17,8 +16,8 @@ import pytest
 from camtools.base.quantities import Floats
 from camtools.cli.mkgcode import main as mkgcode
 from camtools.cli.mktables import main as mktables
+from camtools.table.channel import in_sense
 from camtools.table.image import pack, unpack
-from camtools.table.mirror import in_sense
 from tests.tools.cases.camsim_cases import ROOT, camsim, columns_of
 
 SENSES = (1, -1)

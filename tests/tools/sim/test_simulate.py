@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The simulator in this process gives what the program writes, and leaves nothing behind."""
 
 import json

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """U with friction, against a solution from event to event in closed form.
 
 The simulator integrates by Runge-Kutta in sub-steps. Here every piece of constant command is solved

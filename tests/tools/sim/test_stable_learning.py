@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """MATHS.md (141) to (145): the equations of learning, apart from the firmware that uses them."""
 
 import itertools

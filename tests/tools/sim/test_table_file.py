@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Files of a cut in this process: text as the program writes it, Parquet with its numbers."""
 
 from pathlib import Path

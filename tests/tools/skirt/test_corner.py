@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The corner of composite sections against MATHS.md (10) .. (17): circle, refit, its surface."""
 
 import numpy as np
@@ -8,7 +7,6 @@ from hypothesis import strategies as st
 from scipy.interpolate import PPoly
 
 from camtools.base.errors import GeometryError
-from camtools.skirt.geometry.composite import Joint
 from camtools.skirt.geometry.poly_surface import angle_pieces, over_height
 from camtools.skirt.geometry.refit import (
     CANDIDATES,
@@ -24,7 +22,7 @@ from camtools.skirt.geometry.refit import (
     refit,
     sites_rad,
 )
-from camtools.skirt.geometry.sections import DoubleEllipse, Ellipse
+from camtools.skirt.geometry.sections import DoubleEllipse, Ellipse, Joint
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from tests.tools.cases.cut_cases import geometry_of_part
 from tests.tools.cases.part_cases import parse_part

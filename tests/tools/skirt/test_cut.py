@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Parts of the repository from drawing to gauged cut: verdicts, removal rate, promised ripple.
 
 The drawing of the refit paper is worked out here again from its numbers: the oval, and the circle
@@ -15,12 +14,11 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats, omega_rad_s
-from camtools.pipeline.load import load
-from camtools.pipeline.make_table import Made
+from camtools.pipeline.load import Made, load
 from camtools.sim.results import removal_of
 from camtools.sim.simulate import Result
+from camtools.skirt.geometry.measured_sections import read_scan_text
 from camtools.skirt.geometry.scan import joined
-from camtools.skirt.geometry.scan_text import read_scan_text
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.kind import KIND
 from camtools.skirt.part.part_file import SkirtPart

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Part files of skirts: what is read, and what is refused with which words."""
 
 import os

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Profile and ovality: points, segments, formulas, smoothing of rounded points."""
 
 import re
@@ -15,24 +14,22 @@ from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
 from camtools.cli.run import main as run
 from camtools.ngc.profile_program import segments
-from camtools.part.tolerances import Tolerances
+from camtools.part.common import Tolerances
 from camtools.skirt.geometry.profile import (
+    noise_facts,
     notable_overshoots,
     ovality_spline,
     profile_pieces,
     profile_spline,
-)
-from camtools.skirt.geometry.skirt_geometry import make_geometry
-from camtools.skirt.geometry.smooth_points import (
-    noise_facts,
     smoothing_facts,
     smoothing_takes_um,
     smoothing_texts,
     tolerances_left,
 )
+from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.kind import KIND
+from camtools.skirt.part.curves import LAW_ERROR_MM
 from camtools.skirt.part.part_file import SkirtPart, example_part
-from camtools.skirt.part.power_law import LAW_ERROR_MM
 from camtools.skirt.part.profile_keys import Ovality, Profile
 from camtools.skirt.report.summary import make_summary
 from camtools.skirt.report.summary_text import emit_text

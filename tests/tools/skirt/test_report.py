@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The report of a skirt: what is read, drawn and said, on cuts made up for the test."""
 
 import re
@@ -39,7 +38,7 @@ from camtools.sim.results import (
     read_trace,
 )
 from camtools.sim.table_file import ParquetFile
-from camtools.skirt.geometry.composite import fold
+from camtools.skirt.geometry.sections import fold
 from camtools.skirt.report.cut_plots import (
     around_joint,
     draw_corner,
@@ -51,8 +50,8 @@ from camtools.skirt.report.cut_plots import (
     turn_near,
 )
 from camtools.skirt.report.outcome import Even, SkirtOutcome, limited_turns, uniform_twin
+from camtools.skirt.report.plots import draw_skirt, enlargement_of, radius_grid
 from camtools.skirt.report.report import REPORT
-from camtools.skirt.report.surface_plots import draw_skirt, enlargement_of, radius_grid
 from camtools.skirt.table.generate import GeneratedSkirt
 from tests.tools.cases.cut_cases import skirt_of
 from tests.tools.cases.part_cases import ROOT

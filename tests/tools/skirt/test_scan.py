@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Measured sections: files of instruments, filtering, the surface through the points, tables."""
 
 import os
@@ -13,6 +12,7 @@ from hypothesis import strategies as st
 
 from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import Floats
+from camtools.skirt.geometry.measured_sections import HEADER, MAX_POINTS, read_scan_text
 from camtools.skirt.geometry.scan import (
     Scan,
     filtered,
@@ -21,7 +21,6 @@ from camtools.skirt.geometry.scan import (
     parse_scan,
     scan_surface,
 )
-from camtools.skirt.geometry.scan_text import HEADER, MAX_POINTS, read_scan_text
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import generate

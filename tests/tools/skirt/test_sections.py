@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Sections, profiles, sides and motion of skirts against the worked numbers of MATHS.md."""
 
 import json

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Tables of skirts: tolerance kept, bounds true, runs, passes, feed laws, corrections."""
 
 import json
@@ -18,16 +17,20 @@ from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import Floats
 from camtools.cut.correction import Correction, correction_of, nodes_of
 from camtools.part.passes import FeedLaw
-from camtools.pipeline.load import load
-from camtools.pipeline.make_table import Made, make
+from camtools.pipeline.load import Made, load, make
 from camtools.skirt.geometry.run_in import continued, with_run
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.kind import KIND
 from camtools.skirt.part.part_file import SkirtPart, example_part
 from camtools.skirt.table.generate import GeneratedSkirt, generate
 from camtools.skirt.table.search import DERIVATIVE_SHARE, UnreachableError
-from camtools.skirt.tool.feed_law import TOLERANCE_NM, height_at_mm, largest_share, way_channel
-from camtools.skirt.tool.u_zero import middle_nm
+from camtools.skirt.tool.turning import (
+    TOLERANCE_NM,
+    height_at_mm,
+    largest_share,
+    middle_nm,
+    way_channel,
+)
 from camtools.table.channel import KIND_U, KIND_X, ImageError
 from camtools.table.evaluate import evaluate_at, evaluate_x, jumps
 from camtools.table.image import pack, unpack

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A skirt's tool: path of a round nose, what does not fit, heel, wear, what a report states."""
 
 import json
@@ -11,13 +10,13 @@ import pytest
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.cli.run import main as run
-from camtools.part.tool import Tool, check_tracks
+from camtools.part.common import Tool, check_tracks
 from camtools.polygon.generate import generate_polygon
 from camtools.polygon.part import example_polygon
 from camtools.sim.simulate import Result
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from camtools.skirt.part.part_file import SkirtPart, example_part
-from camtools.skirt.report.text import track_row
+from camtools.skirt.report.outcome import track_row
 from camtools.skirt.table.generate import generate
 from camtools.skirt.tool.heel import check_heel, steepest_heel
 from camtools.skirt.tool.nose import NoseGeometry, tip_geometry

@@ -21,10 +21,10 @@ from camtools.table.channel import (
     ImageLimits,
     channel_coefficients,
     largest_sum,
+    segment_coefficients,
     slices_per_nm_q48,
 )
 from camtools.table.image import Table, pack, unpack
-from camtools.table.quintics import segment_coefficients
 from camtools.table.records import ENTRY, HEADER
 from tests.tools.cases.part_cases import ROOT
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Command lines from functions: a parameter is an argument, its annotation says how it is read.
 
 A parameter whose type is a dataclass stands for the fields of that class; one without an `Option`

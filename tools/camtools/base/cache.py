@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Results that are wanted again while somebody edits: kept where a memory is open, else made anew.
 
 The commands open none, so what they write never depends on it. A preview does: a change of the

@@ -18,7 +18,7 @@ from types import FrameType
 from typing import Any, NoReturn
 
 from camtools.base.errors import CamtoolsError, one_line
-from camtools.base.project_paths import VERSION, shown_name, with_names
+from camtools.base.project import VERSION, shown_name, with_names
 
 BAD_INPUT = 2
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Texts and units of the controller's refusals, as firmware/base/cam_err.h lists them.
 
 >>> TEXTS["u_speed"]
@@ -12,7 +11,7 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
-from camtools.base.project_paths import ROOT
+from camtools.base.project import ROOT
 
 _ERRORS, _LIMITS = (
     (ROOT / "firmware" / "base" / "cam_err.h").read_text("utf-8").split("#define CAM_ERR_LIMITS(X)")

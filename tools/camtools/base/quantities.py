@@ -19,6 +19,8 @@ Ints = npt.NDArray[np.int64]
 FloatsLike = Floats | float
 _ROUNDING = 5e-4  # three digits may round a number up by this share
 NM_PER_MM = 1_000_000
+UM_PER_MM = 1000.0
+MM_PER_M = 1000.0
 
 
 def omega_rad_s(spindle_rpm: float) -> float:

@@ -13,16 +13,15 @@ from dataclasses import fields
 import numpy as np
 
 from camtools.base.arguments import Folder, PartFile, command, option_of
-from camtools.base.csv_text import csv_text
 from camtools.base.errors import CamtoolsError
-from camtools.base.json_text import emit_json
-from camtools.base.output import write_all
+from camtools.base.files import write_all
+from camtools.base.text import csv_text, emit_json
 from camtools.lobe.part import LobePart
 from camtools.papers import lobe, paths, refit, section
 from camtools.papers.lobe import LobeWishes
 from camtools.papers.section import Analysis, AnalysisWishes, make_analysis
 from camtools.pipeline.load import load_able
-from camtools.plots.panels import Drawers, pictures
+from camtools.plots.style import Drawers, pictures
 from camtools.skirt.part.part_file import SkirtPart
 
 _DRAWN_DEG = 0.25  # step of the curves of a cam

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The bus on a command line: its options, and how it is opened.
 
 >>> Interface("socketcand", option=(("port", 29536),)).words()

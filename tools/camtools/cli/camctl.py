@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Command line that commands and watches a controller over CAN.
 
 The bus is any of python-can; what is not given comes from CAN_INTERFACE, CAN_CHANNEL, CAN_BITRATE
@@ -30,18 +29,16 @@ from camtools.base.arguments import (
 )
 from camtools.base.command import run_command
 from camtools.base.errors import CamtoolsError
-from camtools.base.output import growing
-from camtools.cli import camctl_cut, camctl_hand, camctl_params, camctl_rights
+from camtools.base.files import growing
+from camtools.cli import camctl_control, camctl_operate, camctl_values
 from camtools.cli.bus import BusOptions
-from camtools.cli.camctl_control import SECONDS_HELP, Control
-from camtools.cli.camctl_excite import excite, learned
-from camtools.cli.camctl_rights import RightsOptions
+from camtools.cli.camctl_control import SECONDS_HELP, Control, RightsOptions
 from camtools.cli.camctl_scope import blackbox, scope
+from camtools.cli.camctl_values import excite, learned
 from camtools.link.controller import Link, Status
 from camtools.link.download import check_image, download, select_table
-from camtools.link.manual_axes import AXES
 from camtools.link.messages import NUMBERS, Refused
-from camtools.link.settings import set_quick
+from camtools.link.operator import AXES, set_quick
 from camtools.link.status_text import COLUMNS, Dashboard, line, report, row, table_report
 
 REFUSED = 1
@@ -102,7 +99,7 @@ def home(
 ) -> None:
     """Find the spindle index and wait until ready; with an axis, in manual: home that axis."""
     if axis is not None:
-        camctl_hand.home_axis(control, axis)
+        camctl_operate.home_axis(control, axis)
         return
     _order(control, "home")
     control.say(f"home: {control.wait_state(['ready'], HOME_S)}")
@@ -111,7 +108,7 @@ def home(
 def start(control: Control, *, wait: Annotated[bool, Option(argparse.SUPPRESS)] = False) -> None:
     """Cut a part and wait for its end; control-C stops the cut."""
     _order(control, "start")
-    control.say(camctl_cut.follow_cut(control.link, control.out))
+    control.say(camctl_operate.follow_cut(control.link, control.out))
 
 
 def _index(name: str) -> int:
@@ -280,20 +277,20 @@ COMMANDS: Commands = {
     "home": home,
     "start": start,
     **{name: _quick(name, text) for name, text in _QUICK.items()},
-    "jog": camctl_hand.jog_axis,
-    "zero": camctl_hand.zero,
-    "tool": camctl_hand.tool,
-    "where": camctl_hand.where,
-    "override": camctl_cut.override,
-    "trim": camctl_cut.trim,
-    "parts": camctl_cut.parts,
+    "jog": camctl_operate.jog_axis,
+    "zero": camctl_operate.zero,
+    "tool": camctl_operate.tool,
+    "where": camctl_operate.where,
+    "override": camctl_operate.override,
+    "trim": camctl_operate.trim,
+    "parts": camctl_operate.parts,
     "get": get_parameters,
     "set": set_parameter,
     "list": list_parameters,
-    "params": Group("save, load, compare or store all parameters", camctl_params.COMMANDS),
-    "who": camctl_rights.who,
-    "unlock": camctl_rights.unlock,
-    "lock": camctl_rights.lock,
+    "params": Group("save, load, compare or store all parameters", camctl_values.COMMANDS),
+    "who": camctl_control.who,
+    "unlock": camctl_control.unlock,
+    "lock": camctl_control.lock,
     "status": status,
     "watch": watch,
     "record": record,

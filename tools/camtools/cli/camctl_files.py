@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Files of recordings: CSV and Parquet, in the controller's own numbers or in units of people.
 
 >>> names_of("state,u_actual_nm")
@@ -20,8 +19,7 @@ import pyarrow as pa
 
 from camtools.base.arguments import Option, whole_within
 from camtools.base.errors import CamtoolsError
-from camtools.base.output import write_all
-from camtools.base.parquet import parquet_bytes
+from camtools.base.files import parquet_bytes, write_all
 from camtools.link import scope
 from camtools.link.signals import faults_in, physical
 

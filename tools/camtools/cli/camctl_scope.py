@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Commands of camctl about the recorder: scope and blackbox.
 
 >>> numbered(Path("run.csv"), 2, 12), numbered(Path("run.csv"), 1, 1)
@@ -30,9 +29,8 @@ from camtools.cli.camctl_files import (
 from camtools.link import scope as recorder
 from camtools.link.controller import Link
 from camtools.link.messages import FAULT_TEXTS, NUMBERS, Refused
-from camtools.link.signals import BITS, faults_in, physical, state_name
+from camtools.link.signals import BITS, GRAMMAR, arm, faults_in, physical, state_name, trigger_of
 from camtools.link.status_text import sparkline
-from camtools.link.trigger import GRAMMAR, arm, trigger_of
 
 _PATIENCE_S = 3600.0
 _BARS = 60

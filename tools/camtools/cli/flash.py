@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Command line that writes firmware and table into the flash memory of a NUCLEO-H743ZI2.
 
 A table is judged by the firmware's own check before anything is written, as every table is.
@@ -22,7 +21,7 @@ from typing import Annotated
 
 from camtools.base.arguments import Option, UsageError, command
 from camtools.base.errors import CamtoolsError
-from camtools.base.project_paths import ROOT
+from camtools.base.project import ROOT
 
 PROGRAMMERS = ("openocd", "st-flash", "pyocd")
 _FIRMWARE_FILE = ROOT / "build" / "mcu-stm32h743" / "hal" / "stm32h743" / "firmware.bin"

@@ -15,16 +15,14 @@ from typing import Annotated
 
 from camtools.base.arguments import Option, PartFile, command
 from camtools.base.errors import CamtoolsError
-from camtools.base.json_text import emit_json
-from camtools.base.output import write_all
-from camtools.base.project_paths import RESULTS
+from camtools.base.files import write_all
+from camtools.base.project import RESULTS
+from camtools.base.text import emit_json
+from camtools.forecast.cuts import CutOutcome, Store
 from camtools.forecast.job import Question, limits, plan_of
-from camtools.forecast.one_cut import CutOutcome
 from camtools.forecast.parallel_cuts import cut_all
-from camtools.forecast.progress import Progress
 from camtools.forecast.result import evaluate, forecast_summary, runs_parquet
-from camtools.forecast.store import Store
-from camtools.forecast.text import forecast_text
+from camtools.forecast.text import Progress, forecast_text
 
 _RUNS = 256
 _MOST_RUNS = 1_000_000

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Command line that identifies U's drive, on the simulator or over CAN.
 
 >>> main(["--machine", "nowhere"])
@@ -24,25 +23,27 @@ from camtools.base.arguments import (
     positive,
     whole_within,
 )
-from camtools.base.output import write_all
-from camtools.base.project_paths import ROOT
-from camtools.cli.connected_u import UOptions, connected_u
-from camtools.cli.record_text import record_text
+from camtools.base.files import write_all
+from camtools.base.project import ROOT
+from camtools.cli.drive_options import UOptions, connected_u, record_text
 from camtools.identify.bode import bode_png
-from camtools.identify.configured_drive import Believed
-from camtools.identify.excitation_plan import Excitation, Wishes, plan
-from camtools.identify.excited import U, excited
+from camtools.identify.configured_drive import Believed, with_keys
+from camtools.identify.drives import CutShortError, SimulatedU
+from camtools.identify.excitation_plan import Excitation, U, Wishes, excited, plan
 from camtools.identify.foreign_record import parse_record
 from camtools.identify.identified import Identified, Limits, identify
 from camtools.identify.linear_model import identify_record
-from camtools.identify.machine_file import with_keys
 from camtools.identify.part_error import ToolMotion, motion_of
-from camtools.identify.record_report import record_lines, record_numbers
-from camtools.identify.report import chosen, form_left, numbers, report
-from camtools.identify.simulated_drive import CutShortError, SimulatedU
+from camtools.identify.report import (
+    chosen,
+    form_left,
+    numbers,
+    record_lines,
+    record_numbers,
+    report,
+)
 from camtools.link.messages import Refused
-from camtools.pipeline.load import load
-from camtools.pipeline.make_table import Made, make
+from camtools.pipeline.load import Made, load, make
 from camtools.report.text import plain
 from camtools.sim.machine_file import machine_bytes
 from camtools.table.image import pack

@@ -11,7 +11,7 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
-from camtools.base.project_paths import VERSION
+from camtools.base.project import VERSION
 
 _EXTRAS = ("panel", "forecast")
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Command line of a live lathe: controller and lathe as processes, on a bus of this computer.
 
 >>> main(["nosuch.toml"])
@@ -29,16 +28,14 @@ import can
 from camtools.base.arguments import Option, Word, Words, command
 from camtools.base.command import BAD_INPUT, Interrupted
 from camtools.base.errors import CamtoolsError
-from camtools.base.project_paths import with_names
+from camtools.base.project import with_names
 from camtools.base.quantities import NM_PER_MM
 from camtools.cli.bus import Interface
 from camtools.link.bus import open_bus
 from camtools.link.controller import DBC_NODE
-from camtools.link.live_lathes import LiveLathe, announced, live_lathes, runtime_folder
-from camtools.link.pipe_bridge import Bridge
+from camtools.link.live_lathes import Bridge, LiveLathe, announced, live_lathes, runtime_folder
 from camtools.pipeline.job import DEFAULT_PART, MACHINE_HELP, write_files
-from camtools.pipeline.load import load
-from camtools.pipeline.make_table import Made, make
+from camtools.pipeline.load import Made, load, make
 from camtools.sim.live import LivePair, camsim_path, died, refuses, with_home_switches
 from camtools.sim.machine_file import machine_bytes
 

@@ -17,7 +17,8 @@ from typing import Annotated
 
 from camtools.base.arguments import Option, PartFile, command
 from camtools.base.errors import CamtoolsError, InputError
-from camtools.base.output import write_all
+from camtools.base.files import write_all
+from camtools.base.quantities import UM_PER_MM
 from camtools.lobe.part import LobePart
 from camtools.ngc.full_program import full_program
 from camtools.ngc.gcode_words import ProgramJob
@@ -34,7 +35,6 @@ from camtools.skirt.tool.nose import tip_geometry
 
 MIN_CHORD_UM, MAX_CHORD_UM = 0.002, 1000.0
 DEFAULT_CHORD_UM = 0.1
-_UM_PER_MM = 1000.0
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def make_lobe_job(part: LobePart, wishes: ProgramWishes) -> LobeJob:
             problem = f"{option} {value:g}: has no meaning for a cam, whose lobes are cut whole"
             raise CamtoolsError([f"{problem}; leave it out"])
     _check_chord(wishes.chord_um)
-    return LobeJob(part, wishes.chord_um / _UM_PER_MM, wishes.diameter)
+    return LobeJob(part, wishes.chord_um / UM_PER_MM, wishes.diameter)
 
 
 def _refuse_passes(part: SkirtPart) -> None:
@@ -122,7 +122,7 @@ def make_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
         raise CamtoolsError([f"{problem}; programs go upwards, give the lower height first"])
     _check_chord(wishes.chord_um)
     tip = tip_geometry(geometry, part.tool)
-    return ProgramJob(part, tip, first, last, wishes.chord_um / _UM_PER_MM, wishes.diameter)
+    return ProgramJob(part, tip, first, last, wishes.chord_um / UM_PER_MM, wishes.diameter)
 
 
 def program(job: ProgramJob, axes: str) -> Iterator[bytes]:

@@ -12,11 +12,9 @@ from typing import Annotated
 
 from camtools.base.arguments import Folder, Option, UsageError, Word, command
 from camtools.base.errors import CamtoolsError
-from camtools.base.output import write_all
-from camtools.pipeline.correct_options import Correcting
-from camtools.pipeline.load import load
-from camtools.pipeline.make_table import make
-from camtools.pipeline.registry import schemas
+from camtools.base.files import write_all
+from camtools.pipeline.job import Correcting
+from camtools.pipeline.load import load, make, schemas
 from camtools.table.export import FORMS, Export, export_files
 from camtools.table.header import check_tolerance
 from camtools.table.image import Table

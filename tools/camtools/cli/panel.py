@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Command line of the browser panel.
 
 >>> Options().port
@@ -24,16 +23,15 @@ from typing import Annotated
 from camtools.base.arguments import Option, command, whole_within
 from camtools.base.command import Interrupted
 from camtools.base.errors import CamtoolsError
-from camtools.base.input_file import read_limited
-from camtools.base.project_paths import RESULTS
+from camtools.base.files import read_limited
+from camtools.base.project import RESULTS
 from camtools.cli.bus import BusOptions
 from camtools.link.bus import configured
 from camtools.link.controller import Link
 from camtools.link.live_lathes import live_lathes, only_lathe
 from camtools.link.rights import secret_of
 from camtools.panel.context import AppContext
-from camtools.panel.orders.command_log import CommandLog
-from camtools.panel.orders.commander import Commander
+from camtools.panel.orders.commander import Commander, CommandLog
 from camtools.panel.orders.controller_service import ControllerService
 
 _LOOPBACK, _PORT = "127.0.0.1", 8417

@@ -9,9 +9,9 @@ from __future__ import annotations
 import sys
 
 from camtools.base.arguments import Folder, command
-from camtools.base.output import write_all
+from camtools.base.files import write_all
 from camtools.papers import corner, helix, lobe, removal
-from camtools.papers.comparison import filled, page
+from camtools.papers.declared import filled, page
 
 PAGE = "papers.md"
 MODULES = (removal, corner, helix, lobe)

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Command line that proposes or judges the position loop of a force drive.
 
 >>> main(["nowhere.toml"])
@@ -13,20 +12,25 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from camtools.base.arguments import Option, UsageError, Word, command, option_of, positive
-from camtools.base.output import write_all
-from camtools.cli.connected_u import UOptions, connected_u
-from camtools.cli.record_text import record_text
-from camtools.identify.excited import U
-from camtools.identify.machine_file import with_keys
-from camtools.identify.simulated_drive import CutShortError
+from camtools.base.files import write_all
+from camtools.cli.drive_options import UOptions, connected_u, record_text
+from camtools.identify.configured_drive import with_keys
+from camtools.identify.drives import CutShortError
+from camtools.identify.excitation_plan import U
 from camtools.link.messages import Refused
 from camtools.sim.machine_file import machine_bytes
 from camtools.tune.drive import drive_of, read_tree
-from camtools.tune.excited import HIGHEST_HZ, measure, simulated_u
+from camtools.tune.excited import (
+    HIGHEST_HZ,
+    measure,
+    measure_pulse,
+    pulse_lines,
+    pulse_settings,
+    simulated_u,
+)
 from camtools.tune.parameters import settings_of, text_of
+from camtools.tune.plant_fit import fit_lines_of, fit_table, parse_loop_record, with_fit
 from camtools.tune.proposal import Proposal, Subject, proposed, subject_of
-from camtools.tune.pulse import measure_pulse, pulse_lines, pulse_settings
-from camtools.tune.record import fit_lines_of, fit_table, parse_loop_record, with_fit
 
 REFUSED = 1
 _MOST_PULSE_N = 4000  # of any force limit

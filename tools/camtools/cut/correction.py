@@ -24,14 +24,13 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicSpline, PPoly
 
-from camtools.base.json_text import Json
-from camtools.base.quantities import Floats, FloatsLike
+from camtools.base.quantities import UM_PER_MM, Floats, FloatsLike
+from camtools.base.text import Json
 
 N_NODES = 65  # heights over the part
 FADE_MM = 0.5
 _LEAST_STEP_MM = 0.15  # at the ends, where a cut changes fastest; a table's slices are 0.0655 apart
 MAX_ORDER = 64  # of the gauge, host_sim/part/sim_surface.h
-_UM_PER_MM = 1000.0
 _DECIMALS = 9  # of a micrometre
 
 Complexes = npt.NDArray[np.complex128]
@@ -189,7 +188,7 @@ def _written(waves_mm: Mapping[int, Complexes]) -> list[Json]:
 
 
 def _um(values_mm: Floats) -> list[float]:
-    return [round(float(one) * _UM_PER_MM, _DECIMALS) for one in values_mm]
+    return [round(float(one) * UM_PER_MM, _DECIMALS) for one in values_mm]
 
 
 def correction_of(document: Json) -> Correction:
@@ -208,7 +207,7 @@ def correction_of(document: Json) -> Correction:
 def _read(written: list[Json]) -> dict[int, Complexes]:
     waves: dict[int, Complexes] = {}
     for one in written:
-        parts = np.array([one["cos_um"], one["sin_um"]], dtype=np.float64) / _UM_PER_MM
+        parts = np.array([one["cos_um"], one["sin_um"]], dtype=np.float64) / UM_PER_MM
         order = int(one["order"])
         if parts.shape != (2, N_NODES) or not 0 <= order <= MAX_ORDER:
             raise ValueError(order)

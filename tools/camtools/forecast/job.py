@@ -13,12 +13,10 @@ from pathlib import Path
 
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.quantities import Floats
-from camtools.forecast.one_cut import TABLE, Task, build_of, folder_of
-from camtools.forecast.sampling import draw
-from camtools.forecast.vary import DEFAULT_VARY, Unknown, default_vary, read_vary
+from camtools.forecast.cuts import TABLE, Task, build_of, folder_of
+from camtools.forecast.vary import DEFAULT_VARY, Unknown, default_vary, draw, read_vary
 from camtools.part.file import read_part_file
-from camtools.pipeline.load import load
-from camtools.pipeline.make_table import Made, make
+from camtools.pipeline.load import Made, load, make
 from camtools.sim.binding import library_path
 from camtools.sim.machine_file import (
     Machine,

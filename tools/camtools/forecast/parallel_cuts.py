@@ -18,7 +18,7 @@ import dask
 from distributed import Client, LocalCluster, as_completed
 
 from camtools.base.errors import CamtoolsError
-from camtools.forecast.one_cut import CutOutcome, Task, cut_batch
+from camtools.forecast.cuts import CutOutcome, Task, cut_batch
 
 _BATCH = 8  # cuts: what is lost of a worker that dies, a second or two
 _CONNECT_S = 10.0

@@ -1,4 +1,4 @@
-r"""V.toml: which numbers of a machine are not known, and how they are spread.
+r"""V.toml: unknown numbers of a machine, how they are spread, and machines drawn from them.
 
 A table for each number, named as in machine files; tools/docs/FORECAST.md describes the keys.
 
@@ -7,17 +7,24 @@ A table for each number, named as in machine files; tools/docs/FORECAST.md descr
 ['u.delay_us']
 >>> read_vary(text.encode(), "v.toml", {})[0].at(0.5).round(3)
 np.float64(75.0)
+
+>>> from camtools.forecast.vary import default_vary
+>>> unknowns, _ = default_vary({})
+>>> draw(unknowns, 4, seed=1).shape == (4, len(unknowns))
+True
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import warnings
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 from scipy import stats
+from scipy.stats import qmc
 
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.quantities import Floats, FloatsLike
@@ -191,3 +198,15 @@ def default_vary(machine: Mapping[str, Any]) -> tuple[list[Unknown], list[str]]:
             continue
         found.append(_unknown(key, spread, machine, file))
     return found, left_out
+
+
+def draw(unknowns: Sequence[Unknown], n_runs: int, *, seed: int) -> Floats:
+    """Return the numbers of machines, shape (n_runs, unknowns).
+
+    The first points of a longer draw with the same seed are those of a shorter one. MATHS.md (162).
+    """
+    sobol = qmc.Sobol(len(unknowns), scramble=True, rng=np.random.default_rng(seed))
+    with warnings.catch_warnings():  # balance wants powers of two; any number is a fair sample
+        warnings.simplefilter("ignore", UserWarning)
+        points = sobol.random(n_runs)
+    return np.column_stack([one.at(points[:, place]) for place, one in enumerate(unknowns)])

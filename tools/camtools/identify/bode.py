@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The picture of a frequency response: measured, fitted, believed.
 
 >>> unwrapped_deg(np.array([1j, -1j])).tolist()

@@ -1,19 +1,24 @@
-# SPDX-License-Identifier: Apache-2.0
-"""Chooses an excitation within the limits of U, or says why there is none.
+"""Chooses an excitation within the limits of U, or says why there is none, and has it played.
 
 >>> believed = Believed(20_000.0, 742_723, 281_448, 100_000, 0, 10, 1_200_000, 400_000, 250_000)
 >>> excitation = plan(believed, Wishes())
 >>> excitation.wave.rms_nm, excitation.place_nm
 (25000.0, -219736)
+
+>>> SIGNALS
+('u_command_nm', 'u_actual_nm')
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
+
+import numpy as np
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.quantities import Ints
+from camtools.base.quantities import Floats, Ints
 from camtools.identify.configured_drive import Believed
 from camtools.identify.multisine import (
     HIGHEST_HZ,
@@ -23,6 +28,7 @@ from camtools.identify.multisine import (
     Wave,
     multisine,
 )
+from camtools.identify.recording import SettledRecord, record_of
 from camtools.link.excitation import Unit
 
 _RMS_NM, _COARSE_RMS_NM, _COARSE_NM = 25_000.0, 100_000.0, 500
@@ -150,3 +156,34 @@ def plan(believed: Believed, wishes: Wishes) -> Excitation:
         n_periods=wishes.n_periods,
         fade_ticks=max(16, min(65535, round(believed.tick_hz * _FADE_S))),
     )
+
+
+SIGNALS = ("u_command_nm", "u_actual_nm")
+
+
+class U(Protocol):
+    """U of a simulator or of a machine."""
+
+    def believed(self) -> Believed:
+        """Return what matters of the parameters of its controller."""
+
+    def values(self, names: Iterable[str]) -> dict[str, int]:
+        """Return parameters of its controller by their names."""
+
+    def played(self, play: Play, signals: Sequence[str]) -> Floats:
+        """Let it play a wave; return tick and signals of its periods, a row each."""
+
+
+def excited(u: U, excitation: Excitation, believed: Believed) -> SettledRecord:
+    """Let U play an excitation; return set-points and positions.
+
+    Raises
+    ------
+    CamtoolsError
+        The record is of no use, or the simulated controller refuses.
+    Refused, CutShortError
+        The controller refuses, or the excitation was cut short.
+    """
+    tick, u_nm, y_nm = u.played(excitation.play, SIGNALS)
+    grid = excitation.wave.grid
+    return record_of(grid, np.asarray(tick, np.int64), u_nm, y_nm, believed.u_scale_nm)

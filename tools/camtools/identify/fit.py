@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The constants of a drive of second order with dead time and friction, MATHS.md (152), (153).
 
 >>> import numpy as np
@@ -24,7 +23,7 @@ from scipy.optimize import minimize_scalar
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.identify.multisine import Complexes
-from camtools.identify.spectra import Spectra
+from camtools.identify.recording import Spectra
 
 MOST_LEAD_S = 0.02  # the range of the parameter lead_ns
 _PER_TURN = 16  # places at which the search begins, per turn of the highest line

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 r"""A recording of another instrument: time, command or force, and position in columns with units.
 
 >>> rows = "".join(f"{i * 1e-3},{i % 7},{i % 5}\n" for i in range(4096))
@@ -14,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.base.columns import Columns
 from camtools.base.errors import InputError, numbers_shown
 from camtools.base.quantities import Floats
+from camtools.base.text import NumberLines
 
 TIMES = {"time_s": 1.0, "time_ms": 1e-3, "time_us": 1e-6}  # seconds per unit
 LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}  # metres per unit
@@ -39,7 +38,9 @@ class ForeignRecord(NamedTuple):
     command: str  # name of its column
 
 
-def _column(columns: Columns, units: Units, what: str, file: str, header: str) -> tuple[int, float]:
+def _column(
+    columns: NumberLines, units: Units, what: str, file: str, header: str
+) -> tuple[int, float]:
     """Return where a quantity is, and what its unit is worth."""
     names = [name.strip('"').casefold() for name in columns.names]
     found = [name for name in names if name in units]
@@ -52,7 +53,7 @@ def _column(columns: Columns, units: Units, what: str, file: str, header: str) -
     raise InputError(file, "line 1", None, problem, remedy)
 
 
-def _rows(lines: list[str], columns: Columns, places: list[int], file: str) -> Floats:
+def _rows(lines: list[str], columns: NumberLines, places: list[int], file: str) -> Floats:
     """Return the numbers of all lines, shape (columns, n)."""
     rows = []
     for number, line in enumerate(lines[1:], start=2):
@@ -107,7 +108,7 @@ def parse_table(text: str, file: str, quantities: Mapping[str, Units], header: s
         column that does not change.
     """
     lines = text.rstrip().splitlines()
-    columns = Columns(lines[0] if lines else "")
+    columns = NumberLines(lines[0] if lines else "")
     kinds = {"time": TIMES} | dict(quantities)
     places = [_column(columns, units, name, file, header) for name, units in kinds.items()]
     if not MIN_ROWS <= len(lines) - 1 <= MAX_ROWS:

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The constants of a recorded drive or oscillator, and whether a linear model holds.
 
 >>> u = np.random.default_rng(1).normal(0, 1e-4, 16384)

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The excitation of U: a periodic sum of sines, and its limits, MATHS.md (150).
 
 The period is a whole number of ticks, so that every line stands in a bin of the discrete Fourier

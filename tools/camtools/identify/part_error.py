@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What errors of the constants do to a part, MATHS.md (156).
 
 >>> import numpy as np
@@ -20,8 +19,8 @@ import numpy as np
 from camtools.base.quantities import Floats, omega_rad_s
 from camtools.identify.fit import K1, K2, LEAD, second_order, stacked
 from camtools.identify.multisine import Complexes
+from camtools.identify.recording import STICTION_NM_S
 from camtools.identify.resonance import ModeFit
-from camtools.identify.spectra import STICTION_NM_S
 from camtools.table.channel import KIND_U
 from camtools.table.evaluate import evaluate_grid
 from camtools.table.image import Table

@@ -1,5 +1,4 @@
-# SPDX-License-Identifier: Apache-2.0
-"""A record of an excited U, as a simulator or a controller gives it, and what is wrong with it.
+"""A record of an excited U: what is wrong with it, and what its lines say, MATHS.md (151).
 
 >>> import numpy as np
 >>> grid = Grid.of(20_000.0)
@@ -8,6 +7,14 @@ Traceback (most recent call last):
     ...
 camtools.base.errors.CamtoolsError: record: 1 gap, the first after tick 1; nothing is fitted, \
 excite again
+
+>>> import numpy as np
+>>> grid = Grid.of(20_000.0)
+>>> t = np.arange(4000) / 4000
+>>> wave = 1000.0 * np.cos(2 * np.pi * 5 * t)
+>>> spectra = spectra_of(grid, np.tile(wave, (2, 1)), np.tile(0.5 * wave, (2, 1)), quantum_nm=0.0)
+>>> abs(spectra.y[spectra.bins == 5]).round(3)
+array([500.])
 """
 
 from __future__ import annotations
@@ -15,10 +22,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats, Ints
-from camtools.identify.multisine import N_DROPPED, Grid
+from camtools.identify.multisine import N_DROPPED, Complexes, Grid
 
 MIN_PERIODS = 2
 _COARSE_NM = 100.0
@@ -112,3 +120,132 @@ def _check(u_nm: Floats, y_nm: Floats) -> None:
         what = "U was not excited" if float(np.ptp(u_nm)) == 0 else "U did not move"
         remedy = "see that its drive is enabled and its scale is connected"
         raise CamtoolsError([f"record: {what}; {remedy}"])
+
+
+STICTION_NM_S = 1e6  # friction counts in full from this speed on: 1 mm/s
+_VELOCITY_HZ = 1500.0  # what is faster is noise of the scale
+_SNR = 3.0  # amplitude of a line over its noise that a fit needs
+_ROUNDED = 1 / np.sqrt(12)  # rms of what rounding adds, per quantum
+
+
+@dataclass(frozen=True, eq=False)
+class Spectra:
+    """The excited lines of a record; amplitudes as of a cosine, nm.
+
+    Attributes
+    ----------
+    bins : ndarray, shape (n,)
+        lines that stand above their noise
+    n_lost : int
+        excited lines that do not
+    s : ndarray, shape (n,)
+        j times the angular frequency [rad/s]
+    u, y, friction : ndarray, shape (n,)
+        mean over the periods: set-points with their hold's attenuation, but not its delay;
+        measured positions; the direction in which U moves, -1 .. 1
+    u_of, y_of, friction_of : ndarray, shape (n_periods, n)
+        the same of each period
+    noise_nm : ndarray, shape (n,)
+        rms of the error of y: the larger of the scatter between periods and what rounding by the
+        scale adds, which may be the same in every period
+    """
+
+    grid: Grid
+    bins: Ints
+    n_lost: int
+    s: Complexes
+    u: Complexes
+    y: Complexes
+    friction: Complexes
+    u_of: Complexes
+    y_of: Complexes
+    friction_of: Complexes
+    noise_nm: Floats
+
+    @property
+    def frequency_hz(self) -> Floats:
+        """Of the lines [Hz]."""
+        return np.asarray(self.bins * self.grid.line_hz)
+
+    @property
+    def n_periods(self) -> int:
+        """Periods in the record."""
+        return int(self.y_of.shape[0])
+
+    def period(self, i: int) -> Spectra:
+        """Return one period alone."""
+        return Spectra(
+            self.grid, self.bins, self.n_lost, self.s,
+            self.u_of[i], self.y_of[i], self.friction_of[i],
+            self.u_of[i : i + 1], self.y_of[i : i + 1], self.friction_of[i : i + 1],
+            self.noise_nm * np.sqrt(self.n_periods),
+        )  # fmt: skip
+
+    def with_friction(self, shares: Floats) -> Spectra:
+        """Return the same lines with another friction.
+
+        Parameters
+        ----------
+        shares : ndarray, shape (n_periods, n_ticks)
+            mean over each tick, as `stick.friction_of` gives it
+        """
+        hold = np.sinc(self.bins / self.grid.n_ticks)
+        half_tick = np.exp(-0.5 * self.s / self.grid.tick_hz)
+        of = np.fft.rfft(shares)[:, self.bins] * (2.0 / self.grid.n_ticks) * half_tick / hold
+        return replace(self, friction=of.mean(axis=0), friction_of=of)
+
+    def only(self, rows: npt.NDArray[np.bool_]) -> Spectra:
+        """Return some of the lines."""
+        return Spectra(
+            self.grid, self.bins[rows], self.n_lost, self.s[rows],
+            self.u[rows], self.y[rows], self.friction[rows],
+            self.u_of[:, rows], self.y_of[:, rows], self.friction_of[:, rows],
+            self.noise_nm[rows],
+        )  # fmt: skip
+
+
+def _direction(grid: Grid, y: Complexes) -> Complexes:
+    """Return the spectrum of the direction of motion from that of the position, as rfft."""
+    frequency_hz = np.arange(y.shape[-1]) * grid.line_hz
+    speed = np.where(frequency_hz <= _VELOCITY_HZ, 2j * np.pi * frequency_hz, 0.0) * y
+    speed_nm_s = np.fft.irfft(speed, grid.n_ticks)
+    return np.asarray(np.fft.rfft(np.clip(speed_nm_s / STICTION_NM_S, -1.0, 1.0)))
+
+
+def spectra_of(grid: Grid, u_nm: Floats, y_nm: Floats, quantum_nm: float) -> Spectra:
+    """Return the excited lines of a record.
+
+    Parameters
+    ----------
+    u_nm, y_nm : ndarray, shape (n_periods, n_ticks)
+        set-points written in a tick and positions measured in it; settled, so without the first
+        periods
+    quantum_nm : float
+        of the scale, 0 when it is not known
+    """
+    bins = grid.excited
+    n_periods = y_nm.shape[0]
+    u_full, y_full = np.fft.rfft(u_nm), np.fft.rfft(y_nm)
+    scale = 2.0 / grid.n_ticks
+    direction = _direction(grid, y_full)[:, bins] * scale
+    u_of, y_of = u_full[:, bins] * scale, y_full[:, bins] * scale
+    y = y_of.mean(axis=0)
+    scatter = np.sqrt(np.sum(np.abs(y_of - y) ** 2, axis=0) / max(1, n_periods - 1) / n_periods)
+    rounded = quantum_nm * _ROUNDED * np.sqrt(2.0 * scale)
+    noise_nm = np.maximum(scatter, rounded)
+    seen = np.abs(y) > _SNR * noise_nm
+    hold = np.sinc(bins / grid.n_ticks)
+    all_lines = Spectra(
+        grid=grid,
+        bins=bins,
+        n_lost=int(np.sum(~seen)),
+        s=np.asarray(2j * np.pi * bins * grid.line_hz, np.complex128),
+        u=u_of.mean(axis=0) * hold,
+        y=y,
+        friction=direction.mean(axis=0),
+        u_of=u_of * hold,
+        y_of=y_of,
+        friction_of=direction,
+        noise_nm=noise_nm,
+    )
+    return all_lines.only(seen)

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A drive that rings: the same constants beside one mode, for comparison, MATHS.md (154), (155).
 
 >>> import numpy as np
@@ -30,7 +29,7 @@ from camtools.identify.fit import (
     weighted_rms,
 )
 from camtools.identify.multisine import Complexes
-from camtools.identify.spectra import Spectra
+from camtools.identify.recording import Spectra
 
 _STARTS_HZ = (120.0, 200.0, 320.0, 480.0, 640.0, 800.0, 1000.0, 1300.0, 1800.0, 2600.0)
 _START_DAMPING = 0.05

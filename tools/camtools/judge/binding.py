@@ -28,8 +28,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.project_paths import ROOT
-from camtools.base.shared_library import Prototypes, loaded
+from camtools.base.project import ROOT, Prototypes, loaded
 
 
 class _Demand(Structure):

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A controller at the other end of a CAN bus: commands and their answers, the newest status.
 
 The messages are those of firmware/remote/can/camturn.dbc, whose identifiers are those of node 64.

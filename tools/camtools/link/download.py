@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Brings a table image or a wave to a controller: blocks over ISO-TP, each acknowledged.
 
 firmware/remote/can/README.md describes the protocol. A block whose acknowledgement names another

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """U excited by a wave, and what the controller records of it.
 
 >>> check_excitation(1, 15, 0)

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The messages of a controller: their words, a command as bytes, an answer from bytes.
 
 The messages are those of firmware/remote/can/camturn.dbc, whose identifiers are those of node 64.
@@ -14,7 +13,7 @@ from dataclasses import dataclass
 from cantools.database.can import Database, Message
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.project_paths import ROOT
+from camtools.base.project import ROOT
 
 DBC = ROOT / "firmware" / "remote" / "can" / "camturn.dbc"
 DATABASE = Database()

@@ -1,15 +1,33 @@
-# SPDX-License-Identifier: Apache-2.0
-"""Why a controller refused a command, with the numbers and what to do.
+"""Why a controller refused a command or stopped with a fault, and what to do.
 
 >>> state_remedy("jog", "off")
 'give manual first'
+
+Cause and remedy have one source, the table of firmware/FAULTS.md; the title is the comment of the
+fault's signal in the DBC.
+
+>>> FAULTS["estop"].title, FAULTS["estop"].cause
+('Emergency stop', 'The emergency-stop chain is open.')
 """
 
 from __future__ import annotations
 
+import re
+from dataclasses import dataclass
+
 from camtools.base.controller_limits import LIMITS, TEXTS, needs_text
+from camtools.base.project import ROOT
 from camtools.link.controller import Link
-from camtools.link.messages import NAMES, NOT_COMMANDER, NUMBERS, OLDER, REFUSALS, Answer, Refused
+from camtools.link.messages import (
+    FAULT_TEXTS,
+    NAMES,
+    NOT_COMMANDER,
+    NUMBERS,
+    OLDER,
+    REFUSALS,
+    Answer,
+    Refused,
+)
 from camtools.link.rights import sender_text
 
 REMEDIES = {
@@ -259,3 +277,37 @@ def ask_done(
     answer = link.ask(command, timeout_s=timeout_s, parameter=parameter, **value)
     values = "".join(f" = {number:.9g}" for number in value.values())
     return require(link, answer, command.replace("_", " ") + values)
+
+
+FAULTS_MD = ROOT / "firmware" / "FAULTS.md"
+_ROW = re.compile(r"\| `(\w+)` \| ([^|]+) \| [^|]+ \| [^|]+ \| ([^|]+) \|")
+_LINK = re.compile(r"\[([^]]*)\]\([^)]*\)")
+
+
+@dataclass(frozen=True)
+class FaultText:
+    """A fault for people."""
+
+    name: str
+    title: str
+    cause: str
+    remedy: str
+
+
+def _sentence(cell: str) -> str:
+    """Return a cell of a table in Markdown as a plain sentence."""
+    plain = _LINK.sub(r"\1", cell).replace("`", "").strip()
+    return f"{plain[:1].upper()}{plain[1:]}."
+
+
+def texts_of(markdown: str) -> dict[str, FaultText]:
+    """Return the faults of the table in FAULTS.md, by their names and in their order."""
+    return {
+        name: FaultText(
+            name, FAULT_TEXTS.get(name, name).rstrip("."), _sentence(cause), _sentence(remedy)
+        )
+        for name, cause, remedy in _ROW.findall(markdown)
+    }
+
+
+FAULTS = texts_of(FAULTS_MD.read_text("utf-8"))

@@ -1,5 +1,4 @@
-# SPDX-License-Identifier: Apache-2.0
-r"""Command over a controller: one sender has it, his heartbeat keeps it, the others read.
+"""Command over a controller: one sender has it, his heartbeat keeps it, the others read.
 
 What the controller demands stands in firmware/param/cam_param.h. A link reads without command.
 Before its first order that needs command it takes it, if it may. Where an order is refused because
@@ -9,6 +8,17 @@ the controller is locked, it unlocks the controller, if it has a secret, and giv
 (True, True)
 >>> proof_of(b"a secret of the machine", 0x12345678).bit_length() <= 32
 True
+
+While one camctl cuts a part, a second one of the same user may hold the feed: it is the same
+sender, so it gives its orders in the same session. Another user, or another --sender, is another.
+
+>>> import tempfile
+>>> folder = Path(tempfile.mkdtemp())
+>>> one = SharedSession("virtual demo", 64, 12, folder)
+>>> one.tell(7), one.read(), SharedSession("virtual demo", 64, 13, folder).read()
+(None, 7, 0)
+>>> one.tell(0), one.read()
+(None, 0)
 """
 
 from __future__ import annotations
@@ -16,16 +26,20 @@ from __future__ import annotations
 import contextlib
 import getpass
 import hashlib
+import json
+import os
 import socket
 import time
 import zlib
 from collections.abc import Callable
+from contextlib import suppress
 from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.input_file import read_limited
+from camtools.base.files import read_limited
+from camtools.link.live_lathes import runtime_folder, start_of
 from camtools.link.messages import NOT_COMMANDER, OLDER, Answer, Refused
 
 if TYPE_CHECKING:
@@ -348,3 +362,52 @@ _UNLOCK_TEXTS = {
 
 def _raise_lost(text: str, _holder: int) -> None:
     raise CommandLost(text)
+
+
+class SharedSession:
+    """The file of the session of a sender at a controller.
+
+    Parameters
+    ----------
+    where : str
+        how the bus is called in messages
+    node, sender : int
+        of the controller, and of who commands it
+    folder : Path, optional
+        of this user alone; default: that of the live lathes
+    """
+
+    def __init__(self, where: str, node: int, sender: int, folder: Path | None = None) -> None:
+        bus = zlib.crc32(where.encode())
+        home = runtime_folder() if folder is None else folder
+        self._path = home / f"command-{bus:08x}-{node}-{sender}.session"
+
+    def tell(self, session: int) -> None:
+        """Write the session of this process; 0 removes what this process wrote."""
+        own = {"session": session, "pid": os.getpid(), "start": start_of(os.getpid())}
+        with suppress(OSError):  # without the file the others take command themselves
+            if session:
+                hidden = self._path.with_suffix(f".{os.getpid()}")
+                hidden.write_text(json.dumps(own), "utf-8")
+                hidden.replace(self._path)
+            elif self._read().get("pid") == os.getpid():
+                self._path.unlink()
+
+    def read(self) -> int:
+        """Return the session that a process which lives has told; 0: there is none."""
+        facts = self._read()
+        pid, session = facts.get("pid"), facts.get("session")
+        if not isinstance(pid, int) or not isinstance(session, int):
+            return 0
+        if not facts.get("start") or start_of(pid) != facts["start"]:
+            with suppress(OSError):
+                self._path.unlink()  # its process was killed
+            return 0
+        return session if 0 < session < 256 else 0
+
+    def _read(self) -> dict[str, object]:
+        try:
+            facts = json.loads(self._path.read_text("utf-8"))
+        except (OSError, ValueError):
+            return {}
+        return facts if isinstance(facts, dict) else {}

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The recorder of a controller: signals of its ticks, read piece by piece.
 
 >>> mask_of(["u_set_q6", "u_actual_nm"]) == 1 << 2 | 1 << 5

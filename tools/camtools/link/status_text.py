@@ -1,5 +1,19 @@
-# SPDX-License-Identifier: Apache-2.0
-"""Status of a controller as text: lines, a dashboard for a terminal, rows of a CSV file.
+"""The status of a controller as text: who commands, how far the cut is; dashboard and CSV.
+
+>>> commander_text({"commander": 0.0})
+'nobody commands'
+>>> acknowledge_text({"acknowledge": 1.0, "acknowledge_left": 42.0})
+'acknowledged; enable within 42 s'
+>>> level_text({"level": 0.0})
+'locked: limits, constants and tables do not change; to unlock, turn the key switch at the \
+machine off and on, or give the secret'
+
+>>> signals = {"has_end": 1, "turns_left": 250.0, "turns_whole": 1000.0, "pass_speed": 500.0,
+...            "pass": 2, "passes": 3}
+>>> cut_progress("cutting", signals)
+CutProgress(fraction=0.75, left_s=30.0, text='pass 2 of 3: 75 %, 0:30 left')
+>>> cut_progress("cutting", {"has_end": 0, "pass_speed": 500.0}).text
+'Z is moved by another controller: only a stop ends this cut'
 
 >>> gauge(0.0, 1.0, 9)
 '    |    '
@@ -9,14 +23,190 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 
 from camtools.link.controller import Status
-from camtools.link.learned_file import learning_report
+from camtools.link.kept_values import learning_report
 from camtools.link.messages import FAULT_TEXTS, NAMES, NUMBERS
-from camtools.link.progress import IN_CUT, cut_progress, tick_load
-from camtools.link.rights_report import rights_report
+from camtools.link.rights import sender_text
+
+Signals = Mapping[str, float]
+PRESS = "Press acknowledge at the machine for half a second"
+
+
+def name_of(signals: Signals, signal: str) -> str:
+    """Return the word for a value of page 25; "" where the controller does not tell it."""
+    number = signals.get(signal)
+    return "" if number is None else NAMES[signal].get(int(number), "unknown")
+
+
+def commander_text(signals: Signals) -> str:
+    """Return who commands."""
+    sender = signals.get("commander")
+    if sender is None:
+        return "the controller does not report who commands"
+    return f"{sender_text(int(sender))} commands" if sender else "nobody commands"
+
+
+def acknowledge_text(signals: Signals) -> str:
+    """Return whether somebody must press the button at the machine."""
+    left_s = signals.get("acknowledge_left", 0.0)
+    texts = {
+        "needed": f"needed: {PRESS[:1].lower()}{PRESS[1:]}, then enable",
+        "given": f"acknowledged; enable within {left_s:.0f} s" if left_s else "acknowledged",
+        "none": "the port has no such button, so the drives stay off; wire one, or waive it in "
+        "the port's settings",
+        "waived": "not required, waived by the builder of this port",
+    }
+    return texts.get(name_of(signals, "acknowledge"), "unknown")
+
+
+def level_text(signals: Signals) -> str:
+    """Return whether limits, constants and tables may change, and what to do about it."""
+    left_s = signals.get("level_left", 0.0)
+    how = {"key": "by the key switch", "challenge": "by the secret"}
+    level = name_of(signals, "level")
+    if level in how:
+        left = f", for {left_s:.0f} s more" if left_s else ""
+        return f"unlocked {how[level]}{left}"
+    if level == "locked":
+        return (
+            "locked: limits, constants and tables do not change; to unlock, turn the key switch "
+            "at the machine off and on, or give the secret"
+        )
+    return "unknown"
+
+
+def rights_report(signals: Signals) -> list[str]:
+    """Return a line for each of the three."""
+    counts = [
+        f"{what} {int(signals.get(name, 0.0))} times"
+        for what, name in (("taken over", "take_overs"), ("lost", "command_losses"))
+        if signals.get(name)
+    ]
+    return [
+        f"command           {'; '.join([commander_text(signals), *counts])}",
+        f"level             {level_text(signals)}",
+        f"acknowledge       {acknowledge_text(signals)}",
+    ]
+
+
+IN_CUT = ("rehearsing", "engaging", "cutting", "holding", "disengaging")
+_NEEDED = {"has_end", "turns_left", "turns_whole", "pass_speed"}
+
+
+@dataclass(frozen=True)
+class CutProgress:
+    """How far a pass is.
+
+    Attributes
+    ----------
+    fraction : float or None
+        share of the turns of the pass that is over, 0 .. 1, its rehearsal included; None: not known
+    left_s : float or None
+        [s] to the end of the pass; of one that is held, if it were resumed at once; in ready, of
+        the next one. What the axes take to approach the start is not in it. None: not known
+    text : str
+        both for people
+    """
+
+    fraction: float | None
+    left_s: float | None
+    text: str
+
+
+def duration_text(seconds: float) -> str:
+    """Return a duration as minutes and seconds, rounded up; with hours from an hour on.
+
+    >>> duration_text(59.2), duration_text(3725.0)
+    ('1:00', '1:02:05')
+    """
+    whole = math.ceil(seconds)
+    hours, minutes = whole // 3600, whole // 60 % 60
+    clock = f"{minutes}:{whole % 60:02d}"
+    return f"{hours}:{minutes:02d}:{whole % 60:02d}" if hours else clock
+
+
+def cut_progress(state: str, signals: Mapping[str, float]) -> CutProgress:
+    """Return how far the pass is.
+
+    Parameters
+    ----------
+    signals : Mapping
+        of the status; what is missing makes the answer unknown
+    """
+    if state not in (*IN_CUT, "ready"):
+        return CutProgress(None, None, "no cut")
+    if not signals.keys() >= {"has_end", "pass_speed"}:
+        return CutProgress(None, None, "the controller does not report its progress")
+    if not signals["has_end"]:
+        led = "Z is moved by another controller: only a stop ends this cut"
+        return CutProgress(None, None, led if signals["pass_speed"] else "no table")
+    if not signals.keys() >= _NEEDED:
+        return CutProgress(None, None, "the controller does not report its progress")
+    left, whole, rpm = signals["turns_left"], signals["turns_whole"], signals["pass_speed"]
+    fraction = min(max(1.0 - left / whole, 0.0), 1.0) if whole > 0 else None
+    left_s = left / rpm * 60.0 if rpm > 0 else None
+    return CutProgress(fraction, left_s, _text(state, signals, fraction, left_s))
+
+
+def _text(
+    state: str, signals: Mapping[str, float], fraction: float | None, left_s: float | None
+) -> str:
+    number, of = int(signals.get("pass", 0)), int(signals.get("passes", 0))
+    which = f"pass {number} of {of}" if of > 1 else ""
+    time = duration_text(left_s) if left_s is not None else "unknown time"
+    if state == "ready":
+        return f"next{' ' + which if which else ''}: {time}"
+    share = f"{math.floor(100 * fraction)} %" if fraction is not None else "?"
+    left = f"{time} left"
+    if state == "holding" or signals.get("is_held"):
+        left = f"held, {time} left after resume"
+    return f"{which + ': ' if which else ''}{share}, {left}"
+
+
+@dataclass(frozen=True)
+class TickLoad:
+    """How long the interrupt takes.
+
+    Attributes
+    ----------
+    longest_us, mean_us : float or None
+        [us] since the start, and over the last quarter of a second; None: the port does not measure
+    """
+
+    longest_us: float | None
+    mean_us: float | None
+    period_us: float | None  # [us] from tick to tick
+    share: float | None  # the longest as a share of the period
+    text: str  # for people
+
+
+def tick_load(signals: Mapping[str, float]) -> TickLoad:
+    """Return how busy the interrupt keeps the controller.
+
+    >>> tick_load({"tick_time_max": 7.1, "tick_time_mean": 3.2, "tick_rate": 20000}).text
+    'longest 7.1 of 50 us (14 %), mean 3.2 us (6 %)'
+    >>> tick_load({"tick_time_max": 0.0, "tick_rate": 20000}).text
+    'the port does not measure it'
+    """
+    longest_us = signals.get("tick_time_max") or None
+    mean_us = signals.get("tick_time_mean") or None
+    rate_hz = signals.get("tick_rate") or None
+    period_us = 1e6 / rate_hz if rate_hz else None
+    if longest_us is None or period_us is None:
+        told = "tick_time_max" in signals and period_us is not None
+        text = "the port does not measure it" if told else "unknown"
+        return TickLoad(longest_us, mean_us, period_us, None, text)
+    share = longest_us / period_us
+    text = f"longest {longest_us:.1f} of {period_us:.4g} us ({share:.0%})".replace("%", " %")
+    if mean_us is not None:
+        text += f", mean {mean_us:.1f} us ({100 * mean_us / period_us:.0f} %)"
+    return TickLoad(longest_us, mean_us, period_us, share, text)
+
 
 _BARS = " ▁▂▃▄▅▆▇█"
 _BESIDE = 27  # columns of words, number and brackets beside a scale, and a free one at the margin

@@ -1,4 +1,4 @@
-"""Where a lobe is touched: contact, pressure angle, curvature, and the path of a round follower.
+"""Where a lobe is touched, by round and flat followers, and whether a wheel can make it at all.
 
 The frame is fixed to the lobe; angles run as the follower runs round it. A tool that
 swings about the roller's centre, and a wheel that grinds the same lobe, are followers of different
@@ -9,6 +9,21 @@ radius: the same equations give both.
 >>> path = follow(touch, 200.0)
 >>> f"{path.lift[0]:.8f} {np.degrees(path.phi[0]):.7f} {path.ds_dphi[0]:.7f}"
 '9.15763756 33.3952211 25.4638646'
+
+The face stands across the direction alpha and touches the lobe where its normal has that
+direction. A tool that swings about a centre, and a wheel, touch it there as well: they are round
+followers of the same contacts (`camtools.lobe.contact`).
+
+>>> from camtools.lobe.lift import Poly345
+>>> law = Poly345(8.0, float(np.radians(70.0)))
+>>> touch = flat_contact(law, 40.0, 10.0, np.radians([0.0, 30.0]))
+>>> [f"{mm:.6f}" for mm in touch.radius]
+['48.000000', '46.571828']
+
+>>> from camtools.lobe.lift import Poly345
+>>> worst = shape_of(Poly345(8.0, float(np.radians(70.0))), 20.0, 10.0)
+>>> f"{worst.least_radius_mm:.6f} at {worst.least_radius_deg:.0f}, {worst.largest_swing_deg:.6f}"
+'10.679909 at 15, 19.967381'
 """
 
 from __future__ import annotations
@@ -18,6 +33,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
 from camtools.lobe.lift import Disc, LiftLaw
 
@@ -154,7 +170,7 @@ def solved_at(
     touch_at : callable
         Contacts and path at directions of the lobe's own follower [rad].
     phi_rad : ndarray, shape (n,)
-        Angles of the lobe [rad]; dphi/dtheta must be above 0 all round (`camtools.lobe.undercut`).
+        Angles of the lobe [rad]; dphi/dtheta must be above 0 all round (`camtools.lobe.contact`).
 
     Notes
     -----
@@ -171,3 +187,203 @@ def solved_at(
         guess = theta - off / path.phi1
         theta = np.where((guess > low) & (guess < high), guess, (low + high) / 2)
     return touch, path
+
+
+def flat_contact(law: LiftLaw, base_mm: float, roller_mm: float, alpha_rad: Floats) -> Contact:
+    """Return the contacts of a lobe with its flat face.
+
+    Parameters
+    ----------
+    base_mm, roller_mm : float
+        Radius of the base circle, and of the circle on which the tip of a swung tool runs: p and
+        gamma are those of its centre.
+    alpha_rad : ndarray
+        Directions of the follower's line, across which its face stands [rad].
+
+    Notes
+    -----
+    Source: MATHS.md (93). theta is the direction of that centre; derivatives are by alpha.
+    """
+    lift, s1, s2, s3 = law.evaluate(alpha_rad)
+    s = base_mm + lift
+    along, square = s + roller_mm, (s + roller_mm) ** 2 + s1**2
+    p, gamma, bend = np.sqrt(square), np.arctan2(s1, along), s2 * along - s1**2
+    gamma1 = bend / square
+    gamma2 = ((s3 * along - s1 * s2) * square - bend * 2 * s1 * (along + s2)) / square**2
+    p1 = s1 * (along + s2) / p
+    p2 = (s2 * (along + s2) + s1 * (s1 + s3) - p1**2) / p
+    ds = s + s2
+    with np.errstate(divide="ignore"):
+        curvature = 1 / ds
+    of_profile = (s1, s, np.hypot(s, s1), alpha_rad + np.arctan2(s1, s), ds, curvature)
+    centre = (lift, p, p1, p2, gamma, gamma1, gamma2)
+    return Contact(alpha_rad + gamma, base_mm, roller_mm, *centre, *of_profile)
+
+
+def follow_flat(law: LiftLaw, touch: Contact, radius_mm: float) -> Follower:
+    """Return the path of a round follower, in contact at the same places.
+
+    Parameters
+    ----------
+    radius_mm : float
+        Of the wheel, or of the circle on which the tip of the tool runs.
+
+    Notes
+    -----
+    Source: MATHS.md (94).
+    """
+    t, (_, s1, s2, s3) = touch, law.evaluate(touch.theta - touch.gamma)
+    along = t.reach + radius_mm
+    square = along**2 + s1**2
+    centre, angle, tan = np.sqrt(square), np.arctan2(s1, along), s1 / along
+    slope = (s2 * along - s1**2) / square
+    twice = (s3 * along - s1 * s2) / square - slope * 2 * s1 * (along + s2) / square
+    phi1 = 1 + slope
+    angle1 = slope / phi1
+    angle2 = (twice - angle1 * twice) / phi1**2
+    d1 = centre * tan
+    # centre - (base + radius) without cancellation for a large wheel
+    lift = (t.lift * (2 * (t.base + radius_mm) + t.lift) + s1**2) / (centre + t.base + radius_mm)
+    d2 = d1 * tan + centre * (1 + tan**2) * angle1
+    both = (angle, angle1, angle2, t.ds / phi1, phi1)
+    return Follower(t.theta - t.gamma + angle, centre, lift, d1, d2, *both)
+
+
+_N_ANGLES = 72_000
+_N_WHEELS = 720
+_HIDDEN_MM = 1e-6
+
+
+class Shape(NamedTuple):
+    """Extremes of a lobe all round."""
+
+    least_radius_mm: float  # of the convex curvature
+    least_radius_deg: float  # direction of the follower there
+    hollow_radius_mm: float  # of the hollow curvature, infinite without any
+    largest_swing_deg: float  # magnitude of the pressure angle
+
+
+def touch_of(
+    law: LiftLaw, base_mm: float, roller_mm: float, theta_rad: Floats, *, is_flat: bool
+) -> Contact:
+    """Return contacts of a lobe with its own follower, a roller or a flat face."""
+    return (flat_contact if is_flat else contact)(law, base_mm, roller_mm, theta_rad)
+
+
+def all_round(law: LiftLaw, base_mm: float, roller_mm: float, *, is_flat: bool = False) -> Contact:
+    """Return contacts of a lobe on a dense grid of the follower's directions."""
+    theta = 2 * np.pi * (np.arange(_N_ANGLES) / _N_ANGLES - 0.5)
+    return touch_of(law, base_mm, roller_mm, theta, is_flat=is_flat)
+
+
+def shape_of(law: LiftLaw, base_mm: float, roller_mm: float, *, is_flat: bool = False) -> Shape:
+    """Return the extremes of a lobe that its follower does not undercut; radii in mm."""
+    touch = all_round(law, base_mm, roller_mm, is_flat=is_flat)
+    sharpest, hollowest = int(touch.curvature.argmax()), int(touch.curvature.argmin())
+    swing = int(np.abs(touch.gamma).argmax())
+    least = touch.curvature[hollowest]
+    degrees = np.degrees(touch.theta)
+    return Shape(
+        1 / float(touch.curvature[sharpest]),
+        abs(float(degrees[sharpest])),
+        float(-1 / least) if least < 0 else float("inf"),
+        abs(float(np.degrees(touch.gamma[swing]))),
+    )
+
+
+def check_follower(touch: Contact, field: str, *, is_flat: bool) -> None:
+    """Refuse a lift that its follower cannot have on any profile."""
+    (_check_face if is_flat else check_roller)(touch, field)
+
+
+def _check_face(touch: Contact, field: str) -> None:
+    """Refuse a lift that a flat face would have on edges only, MATHS.md (93)."""
+    worst = int(touch.ds.argmin())
+    if touch.ds[worst] <= 0:
+        at = f"at {np.degrees(touch.theta[worst]):.4g} degrees of the lobe"
+        problem = (
+            f"undercut {at}: base radius, lift and its second derivative are "
+            f"{touch.ds[worst]:.6g} mm together, the radius of curvature under a flat face"
+        )
+        remedy = "give a larger base circle, or less lift over more degrees"
+        raise GeometryError(f"{field}.lift_mm", problem, remedy)
+
+
+def check_roller(touch: Contact, field: str) -> None:
+    """Refuse a lift that the roller cannot follow on any profile.
+
+    Parameters
+    ----------
+    touch : Contact
+        All round.
+    field : str
+        Dotted path of the lobe, for error messages.
+
+    Raises
+    ------
+    GeometryError
+        The roller's centre reaches the axis, or the profile is undercut: its radius of curvature
+        falls to 0 where it is convex, MATHS.md (39).
+    """
+    lowest = int(touch.lift.argmin())
+    if touch.lift[lowest] <= -touch.base:
+        problem = f"the spline falls to {touch.lift[lowest]:.6g} mm"
+        raise GeometryError(f"{field}.lift_mm", problem, "give more points")
+    worst = int(touch.ds.argmin())
+    if touch.ds[worst] <= 0:
+        at = f"at {np.degrees(touch.theta[worst]):.4g} degrees of the lobe"
+        centre_mm = np.hypot(touch.p, touch.p1)[worst] / (1 - touch.gamma1[worst])
+        problem = (
+            f"undercut {at}: the path of the roller's centre has a radius of curvature of "
+            f"{centre_mm:.6g} mm there, the roller {touch.roller:g} mm"
+        )
+        remedy = "give a smaller roller, a larger base circle, or less lift over more degrees"
+        raise GeometryError(f"{field}.lift_mm", problem, remedy)
+
+
+def check_wheel(touch: Contact, wheel_mm: float, field: str) -> None:
+    """Refuse a lobe that a wheel cannot grind.
+
+    Parameters
+    ----------
+    touch : Contact
+        All round, not undercut.
+    wheel_mm : float
+        Radius of the wheel.
+    field : str
+        Dotted path of the lobe, for error messages.
+
+    Raises
+    ------
+    GeometryError
+        A hollow flank is more curved than the wheel, the lobe would have to turn back, or the
+        wheel would cut elsewhere.
+    """
+    curved = int(touch.curvature.argmin())
+    hollow_mm = float(-1 / touch.curvature[curved]) if touch.curvature[curved] < 0 else np.inf
+    if hollow_mm <= wheel_mm:
+        at = f"at {np.degrees(touch.theta[curved]):.4g} degrees"
+        problem = (
+            f"the flank of {field} is hollow with a radius of {hollow_mm:.6g} mm {at}: "
+            "the wheel does not reach it"
+        )
+        remedy = f"give a wheel below {hollow_mm:.4g} mm, or a lift with less acceleration"
+        raise GeometryError(f"cam.wheel_radius_mm = {wheel_mm:g}", problem, remedy)
+    path = follow(touch, wheel_mm)
+    hidden = _deepest_elsewhere(touch, path.phi, path.centre, wheel_mm)
+    if float(path.phi1.min()) <= 0 or hidden > _HIDDEN_MM:
+        problem = f"the wheel would cut {hidden:.3g} mm into another place of {field}"
+        if float(path.phi1.min()) <= 0:
+            problem = f"the cam of {field} would have to turn back to stay in contact"
+        remedy = "give a smaller wheel, or a lift with less acceleration"
+        raise GeometryError(f"cam.wheel_radius_mm = {wheel_mm:g}", problem, remedy)
+
+
+def _deepest_elsewhere(touch: Contact, phi: Floats, centre: Floats, wheel_mm: float) -> float:
+    """Return how deep the wheel cuts into places that it does not touch [mm]."""
+    profile = touch.radius[::10] * np.exp(1j * touch.alpha[::10])
+    deepest = 0.0
+    for i in range(0, phi.size, phi.size // _N_WHEELS):
+        wheel = centre[i] * np.exp(1j * phi[i])
+        deepest = max(deepest, wheel_mm - float(np.abs(profile - wheel).min()))
+    return deepest

@@ -21,29 +21,31 @@ from camtools.cut.feasibility import HighestSpeed, Peaks, given_of, needed_of, p
 from camtools.cut.verdict import check_table, needs_of_peaks
 from camtools.judge.binding import TablePeaks
 from camtools.lobe.channels import (
+    N_GRID,
     MadeChannel,
+    SpindleLimits,
+    acceleration_of,
     centre_channel,
     choose_angle,
     choose_lift,
+    mean_of,
     patterns_of,
     places_of,
     speed_channel,
+    surface_speed,
 )
 from camtools.lobe.contact import Follower
 from camtools.lobe.heel import LobeHeel, check_lobe_heel
 from camtools.lobe.lift import LiftLaw
-from camtools.lobe.list_report import noise_hint
-from camtools.lobe.motion import ShaftLobe, channels_key, lobes_of
+from camtools.lobe.motion import ShaftLobe, channels_key, lobes_of, noise_hint
 from camtools.lobe.part import LobePart
 from camtools.lobe.plunge import Plan, plan_of, stations_of, way_channel, x_channel
-from camtools.lobe.speed import N_GRID, SpindleLimits, acceleration_of, mean_of, surface_speed
 from camtools.part.common import check_feed
 from camtools.table.channel import ANGLE_TURN, RATIO_ONE, Channel
-from camtools.table.evaluate import knot_interval, raw_bounds
+from camtools.table.evaluate import knot_interval, moving_bounds, peaks_together, raw_bounds
 from camtools.table.header import check_tolerance, table_of, u_bounds
 from camtools.table.image import Table
-from camtools.table.lobes import change_nm
-from camtools.table.modulation import moving_bounds, peaks_together
+from camtools.table.records import change_nm
 
 DEFAULT_TOLERANCE_NM = 10.0
 _BISECTIONS = 40

@@ -20,9 +20,9 @@ import numpy.typing as npt
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
+from camtools.lobe.contact import all_round
 from camtools.lobe.motion import ShaftLobe
-from camtools.lobe.undercut import all_round
-from camtools.part.tool import SwungTool
+from camtools.part.common import SwungTool
 
 _PLACES = 3600
 _BISECTIONS = 20

@@ -17,7 +17,14 @@ from scipy.interpolate import BSpline, PPoly
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats, rounded_up
-from camtools.lobe.listed_lift import opened, points_of
+from camtools.lobe.listed_lift import (
+    Smoothing,
+    band_for,
+    opened,
+    periodic_spline,
+    points_of,
+    smooth_list,
+)
 from camtools.lobe.lobe_keys import RISES, Lobe, is_turn
 from camtools.lobe.part import Camshaft
 from camtools.lobe.rise_laws import (
@@ -29,7 +36,6 @@ from camtools.lobe.rise_laws import (
     Quintic,
     RiseLaw,
 )
-from camtools.lobe.smooth_list import Smoothing, band_for, periodic_spline, smooth_list
 from camtools.part.model import SAME_MM
 from camtools.table.points import PointedTurn, quintics_of
 

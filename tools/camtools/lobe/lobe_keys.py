@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The keys of a lobe in a part file: where it sits on the shaft, and its law of lift.
 
 >>> lobe = Lobe(z_mm=[0, 12], law="poly345", lift_mm=8, half_angle_deg=70)

@@ -14,9 +14,8 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from camtools.base.quantities import NM_PER_MM
 from camtools.lobe.lobe_keys import Lobe, RadiusMm
-from camtools.part.common import FeedMm, Machine, PartInfo, Process, SwingLimits
+from camtools.part.common import FeedMm, Machine, PartInfo, Process, SwingLimits, SwungTool
 from camtools.part.model import TomlTable, wrong
-from camtools.part.tool import SwungTool
 
 MIN_GAP_MM = 0.2
 MAX_LOBES = 64  # of a part file; fewer where the bytes of a channel do not last

@@ -6,11 +6,20 @@
 
 from __future__ import annotations
 
-from camtools.lobe.cut_plots import ANGLE, draw_profile, draw_rake, draw_speed, motion_of
-from camtools.lobe.list_report import smoothing_takes_um
-from camtools.lobe.plots import draw_motion, draw_positions, draw_smoothing, smoothed_lists
-from camtools.lobe.report_text import ROWS, LobeOutcome
-from camtools.part.smoothing_text import sheet_note
+from camtools.lobe.motion import smoothing_takes_um
+from camtools.lobe.plots import (
+    ANGLE,
+    draw_motion,
+    draw_positions,
+    draw_profile,
+    draw_rake,
+    draw_smoothing,
+    draw_speed,
+    motion_of,
+    smoothed_lists,
+)
+from camtools.lobe.summary import ROWS, LobeOutcome
+from camtools.part.smoothing import sheet_note
 from camtools.report.kind_report import KindReport
 from camtools.report.sheet import Subject
 from camtools.report.views import (

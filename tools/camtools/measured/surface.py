@@ -1,5 +1,20 @@
 """The waves of a gauged surface that exceed its noise, MATHS.md (157) .. (159).
 
+>>> turn = np.arange(360) / 360
+>>> values = 0.5 + 2 * np.cos(4 * np.pi * turn - 1)
+>>> values[7] += 1000
+>>> found = fit_waves(turn, values, 4)
+>>> np.abs(found.waves).round(6).tolist(), float(np.angle(found.waves[2]).round(6))
+([0.5, 0.0, 2.0, 0.0, 0.0], 1.0)
+
+>>> z = np.linspace(0, 60, 40)
+>>> rng = np.random.default_rng(3)
+>>> noise = rng.normal(0, 0.1, (2, 40))
+>>> noisy = 2 * np.exp(1j * z / 30) + noise[0] + 1j * noise[1]
+>>> found = Smoother(z).smooth(noisy, scatter(z, noisy))
+>>> bool(np.abs(found.values - 2 * np.exp(1j * z / 30)).max() < 0.12)
+True
+
 >>> turn, z_mm = np.tile(np.arange(72) / 72, 9), np.repeat(np.linspace(0, 40, 9), 72)
 >>> noise_um = np.random.default_rng(1).normal(0, 0.05, turn.size)
 >>> gauged = GaugedPoints(turn, z_mm, 2 * np.cos(6 * np.pi * turn) + noise_um)
@@ -18,10 +33,149 @@ from scipy.interpolate import CubicSpline
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Bools, Floats
 from camtools.cut.correction import Complexes, Correction, nodes_of
-from camtools.measured.heights import MIN_HEIGHTS, Heights, by_height
-from camtools.measured.points import GaugedPoints
-from camtools.measured.smoothing import Smoothed, Smoother, off_neighbours, scatter, shares_kept
-from camtools.measured.waves import fit_waves
+from camtools.measured.points import MIN_HEIGHTS, GaugedPoints, Heights, by_height
+
+_ROUNDS = 8
+_HUBER = 2.0  # standard deviations from which on a point counts less
+_FAR = 6.0  # .. and from which on it does not count
+_TO_SIGMA = 1.4826  # of the median of magnitudes of a normal distribution
+_LEAST = 1e-12
+
+
+class HeightWaves(NamedTuple):
+    """The waves of one height."""
+
+    waves: Complexes  # (order + 1,): value = Re sum c_k e^(-j k phi)
+    sigma: float  # standard deviation of a point about the waves
+    variances: Floats  # (order + 1,) of the waves, real and imaginary part together
+    is_far: Bools  # of each point, whether it is beyond six standard deviations and does not count
+
+
+class _Basis:
+    """Waves at angles, and the normal equations of a fit: sums along the points, no matrix."""
+
+    def __init__(self, turn: Floats, order: int) -> None:
+        self.order = order
+        k = np.arange(order + 1)
+        self._both, self._apart = k[:, None] + k, np.abs(k[:, None] - k)
+        self._is_below = k[:, None] < k
+        steps = np.exp(2j * np.pi * turn)
+        self._powers = np.ones((2 * order + 1, turn.size), dtype=np.complex128)
+        for i in range(1, 2 * order + 1):
+            self._powers[i] = self._powers[i - 1] * steps
+
+    def fitted(self, weight: Floats, values: Floats) -> Complexes:
+        """Return the waves of least squares with these weights."""
+        n = self.order + 1
+        sums = np.einsum("i,ki->k", weight, self._powers)
+        right = np.einsum("i,ki->k", weight * values, self._powers[:n])
+        both, apart = sums[self._both], sums[self._apart]
+        apart = np.where(self._is_below, apart.conj(), apart)  # of e^(j (k - l) phi)
+        normal = np.empty((2 * n - 1, 2 * n - 1))  # the mean has no sine
+        normal[:n, :n], normal[:n, n:] = (apart + both).real, (both - apart).imag[:, 1:]
+        normal[n:, :n], normal[n:, n:] = (both + apart).imag[1:], (apart - both).real[1:, 1:]
+        normal /= 2
+        found = np.linalg.solve(normal, np.concatenate([right.real, right.imag[1:]]))
+        waves = found[:n].astype(np.complex128)
+        waves[1:] += 1j * found[n:]
+        return waves
+
+    def values(self, waves: Complexes) -> Floats:
+        """Return waves at the angles."""
+        found = np.einsum("k,ki->i", waves.conj(), self._powers[: self.order + 1])
+        return np.asarray(found.real, dtype=np.float64)
+
+
+def fit_waves(turn: Floats, values: Floats, order: int) -> HeightWaves:
+    """Return the waves up to an order through the points of a height."""
+    basis, n_unknown = _Basis(turn, order), 2 * order + 1
+    weight, sigma = np.ones(turn.size), 0.0
+    for _ in range(_ROUNDS):
+        waves = basis.fitted(weight, values)
+        off = np.abs(values - basis.values(waves))
+        sigma = _TO_SIGMA * float(np.median(off)) * np.sqrt(off.size / (off.size - n_unknown))
+        limit = max(sigma, _LEAST)
+        weight = np.minimum(1.0, _HUBER * limit / np.maximum(off, _LEAST))
+        weight[off > _FAR * limit] = 0.0
+        if np.count_nonzero(weight) <= n_unknown:
+            weight = np.ones(turn.size)
+            break
+    variances = np.full(order + 1, 4 * sigma**2 / turn.size)
+    variances[0] /= 4
+    return HeightWaves(waves, sigma, variances, weight == 0)
+
+
+_MEDIAN_COMPLEX, _MEDIAN_REAL = float(np.log(2)), 0.454936  # of |noise|^2 over its mean
+_CAUTION = 1.5  # of each degree of freedom in Mallows' criterion
+_GRID = 10.0 ** np.arange(-6, 10, 0.125)
+_KEPT_WHOLE = 6.0  # energy over that of the noise from which on a wave is kept at all
+_LOCAL = 2.0  # standard errors that are taken off at a height
+MIN_FOR_SCATTER = 6
+
+
+def neighbour_weights(z_mm: Floats) -> tuple[Floats, Floats]:
+    """Return the shares of both neighbours in the line through them at each inner height."""
+    below = (z_mm[2:] - z_mm[1:-1]) / (z_mm[2:] - z_mm[:-2])
+    return below, 1 - below
+
+
+def off_neighbours(z_mm: Floats, values: Complexes) -> Complexes:
+    """Return by how much values leave the line through their neighbours, over its noise."""
+    below, above = neighbour_weights(z_mm)
+    off = values[..., 1:-1] - below * values[..., :-2] - above * values[..., 2:]
+    return np.asarray(off / np.sqrt(1 + below**2 + above**2), dtype=np.complex128)
+
+
+def scatter(z_mm: Floats, values: Complexes, *, is_real: bool = False) -> float:
+    """Return the variance of values that change smoothly over the height but for noise.
+
+    MATHS.md (158); 0 where there are too few heights.
+    """
+    if z_mm.size < MIN_FOR_SCATTER:
+        return 0.0
+    median = _MEDIAN_REAL if is_real else _MEDIAN_COMPLEX
+    return float(np.median(np.abs(off_neighbours(z_mm, values)) ** 2)) / median
+
+
+class Smoothed(NamedTuple):
+    """A wave over the height."""
+
+    values: Complexes  # (n,)
+    errors: Floats  # (n,) standard errors
+
+
+class Smoother:
+    """Natural cubic smoothing splines over heights, MATHS.md (159)."""
+
+    def __init__(self, z_mm: Floats) -> None:
+        n, h = z_mm.size, np.diff(z_mm) / float(np.ptp(z_mm))
+        i = np.arange(n - 2)
+        q, r = np.zeros((n, n - 2)), np.zeros((n - 2, n - 2))
+        q[i, i], q[i + 1, i], q[i + 2, i] = 1 / h[:-1], -1 / h[:-1] - 1 / h[1:], 1 / h[1:]
+        r[i, i] = (h[:-1] + h[1:]) / 3
+        r[i[:-1], i[1:]] = r[i[1:], i[:-1]] = h[1:-1] / 6
+        bends, self._modes = np.linalg.eigh(q @ np.linalg.solve(r, q.T))
+        self._bends = np.where(np.arange(n) < 2, 0.0, np.maximum(bends, 0.0))
+
+    def smooth(self, values: Complexes, variance: float) -> Smoothed:
+        """Return the curve with the least expected error for a noise of this variance."""
+        modes = self._modes.T @ values
+        energy = np.abs(modes) ** 2
+        kept = 1 / (1 + self._bends / np.median(self._bends[2:]) / _GRID[:, None])
+        risk = ((1 - kept) ** 2 @ energy) + 2 * _CAUTION * variance * kept.sum(axis=1)
+        share = kept[int(np.argmin(risk))]
+        errors = np.sqrt(variance * (self._modes**2 @ share**2))
+        return Smoothed(np.asarray(self._modes @ (share * modes), dtype=np.complex128), errors)
+
+
+def shares_kept(one: Smoothed) -> Floats:
+    """Return which share of a wave is kept at each height: what stands above its noise."""
+    energy, noise = np.abs(one.values) ** 2, one.errors**2
+    if energy.sum() <= _KEPT_WHOLE * noise.sum():
+        return np.zeros(energy.size)
+    least = np.finfo(float).tiny
+    return np.asarray(np.maximum(0.0, 1 - _LOCAL**2 * noise / np.maximum(energy, least)))
+
 
 _PASSES = 3
 _END_SHARE, _GAP_SHARE = 0.2, 0.5  # of the part's height that may lie beyond, or between, heights

@@ -30,8 +30,7 @@ from camtools.ngc.gcode_words import (
     length,
     lines,
 )
-from camtools.skirt.geometry.blank import blank_radius_mm, section_cut
-from camtools.skirt.geometry.skirt_geometry import dense_heights_mm
+from camtools.skirt.geometry.skirt_geometry import blank_radius_mm, dense_heights_mm, section_cut
 from camtools.skirt.table.generate import refuse_corner
 from camtools.skirt.table.speed import load_at
 from camtools.skirt.tool.turning import path_of

@@ -14,10 +14,9 @@ import numpy as np
 
 from camtools.base.quantities import NM_PER_MM, Floats
 from camtools.cut.path import ToolPath
-from camtools.skirt.geometry.blank import blank_radius_mm
-from camtools.skirt.geometry.skirt_geometry import Geometry
+from camtools.skirt.geometry.skirt_geometry import Geometry, blank_radius_mm
 from camtools.skirt.part.part_file import SkirtPart
-from camtools.skirt.tool.u_zero import middle_nm
+from camtools.skirt.tool.turning import middle_nm
 
 LENGTH_DECIMALS = 6  # of millimetres: a nanometre
 ANGLE_DECIMALS = 5  # of degrees

@@ -23,10 +23,10 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats, omega_rad_s
 from camtools.cut.feasibility import Peaks, check_feasible
 from camtools.cut.path import ToolPath
+from camtools.lobe.channels import N_GRID, SpindleLimits, acceleration_of, mean_of, surface_speed
 from camtools.lobe.contact import Follower
 from camtools.lobe.motion import ShaftLobe, make_lobes
 from camtools.lobe.part import LobePart
-from camtools.lobe.speed import N_GRID, SpindleLimits, acceleration_of, mean_of, surface_speed
 from camtools.ngc.gcode_words import (
     ANGLE_DECIMALS,
     CLEARANCE_MM,

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What all pages of one panel share.
 
 >>> AppContext.runs.relative_to(AppContext.parts.parent).as_posix()
@@ -10,9 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from camtools.base.project_paths import RESULTS
-from camtools.panel.orders.command_log import CommandLog
-from camtools.panel.orders.commander import Commander
+from camtools.base.project import RESULTS
+from camtools.panel.orders.commander import Commander, CommandLog
 from camtools.panel.orders.controller_service import ControllerService
 
 

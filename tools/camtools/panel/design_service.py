@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What the pages of design and runs share: previews, the library of parts, the runs.
 
 >>> DesignService.__name__
@@ -16,16 +15,15 @@ from pathlib import Path
 from nicegui import app
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.output import write_all
+from camtools.base.files import write_all
 from camtools.panel.context import AppContext
 from camtools.panel.design.part_library import EXAMPLE, PartLibrary
 from camtools.panel.design.part_library import OWN as OWN_PARTS
 from camtools.panel.design.preview_engine import Engine
+from camtools.panel.orders.commander import Visitor
 from camtools.panel.orders.order import Outcome
-from camtools.panel.orders.visitor import Visitor
-from camtools.panel.runs.options import RunOptions
 from camtools.panel.runs.run_queue import RunQueue
-from camtools.panel.runs.store import DONE, OWN, REPORT, RunStore
+from camtools.panel.runs.store import DONE, OWN, REPORT, RunOptions, RunStore
 from camtools.part.file import files_named, read_tree
 from camtools.part.model import is_inside
 from camtools.pipeline.job import RUNS

@@ -1,5 +1,27 @@
-# SPDX-License-Identifier: Apache-2.0
-"""The frame of every page: navigation, who commands, theme, and the page's visitor.
+"""The frame of every page: navigation, who commands, STOP, theme, visitor, the connection.
+
+Each field for a file (ui.upload) has a route of its own. FastAPI remembers of the functions behind
+the last routes whether they are coroutines, and with a function all of the page that it is part of:
+0.7 MB for each operator's page. Nothing but speed is lost when that is forgotten.
+
+>>> forget_routes()
+
+NiceGUI repeats the messages that the lost connection swallowed, but after the updates that have
+waited meanwhile, so that an old state of an element replaces a newer one: an open question
+vanishes, and a number stays old until it changes again.
+
+>>> from types import SimpleNamespace
+>>> outbox = SimpleNamespace(messages=[("page", "update", {7: "old", "_id": 3})], updates={})
+>>> repeat_newest(SimpleNamespace(outbox=outbox, elements={7: "new"}))
+>>> outbox.updates, outbox.messages
+({7: 'new'}, [])
+
+The operator's page has a larger one beside the state. Escape does the same (static/panel.js) for
+who commands, since he may look at any page when something goes wrong. For others it does not: who
+closes a menu while he draws a part must not end somebody else's cut.
+
+>>> machine_text("cutting", is_connected=True), machine_text("unknown", is_connected=False)
+('machine: cutting', 'machine: no connection')
 
 A page is a function that NiceGUI calls for each browser that asks; `framed()` makes its frame:
 
@@ -21,18 +43,77 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from fastapi.dependencies import models
 from nicegui import Client, events, ui
+from nicegui.outbox import deleted
 
 from camtools.link.rights import sender_text
 from camtools.panel.context import AppContext
-from camtools.panel.dialogs import ask_again, confirmed
-from camtools.panel.orders.commander import Commander
-from camtools.panel.orders.visitor import Visitor, new_visitor
-from camtools.panel.page_cleanup import forget_routes
-from camtools.panel.reconnect import repeat_newest
-from camtools.panel.stop_button import FrameStop
-from camtools.panel.views.bus_commander import other_sender
-from camtools.panel.views.state_style import IN_WORK
+from camtools.panel.orders.commander import Commander, Visitor, new_visitor
+from camtools.panel.orders.order import Order
+from camtools.panel.pieces import ask_again, confirmed, withdraw
+from camtools.panel.views.availability import stop_order
+from camtools.panel.views.wording import IN_WORK, other_sender
+
+
+def forget_routes() -> None:
+    """Forget functions of routes, so that pages which are gone can be freed."""
+    for cached in vars(models).values():
+        clear = getattr(cached, "cache_clear", None)
+        if callable(clear):
+            clear()
+
+
+def repeat_newest(client: Client) -> None:
+    """Send elements of repeated updates as they are now; to be called as the page connects."""
+    outbox = client.outbox
+    repeated = list(outbox.messages)
+    outbox.messages.clear()
+    for target, kind, data in repeated:
+        if kind == "load_js_components":
+            outbox._loaded_components.clear()  # they go with the updates
+        elif kind != "update":
+            outbox.messages.append((target, kind, data))
+        else:
+            for i in set(data) - {"_id"}:
+                outbox.updates[i] = client.elements.get(i, deleted)
+
+
+def machine_text(state: str, *, is_connected: bool) -> str:
+    """Return what the machine does, in the words of its controller."""
+    return f"machine: {state}" if is_connected else "machine: no connection"
+
+
+class FrameStop:
+    """The machine's state and its STOP."""
+
+    def __init__(self, context: AppContext, visitor: Visitor) -> None:
+        self._context, self._visitor = context, visitor
+        self._machine = ui.label().props("data-testid=machine")
+        self._button = ui.button("STOP", on_click=self.stop, color=None).classes("panel-stop")
+        self._button.props('no-caps unelevated aria-label="STOP: stops all motion"')
+        self._button.props("data-testid=stop")
+        ui.on("stop", self._stop_by_key)
+
+    async def _stop_by_key(self) -> None:
+        """Stop, where the visitor commands."""
+        if self._context.commander.holder is self._visitor:
+            await self.stop()
+
+    async def stop(self) -> None:
+        """End what moves, without a question, and tell what came of it."""
+        withdraw(self._button.client)
+        order = stop_order(self._context.service.snapshot().state)
+        outcome = await self._context.service.do(Order(order, {}), self._visitor)
+        with self._button:
+            words = f"STOP of the machine: {outcome.text}"
+            ui.notify(words, type="positive" if outcome.is_done else "negative")
+
+    def show(self) -> None:
+        """Show what the machine does now."""
+        snapshot = self._context.service.snapshot()
+        self._machine.text = machine_text(snapshot.state, is_connected=snapshot.is_connected)
+
 
 OPERATE = "/"
 PAGES = {OPERATE: "Operate", "/design": "Design", "/runs": "Runs"}

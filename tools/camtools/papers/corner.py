@@ -15,19 +15,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from camtools.base.csv_text import Columns
 from camtools.base.errors import CamtoolsError
-from camtools.base.quantities import Floats
+from camtools.base.quantities import UM_PER_MM, Floats
+from camtools.base.text import Columns
 from camtools.papers import refit
-from camtools.papers.chart import draw_table, fill
-from camtools.papers.comparison import csv, declared, part_of, png, printed
+from camtools.papers.declared import csv, declared, draw_table, fill_panels, part_of, png, printed
 from camtools.papers.paths import cut_table
 from camtools.papers.refit import CUBIC, DELETED, QUINTIC, curve_of
-from camtools.plots.panels import around, plane
-from camtools.plots.style import BLUE, GREEN, new_figure
+from camtools.plots.style import BLUE, GREEN, around, new_figure, plane
 from camtools.sim.machine_file import machine_text
-from camtools.skirt.geometry.composite import Joint
 from camtools.skirt.geometry.refit import Recipe, deviation_mm
+from camtools.skirt.geometry.sections import Joint
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.part.section_keys import Refit
@@ -46,7 +44,6 @@ BEST = {  # of Table 1, least jerk first
 }
 _TABLE_2_DEG = (10.0, 20.0, 30.0, 40.0, 48.0)
 _N_BINS = 900  # of a quarter turn; some hold no point of the map of the surface
-_UM_PER_MM = 1000.0
 _POLAR_UM = 1500.0  # radius of the records
 
 
@@ -71,7 +68,7 @@ def _joint(name: str, height_mm: float) -> Joint:
 
 def radius_um(reduction_mm: Callable[[Floats], Floats]) -> Floats:
     """Return the radius over the long half axis at the angles of Table 2."""
-    return np.asarray(-_UM_PER_MM * reduction_mm(np.radians(_TABLE_2_DEG)), dtype=np.float64)
+    return np.asarray(-UM_PER_MM * reduction_mm(np.radians(_TABLE_2_DEG)), dtype=np.float64)
 
 
 def drawn_um() -> Floats:
@@ -127,11 +124,11 @@ def cut_record(name: str, recipe: Recipe, mode_hz: float = 0.0) -> Record:
     _, place = np.unique((fold * _N_BINS / 90).astype(np.int64), return_inverse=True)
     at, *means = (np.bincount(place, one) / np.bincount(place) for one in (fold, reduction, off))
     deg = (np.arange(_N_BINS, dtype=np.float64) + 0.5) * 90 / _N_BINS
-    reduction_um, off_um = (_UM_PER_MM * np.interp(deg, at, one) for one in means)
+    reduction_um, off_um = (UM_PER_MM * np.interp(deg, at, one) for one in means)
     rad = np.radians(deg)
     spline = curve_of(measured(), recipe)(rad) - measured().reduction(rad).delta
-    control_um = float(np.abs(played).max()) * _UM_PER_MM
-    return Record(name, deg, reduction_um, off_um, _UM_PER_MM * spline, control_um)
+    control_um = float(np.abs(played).max()) * UM_PER_MM
+    return Record(name, deg, reduction_um, off_um, UM_PER_MM * spline, control_um)
 
 
 @cache
@@ -157,9 +154,7 @@ def _best_mm_s3(jerks: Floats | list[float]) -> list[float]:
 def quantities() -> dict[str, Any]:
     """Return the quantities of the rows."""
     joint, curves = theory().joint, [curve_of(measured(), one) for one in RECORDS.values()]
-    rigid_um = [
-        _UM_PER_MM * float(np.abs(deviation_mm(measured(), one)[1]).max()) for one in curves
-    ]
+    rigid_um = [UM_PER_MM * float(np.abs(deviation_mm(measured(), one)[1]).max()) for one in curves]
     return refit.quantities(theory()) | {
         "e_mm": float(joint.arc().eccentricity_mm),
         "r_mm": float(joint.arc().radius_mm),
@@ -205,7 +200,7 @@ def _table_2() -> Columns:
 
 def _fig_8() -> Columns:
     deg = records()[0].deg
-    drawn = _UM_PER_MM * measured().reduction(np.radians(deg)).delta
+    drawn = UM_PER_MM * measured().reduction(np.radians(deg)).delta
     columns = {"angle_deg": (deg, 3), "drawn_reduction_um": (drawn, 3)}
     for name, one in zip(("before", "by_hand", "after"), records(), strict=True):
         columns |= {f"{name}_spline_um": (one.spline_um, 3), f"{name}_cut_um": (one.off_um, 3)}
@@ -220,14 +215,14 @@ def draw_records() -> Figure:
     left, right = halves
     deg = np.linspace(0, 360, 1441)
     phi, quarter_deg = np.radians(deg), fold_deg(deg / 360)
-    drawn = _UM_PER_MM * measured().reduction(np.radians(quarter_deg)).delta
+    drawn = UM_PER_MM * measured().reduction(np.radians(quarter_deg)).delta
     for one, axes in zip(records(), left.subplots(3, 1), strict=True):
         cut = np.interp(quarter_deg, one.deg, one.reduction_um)
         for values, colour in ((drawn, GREEN), (cut, BLUE)):
             axes.plot(*around(_POLAR_UM - values, phi), color=colour, lw=1)
         plane(axes)
         axes.set_title(one.name, fontsize=9)
-    fill(right, "records", {"": _fig_8()})
+    fill_panels(right, "records", {"": _fig_8()})
     return figure
 
 

@@ -14,16 +14,14 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from camtools.base.csv_text import Columns
 from camtools.base.quantities import Floats
+from camtools.base.text import Columns
 from camtools.cut.path import ToolPath
 from camtools.papers import refit
-from camtools.papers.chart import draw_table
-from camtools.papers.comparison import csv, declared, part_of, png
+from camtools.papers.declared import csv, declared, draw_table, part_of, png
 from camtools.papers.removal import draw_design
-from camtools.plots.panels import side_by_side, space
-from camtools.plots.style import BLUE, ORANGE, new_figure
-from camtools.skirt.geometry.composite import Joint
+from camtools.plots.style import BLUE, ORANGE, new_figure, side_by_side, space
+from camtools.skirt.geometry.sections import Joint
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from camtools.skirt.part.part_file import SkirtPart
 

@@ -20,16 +20,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from camtools.base.csv_text import Columns
 from camtools.base.quantities import Floats, omega_rad_s
+from camtools.base.text import Columns
 from camtools.lobe.contact import Contact, Follower
 from camtools.lobe.motion import ShaftLobe, make_lobes
 from camtools.lobe.part import MAX_RPM, MIN_RPM, LobePart
-from camtools.papers.chart import draw_table
-from camtools.papers.comparison import csv, declared, part_of, png
+from camtools.papers.declared import csv, declared, draw_table, part_of, png
 from camtools.papers.section import check_wishes
-from camtools.plots.panels import plane
-from camtools.plots.style import BLUE, GREY, ORANGE, PALE, RED, new_figure
+from camtools.plots.style import BLUE, GREY, ORANGE, PALE, RED, new_figure, plane
 
 _RANGES = {"step_deg": (0.01, 45.0), "rpm": (MIN_RPM, MAX_RPM)}
 _FLAT_MM = 1e6  # larger radii of curvature are written as this

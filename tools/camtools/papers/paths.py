@@ -18,14 +18,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camtools.base.csv_text import csv_text
 from camtools.base.errors import CamtoolsError
-from camtools.base.json_text import Json
-from camtools.base.quantities import Floats
+from camtools.base.quantities import UM_PER_MM, Floats
+from camtools.base.text import Json, csv_text
 from camtools.cut.path import ToolPath, highest_rpm, highest_step_rpm, ramp_of, step_of
 from camtools.part.common import MachineLimits
-from camtools.plots.panels import legend_below
-from camtools.plots.style import BLUE, GREY, ORANGE, angle_axis, new_figure
+from camtools.plots.style import BLUE, GREY, ORANGE, angle_axis, legend_below, new_figure
 from camtools.sim.machine_file import Machine, machine_text
 from camtools.sim.simulate import Result, simulate
 from camtools.skirt.part.part_file import SkirtPart
@@ -36,7 +34,6 @@ from camtools.table.summary import table_files
 
 N_ANGLES, N_HEIGHTS = 240, 401  # of a map of the surface
 _SECTIONS = 4  # of the map
-_UM_PER_MM = 1000.0
 _NEARLY = 1 - 1e-9
 
 
@@ -93,7 +90,7 @@ def make_study(
         speed = feed_mm * per_s / (1 - ramp)
         angles = np.arange(N_ANGLES) / N_ANGLES
         scallop = np.stack([path.scallop_mm(float(angle), z_mm, nose_mm) for angle in angles])
-        return PathRow(name, path, rpm, speed, acceleration, scallop * _UM_PER_MM)
+        return PathRow(name, path, rpm, speed, acceleration, scallop * UM_PER_MM)
 
     ring_rpm = min(rpm, highest_rpm(feed_mm, limits) * _NEARLY)
     step_rpm = min(rpm, highest_step_rpm(feed_mm, limits) * _NEARLY)
@@ -118,7 +115,7 @@ def study_csv(study: PathStudy, slope: float) -> str:
     """
     rows = (*study.rows, study.stepped)
     paths = [one.path for one in rows]
-    edges = [slope * one.feed_mm * _UM_PER_MM if one.kind == "stepped" else 0.0 for one in paths]
+    edges = [slope * one.feed_mm * UM_PER_MM if one.kind == "stepped" else 0.0 for one in paths]
     return csv_text(
         {
             "path": ([f'"{one.name}"' for one in rows], ""),

@@ -2,7 +2,7 @@
 
 The numbers of the paper stand beside ours only for the section it is about, MATHS.md (14) .. (17).
 
->>> from camtools.skirt.geometry.composite import Joint
+>>> from camtools.skirt.geometry.sections import Joint
 >>> found = study(Joint(45.46, 0.38, 0.4, np.radians(48.0)), 40.0, 800.0)
 >>> found.is_papers, quantities(found)["within"]
 (True, '[(1, 1), (2, 2), (3, 3)]')
@@ -18,14 +18,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.interpolate import PPoly
 
-from camtools.base.csv_text import Columns
 from camtools.base.quantities import Floats, omega_rad_s
-from camtools.papers.chart import draw_table
-from camtools.papers.comparison import notes as declared_notes
-from camtools.papers.comparison import printed
-from camtools.plots.panels import around, plane, side_by_side
-from camtools.plots.style import BLUE, GREEN, GREY, ORANGE
-from camtools.skirt.geometry.composite import Joint
+from camtools.base.text import Columns
+from camtools.papers.declared import draw_table, printed
+from camtools.papers.declared import notes as declared_notes
+from camtools.plots.style import BLUE, GREEN, GREY, ORANGE, around, plane, side_by_side
 from camtools.skirt.geometry.refit import (
     PAPER_JERK_LIMIT_MM_S3,
     Recipe,
@@ -35,6 +32,7 @@ from camtools.skirt.geometry.refit import (
     judge_all,
     refit,
 )
+from camtools.skirt.geometry.sections import Joint
 
 CUBIC, QUINTIC = Recipe("cubic", 0, 0, "as-paper"), Recipe("quintic", 0, 0, "as-paper")
 DELETED, MIRRORED = Recipe("quintic", 3, 3, "as-paper"), Recipe("quintic", 3, 3, "mirror")

@@ -17,13 +17,12 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
-from camtools.base.csv_text import Columns
+from camtools.base.text import Columns
 from camtools.cut.removal import TURN_RAD, SectionCut
 from camtools.papers import section
-from camtools.papers.comparison import csv, declared, part_of, png
+from camtools.papers.declared import csv, declared, part_of, png
 from camtools.papers.section import Analysis, AnalysisWishes, make_analysis
-from camtools.plots.panels import around, side_by_side, space
-from camtools.plots.style import BLUE, GREY, ORANGE, new_figure
+from camtools.plots.style import BLUE, GREY, ORANGE, around, new_figure, side_by_side, space
 from camtools.skirt.geometry.sections import DoubleEllipse
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from camtools.skirt.part.part_file import SkirtPart

@@ -21,9 +21,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from camtools.base.arguments import Option
-from camtools.base.csv_text import Columns, csv_text
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats, omega_rad_s
+from camtools.base.text import Columns, csv_text
 from camtools.cut.removal import (
     TURN_RAD,
     ChipForce,
@@ -43,12 +43,10 @@ from camtools.cut.removal import (
     speed_peaks,
     steps_of,
 )
-from camtools.papers.chart import draw_table, fill
-from camtools.papers.comparison import notes as declared_notes
-from camtools.plots.panels import around, plane
-from camtools.plots.style import BLUE, GREY, PALE, new_figure
-from camtools.skirt.geometry.blank import axes_at, section_cut
-from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.papers.declared import draw_table, fill_panels
+from camtools.papers.declared import notes as declared_notes
+from camtools.plots.style import BLUE, GREY, PALE, around, new_figure, plane
+from camtools.skirt.geometry.skirt_geometry import Geometry, axes_at, make_geometry, section_cut
 from camtools.skirt.part.part_file import SkirtPart
 
 Table = dict[str, tuple[Floats, int]]  # values and decimals by the name of the column
@@ -405,7 +403,7 @@ def draw_parts(study: Analysis) -> Figure:
     halves: Any = figure.subfigures(1, 2, width_ratios=[1, 1.2])
     left, right = halves
     _outline(left.subplots(), study, np.append(0.0, study.parts.phi_rad))
-    fill(right, "parts", {"": tables(study)["equal_parts"]})
+    fill_panels(right, "parts", {"": tables(study)["equal_parts"]})
     return figure
 
 

@@ -1,7 +1,13 @@
-"""Tables that part files of all kinds share: which part it is, what the machine can do.
+"""Tables that part files of all kinds share: the part, its tolerances, the tool, the machine.
 
 >>> MachineLimits().alpha_rad_s2
 500.0
+
+>>> Tolerances(ovality_um=2.0).ovality_um, Tolerances().roundness_um is None
+(2.0, True)
+
+>>> Tool().is_round, Tool(nose_radius_mm=0.8).is_round
+(False, True)
 """
 
 from __future__ import annotations
@@ -173,3 +179,103 @@ def check_feed(part: PartFile) -> None:
     if not is_feed_within(part, feed_mm):
         problem = f"must be at most {part.height_mm:.9g}, the height of the part"
         raise CamtoolsError([f"process.feed_mm = {feed_mm:.9g}: {problem}; give mm per turn"])
+
+
+LengthUm = Annotated[float, Field(ge=0.001, le=1000)]
+_DIAMETER = "plus and minus: long and short axis; ovality (diametral)"
+
+
+class FormTolerances(TomlTable):
+    """[tolerances]: in addition to `form_error_um`; [sheets](REPORT.md#sheets) use them."""
+
+    roundness_um: LengthUm | None = Field(
+        None, description="RONt of the deviation from the drawing, of the radius, minimum zone"
+    )
+    straightness_um: LengthUm | None = Field(
+        None, description="STRt likewise, from the drawn profile"
+    )
+
+
+class Tolerances(FormTolerances):
+    """[tolerances]: in addition to `form_error_um`; [sheets](REPORT.md#sheets) use them."""
+
+    diameter_um: LengthUm | None = Field(None, description=_DIAMETER)
+    ovality_um: LengthUm | None = Field(None, description=_DIAMETER)
+    phase_deg: Annotated[float, Field(gt=0, le=45)] | None = Field(
+        None, description="plus and minus: direction of the long axis"
+    )
+    taper_um: LengthUm | None = Field(
+        None, description="plus and minus: taper deviation over the part (diametral)"
+    )
+
+
+MIN_NOSE_MM = 0.01
+
+ClearanceDeg = Annotated[float, Field(ge=0.1, le=45)]
+
+
+class Tool(TomlTable):
+    """[tool]: [the tool](PISTONS.md#the-tool) that turns sections."""
+
+    nose_radius_mm: float = Field(
+        0.0,
+        ge=0,
+        le=100,
+        description=f"radius of the nose in the plane of the axis, at least {MIN_NOSE_MM:g}; "
+        "0 is a point",
+    )
+    clearance_deg: ClearanceDeg = Field(
+        7.0,
+        description="of the flank below the edge, in the plane of a section; a tool whose heel "
+        "rubs is refused with the clearance that it needs",
+    )
+    wear_um: float = Field(
+        0.0,
+        ge=0,
+        le=1000,
+        description="sets the simulated tip back and offsets X by as much, MATHS.md (112); the "
+        "table does not change",
+    )
+
+    @field_validator("nose_radius_mm")
+    @classmethod
+    def _check_nose(cls, value: float) -> float:
+        if 0 < value < MIN_NOSE_MM:
+            problem = f"must be 0 or at least {MIN_NOSE_MM:g} mm"
+            raise wrong("nose", problem, "give 0 for a tool with a point")
+        return value
+
+    @property
+    def is_round(self) -> bool:
+        """Whether the nose is a circle."""
+        return self.nose_radius_mm > 0
+
+
+def check_tracks(tool: Tool, feed_mm: float) -> None:
+    """Refuse a feed at which metal stays between the tracks of a round nose.
+
+    Parameters
+    ----------
+    feed_mm : float
+        Distance of neighbouring tracks [mm].
+
+    Raises
+    ------
+    CamtoolsError
+        With the feed below which the tracks meet.
+    """
+    widest_mm = 2 * tool.nose_radius_mm
+    if tool.is_round and feed_mm >= widest_mm:
+        problem = f"tracks of a nose of {tool.nose_radius_mm:g} mm do not meet, metal stays"
+        raise CamtoolsError([f"feed of {feed_mm:g} mm: {problem}; feed less than {widest_mm:g} mm"])
+
+
+class SwungTool(TomlTable):
+    """[tool]: turns lobes and swings with the normal of the contact."""
+
+    clearance_deg: ClearanceDeg = Field(
+        7.0, description="between the flank of the tool and the profile at the contact"
+    )
+    heel_mm: float = Field(
+        5.0, ge=0, le=100, description="length of that flank; beyond it, it is ground away"
+    )

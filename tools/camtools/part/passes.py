@@ -16,12 +16,11 @@ import numpy as np
 from pydantic import AliasChoices, Field, ValidationInfo, field_validator
 from scipy.interpolate import PchipInterpolator
 
-from camtools.base.quantities import Floats
+from camtools.base.quantities import UM_PER_MM, Floats
 from camtools.part.common import FeedMm, Process, SpindleRpm
 from camtools.part.model import HeightMm, Points, TomlTable, as_long, rising, wrong
 
 _PIECES, _NODES = 64, 8  # of the integral over the height, between two points of the law
-_UM_PER_MM = 1000.0
 _OF_PASS = "of this pass; without it that of `[process]`; with a feed law its mean"
 RunMm = Annotated[
     float,
@@ -50,7 +49,7 @@ def check_passes(passes: list[Pass], depth_mm: float) -> None:
     """Refuse passes that do not come down to the drawing, each by some depth."""
     if not passes:
         return
-    stock = [depth_mm * _UM_PER_MM, *(one.allowance_um for one in passes)]
+    stock = [depth_mm * UM_PER_MM, *(one.allowance_um for one in passes)]
     for number, (before, after) in enumerate(pairwise(stock), start=1):
         if after >= before:
             problem = f"number {number} leaves {after:g} um of {before:g} um"

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The keys of a file, read from the model of its tables: for the form, the manual and editors.
 
 >>> from camtools.skirt.part.part_file import SkirtPart

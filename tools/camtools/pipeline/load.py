@@ -1,4 +1,7 @@
-r"""From a part file to its kind and its part.
+r"""From a part file to its kind, its part, and the files of its table.
+
+>>> [kind.name for kind in kinds()]
+['piston', 'cam', 'polygon']
 
 >>> text = b'[part]\nname = "a"\nkind = "cam"\nsource = "b"\n'
 >>> parse(text, "a.toml")
@@ -6,18 +9,67 @@ Traceback (most recent call last):
     ...
 camtools.base.errors.CamtoolsError: a.toml: cam: is missing; add it
 a.toml: process: is missing; add it
+
+>>> from camtools.base.project import ROOT
+>>> from camtools.pipeline.load import load
+>>> made = make(load(ROOT / "tools" / "parts" / "cam-disc.toml"), "cam-disc.toml")
+>>> sorted(made.files(with_plots=False))
+['cam-disc.camtab', 'cam-disc.json', 'cam-disc_table.c', 'cam-disc_table.h']
 """
 
 from __future__ import annotations
 
+import pkgutil
+from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-from camtools.base.errors import InputError
+import camtools
+from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.text import emit_json
+from camtools.cut.correction import Correction
 from camtools.part.common import PartFile
 from camtools.part.file import read_part_file, read_tree, validated
-from camtools.pipeline.kind import AnyKind
-from camtools.pipeline.registry import kind_of, kinds
+from camtools.part.schema import Keys
+from camtools.pipeline.kind import AnyKind, Kind
+from camtools.sim.machine_file import machine_schema
+from camtools.table.summary import table_files
+
+
+def kinds() -> list[AnyKind]:
+    """Return all kinds by their rank."""
+    found: list[AnyKind] = []
+    for package in pkgutil.iter_modules(camtools.__path__, "camtools."):
+        name = f"{package.name}.kind"
+        if package.ispkg and name != Kind.__module__ and find_spec(name) is not None:
+            kind = import_module(name).KIND
+            assert isinstance(kind, Kind), name
+            found.append(kind)
+    return sorted(found, key=lambda kind: (kind.rank, kind.name))
+
+
+@cache
+def keys_of(name: str) -> Keys:
+    """Return the keys of the part files of a kind."""
+    known = {kind.name: kind.model for kind in kinds()}
+    return Keys(known[name], tuple(known))
+
+
+def schemas() -> dict[str, str]:
+    """Return the JSON schemas of the files that people write, by the names of their files."""
+    found = {kind.name: Keys(kind.model, (kind.name,)).published(kind.plural) for kind in kinds()}
+    found["machine"] = machine_schema()
+    return {f"{name}.schema.json": emit_json(schema) for name, schema in found.items()}
+
+
+def kind_of(tree: dict[str, Any]) -> AnyKind:
+    """Return the kind that the tables of a part file name, the first one where they name none."""
+    part, known = tree.get("part"), kinds()
+    name = part.get("kind") if isinstance(part, dict) else None
+    return next((kind for kind in known if kind.name == name), known[0])
+
 
 PartT = TypeVar("PartT", bound=PartFile)
 
@@ -100,3 +152,56 @@ def load_for(command: str, model: type[PartT], path: Path) -> PartT:
 def load_able(command: str, path: Path) -> PartFile:
     """Return the part of a file, of whatever kind the command can do; errors as `parse_for`."""
     return parse_able(command, read_part_file(path), str(path), path.parent)
+
+
+class Made(NamedTuple):
+    """A table with its kind."""
+
+    kind: AnyKind
+    table: Any  # what the kind knows about it
+
+    def text(self) -> str:
+        """Return what is known about the table, in a few lines for people."""
+        return self.kind.text(self.kind.summary(self.table))
+
+    def files(self, *, with_plots: bool) -> dict[str, bytes]:
+        """Return the content of every file of the table, by file name."""
+        image = self.table.table
+        files = table_files(image, self.kind.summary(self.table))
+        if with_plots:
+            plots = self.kind.plots(self.table)
+            files |= {f"{image.part_name}_{topic}.png": png for topic, png in plots.items()}
+        return files
+
+
+def make(
+    loaded: Loaded,
+    file: Path | str,
+    *,
+    tolerance_nm: float | None = None,
+    rpm: float | None = None,
+    correction: Correction | None = None,
+) -> Made:
+    """Return the table of a part, made for another speed where the kind's tables depend on it.
+
+    Raises
+    ------
+    CamtoolsError
+        It cannot be made; the file's name is in every line.
+    """
+    kind, part = loaded
+    try:
+        part = kind.at_speed(part, rpm)
+        if correction is None:
+            return Made(kind, kind.make(part, tolerance_nm))
+        return Made(kind, kind.make_corrected(part, tolerance_nm, correction))
+    except CamtoolsError as error:
+        lines = [line + _hint(line, correction) for line in error.lines]
+        raise CamtoolsError([f"{file}: {line}" for line in lines]) from error
+
+
+def _hint(line: str, correction: Correction | None) -> str:
+    """Return what a correction has to do with a refusal of what U can follow."""
+    if correction is None or ".u_" not in line:
+        return ""
+    return "; or leave the high waves of the correction out by --keep-harmonics"

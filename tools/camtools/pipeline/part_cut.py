@@ -17,8 +17,7 @@ from typing import NamedTuple
 
 from camtools.base.command import BAD_INPUT
 from camtools.base.errors import CamtoolsError
-from camtools.base.json_text import Json
-from camtools.base.readable import duration_text
+from camtools.base.text import Json, duration_text
 from camtools.sim.results import OVERVIEW, SECTIONS, SURFACE, TRACE, CutVariant
 from camtools.sim.simulate import Result, begun, cut
 

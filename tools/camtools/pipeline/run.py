@@ -1,6 +1,6 @@
 """The whole pipeline: table, cut on the host simulator, gauge, report, for every kind of part.
 
->>> from camtools.pipeline.correct_options import Correcting
+>>> from camtools.pipeline.job import Correcting
 >>> job = RunJob(Correcting(), feed=0.5)
 >>> made = make(load(job.part), job.part)
 >>> turns_of(job, made)
@@ -19,15 +19,13 @@ from typing import Annotated, NamedTuple
 
 from camtools.base.arguments import Words
 from camtools.base.errors import CamtoolsError
-from camtools.base.json_text import Json
-from camtools.base.output import cannot_write, staged
-from camtools.base.provenance import Origin, origin_of
+from camtools.base.files import cannot_write, staged
+from camtools.base.project import Origin, origin_of
 from camtools.base.quantities import length_text
-from camtools.base.readable import size_text
+from camtools.base.text import Json, size_text
 from camtools.pipeline.job import RUNS, RunJob, say, shown, without_faults, write_files
 from camtools.pipeline.kind import Rig
-from camtools.pipeline.load import load
-from camtools.pipeline.make_table import Made, make
+from camtools.pipeline.load import Made, load, make
 from camtools.pipeline.part_cut import (
     compare,
     cut_part,

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Pictures of a recording: signals over time, and turns of the spindle over each other.
 
 >>> turns_of(np.array([350.0, 355.0, 0.0, 90.0, 200.0, 359.0, 1.0])).tolist()

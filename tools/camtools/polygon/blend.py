@@ -19,9 +19,16 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.polynomial.polynomial import Polynomial
 
-from camtools.base.quantities import Floats
-from camtools.polygon.curves import Curve, Polar, Reach
-from camtools.polygon.outline import Outline, OutlineJoint, all_around, is_smooth
+from camtools.base.quantities import UM_PER_MM, Floats
+from camtools.polygon.outline import (
+    Curve,
+    Outline,
+    OutlineJoint,
+    Polar,
+    Reach,
+    all_around,
+    is_smooth,
+)
 
 _BUMP = Polynomial([1.0, 0.0, -1.0]) ** 4 * (315 / 256)  # area 1 over -1 .. 1
 _STEP = _BUMP.integ(lbnd=-1)
@@ -34,7 +41,6 @@ _SHARE_OF_REACH = 0.8  # that a window takes
 _LOOKED_AT = np.linspace(-1, 1, 801)
 _STEPS, _SAME, _ROUNDING = 60, 1e-8, 1e-9
 _SLIGHT = 1e-3
-_UM_PER_MM = 1000.0
 
 
 def _ramp(x: Floats) -> Floats:
@@ -132,7 +138,7 @@ class Blended(NamedTuple):
     @property
     def deviation_um(self) -> float:
         """Return the largest deviation from the drawing [um]."""
-        return max((one.deviation_mm() for one in self.blends), default=0.0) * _UM_PER_MM
+        return max((one.deviation_mm() for one in self.blends), default=0.0) * UM_PER_MM
 
 
 def bend_of(one: Blended) -> float:
@@ -174,7 +180,7 @@ def blend_of(joint: OutlineJoint, deviation_mm: float) -> Blend:
 
 def blended(outline: Outline, deviation_um: float) -> Blended:
     """Return an outline with all joints blended, as wide as a deviation allows."""
-    deviation_mm = deviation_um / _UM_PER_MM
+    deviation_mm = deviation_um / UM_PER_MM
     joints = [one for one in outline.joints() if not is_smooth(one)]
     if not joints:
         return Blended(outline, (), False)

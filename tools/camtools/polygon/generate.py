@@ -23,18 +23,16 @@ from camtools.cut.feasibility import HighestSpeed, Peaks, drift_of, peaks_of
 from camtools.cut.passes import checked_passes, judge_passes, records_of
 from camtools.cut.verdict import check_table
 from camtools.polygon.blend import Blended, bend_of, blended
-from camtools.polygon.outline import Outline, extremes_of
+from camtools.polygon.outline import Outline, extremes_of, prism_of
 from camtools.polygon.part import PolygonPart, PolygonSection
 from camtools.polygon.shapes import cornered, p3g, p4c, regular
-from camtools.polygon.surface import prism_of
 from camtools.skirt.geometry.poly_surface import PolySurface
 from camtools.skirt.geometry.skirt_geometry import Geometry
-from camtools.skirt.table.accuracy import Accuracy, measure_u, measure_x
-from camtools.skirt.table.channels import u_channel, x_channel
+from camtools.skirt.table.accuracy import Accuracy, measure_u, measure_x, u_channel, x_channel
 from camtools.skirt.table.search import DERIVATIVE_SHARE, slice_counts
 from camtools.skirt.tool.heel import Heel, check_heel
 from camtools.skirt.tool.nose import tip_geometry
-from camtools.skirt.tool.u_zero import middle_nm, moved, with_mean
+from camtools.skirt.tool.turning import middle_nm, moved, with_mean
 from camtools.table.channel import MAX_CHANNEL_BYTES, MAX_LOG2_KNOTS, MIN_LOG2_KNOTS, Channel
 from camtools.table.header import MAX_PEAK_NM, table_of, u_bounds
 from camtools.table.image import Table

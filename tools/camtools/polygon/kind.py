@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camtools.base.json_text import Json
 from camtools.base.quantities import NM_PER_MM
-from camtools.pipeline.exact import Exact, HeightCurve, ProfileOver
-from camtools.pipeline.kind import Kind, Rig
+from camtools.base.text import Json
+from camtools.pipeline.kind import Exact, HeightCurve, Kind, ProfileOver, Rig
 from camtools.polygon.generate import GeneratedPolygon, generate_polygon, shapes_of
 from camtools.polygon.part import PolygonPart
 from camtools.polygon.summary import PolygonCut, emit_polygon_text, make_polygon_summary
@@ -25,7 +24,7 @@ from camtools.sim.results import Measured
 from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.tool.exact_shape import ExactGeometry
 from camtools.skirt.tool.nose import tip_geometry
-from camtools.skirt.tool.u_zero import middle_nm
+from camtools.skirt.tool.turning import middle_nm
 
 if TYPE_CHECKING:
     from camtools.report.kind_report import KindReport

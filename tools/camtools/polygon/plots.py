@@ -16,8 +16,18 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from camtools.base.quantities import NM_PER_MM, omega_rad_s
-from camtools.plots.panels import around, pictures, stacked
-from camtools.plots.style import BLUE, GREY, ORANGE, PALE, RED, angle_axis, titled_figure
+from camtools.plots.style import (
+    BLUE,
+    GREY,
+    ORANGE,
+    PALE,
+    RED,
+    angle_axis,
+    around,
+    pictures,
+    stacked,
+    titled_figure,
+)
 from camtools.polygon.blend import Blend
 from camtools.polygon.generate import GeneratedPolygon
 from camtools.polygon.outline import measures_of

@@ -9,10 +9,9 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
-from camtools.part.tolerances import Tolerances
-from camtools.plots.panels import stacked
-from camtools.plots.style import RED, new_figure, nice_limit
+from camtools.base.quantities import MM_PER_M, NM_PER_MM, Floats, omega_rad_s
+from camtools.part.common import Tolerances
+from camtools.plots.style import RED, new_figure, nice_limit, stacked
 from camtools.polygon.plots import BLEND_NAMES, hardest_blend, paint_blend, paint_section
 from camtools.polygon.summary import ROWS, PolygonCut, angles_of, name_of
 from camtools.report.charts import ChartPanel, TurnOfU
@@ -36,7 +35,6 @@ from camtools.report.views import (
 from camtools.sim.results import CUTTING, CutTrace
 
 ANGLE = "spindle angle from the corner"
-_MM_PER_M = 1000.0
 _MOST_TICKS = 180  # of the measured motion
 _MARKS = {"color": RED, "ls": "", "marker": "o", "ms": 3.0, "mfc": "none"}
 _MOST_MARKS = 240
@@ -117,7 +115,7 @@ def motion_of(outcome: PolygonCut) -> TurnOfU:
         (
             ChartPanel("U towards the axis, mm", u.delta - made.middle_nm / NM_PER_MM, moved_mm),
             ChartPanel("velocity, mm/s", trace.sense * u.d1 * omega, slope),
-            ChartPanel("acceleration, m/s²", u.d2 * omega**2 / _MM_PER_M),
+            ChartPanel("acceleration, m/s²", u.d2 * omega**2 / MM_PER_M),
         ),
         "table",
         degrees,

@@ -16,8 +16,7 @@ from scipy.optimize import brentq
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
-from camtools.polygon.curves import CornerArc, Curve, Flank, Line
-from camtools.polygon.outline import TURN_RAD, Outline
+from camtools.polygon.outline import TURN_RAD, CornerArc, Curve, Flank, Line, Outline
 
 _SIDES_P3G, _SIDES_P4C = 3, 4
 _SAME_MM = 1e-9

@@ -12,8 +12,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from camtools.base.json_text import Json
 from camtools.base.quantities import NM_PER_MM, length_text
+from camtools.base.text import Json
 from camtools.cut.feasibility import feasibility_of
 from camtools.polygon.blend import widest_rad
 from camtools.polygon.generate import GeneratedPolygon
@@ -31,9 +31,9 @@ from camtools.report.text import (
 )
 from camtools.sim.results import Cut
 from camtools.skirt.geometry.poly_surface import PolySurface
+from camtools.skirt.report.outcome import pass_rows, table_error_nm, tool_rows
 from camtools.skirt.report.summary import error_of, jumps_of, motion_at, passes_of, tool_of
 from camtools.skirt.report.summary_text import emit_text
-from camtools.skirt.report.text import pass_rows, table_error_nm, tool_rows
 from camtools.table.channel import KIND_U, KIND_X
 from camtools.table.summary import about_image, describe_channel
 

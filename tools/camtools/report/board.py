@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from camtools.base.json_text import Json
-from camtools.base.quantities import Floats, length_text, length_unit
+from camtools.base.quantities import UM_PER_MM, Floats, length_text, length_unit
+from camtools.base.text import Json
 from camtools.plots.style import GREEN, ORANGE, PURPLE, SKY, nice_floor, nice_limit
 from camtools.report.surface import Cells, cells_of, map_rows
 from camtools.sim.results import GaugedSurface
@@ -22,7 +22,6 @@ from camtools.sim.results import GaugedSurface
 _NOT_CUT, _FULL = -32768, 32767  # of the quantised error
 _TURN_STEPS = 65536  # in a column: where flanks are steep, less would show in the radius
 _SPACE_ROWS, _SPACE_COLUMNS = 64, 180
-_UM_PER_MM = 1000.0
 _ROOM, _ROOM_FOR_SHAPE = 0.15, 0.35  # shares of the radius for errors and for the shape
 _WORTH_ENLARGING = 5  # a shape enlarged by less looks like another part
 # ColorBrewer's RdBu from blue to red, the colours of the static map.
@@ -62,7 +61,7 @@ class Board(NamedTuple):
     @property
     def magnifications(self) -> list[Magnification]:
         """Return the enlargement that shows the tolerance, and the one that shows the error."""
-        room_um = _ROOM * float(np.nanmax(self.cells.radius_mm)) * _UM_PER_MM
+        room_um = _ROOM * float(np.nanmax(self.cells.radius_mm)) * UM_PER_MM
         wanted = (
             (self.tolerance_um, "tolerance band in view"),
             (self.largest_um, "error fills the picture"),

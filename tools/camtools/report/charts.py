@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from camtools.base.json_text import Json
 from camtools.base.quantities import Floats, length_text, length_unit
+from camtools.base.text import Json
 from camtools.plots.style import BLUE, GREEN, ORANGE, RED, nice_limit
 from camtools.report.board import GRID, Board, array, colour_scale, layout, space_figure
 

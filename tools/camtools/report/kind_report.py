@@ -1,5 +1,8 @@
-# SPDX-License-Identifier: Apache-2.0
 """The report of a kind of part: the kind declares rows and views, everything else follows.
+
+>>> with beside(lambda: 6 * 7) as answer:
+...     answer()
+42
 
 >>> from camtools.report.text import quantity
 >>> rows = [quantity("cut", lambda cut: "a ring"), quantity("swing", lambda cut: "")]
@@ -10,13 +13,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import os
+import pickle
+import signal
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Generic
+from typing import Generic, TypeVar
 
 from matplotlib.figure import Figure
 
-from camtools.base.beside import beside
 from camtools.plots.style import drawing, png_of
 from camtools.report.board import board_of
 from camtools.report.page import Page, Shown, render_page
@@ -24,6 +30,62 @@ from camtools.report.sheet import Subject
 from camtools.report.sheet_page import SheetPages, sheet_pages
 from camtools.report.text import ReportRow, RowsOf
 from camtools.report.views import CutT, View
+
+_T = TypeVar("_T")
+
+
+def _answer(work: Callable[[], object], out: int) -> None:
+    """Write what the work returns, or what it raises, and end this process."""
+    try:
+        try:
+            said = (True, work())
+        except Exception as err:
+            said = (False, err)
+        with os.fdopen(out, "wb") as pipe:
+            pickle.dump(said, pipe)
+    finally:
+        os._exit(0)
+
+
+@contextmanager
+def beside(work: Callable[[], _T]) -> Iterator[Callable[[], _T]]:
+    """Begin work in a fork of this process.
+
+    Parameters
+    ----------
+    work : callable
+        sees all that is here; it must not use threads, and its result can be pickled
+
+    Yields
+    ------
+    callable
+        waits for the result and returns it, or raises what the work raised; the process ends with
+        the context, done or not
+
+    Raises
+    ------
+    EOFError
+        from the callable: the process was ended
+    """
+    source, out = os.pipe()
+    child = os.fork()
+    if child == 0:
+        _answer(work, out)
+    os.close(out)
+
+    def result() -> _T:
+        is_good, value = pickle.load(pipe)
+        if not is_good:
+            raise value
+        return value  # type: ignore[no-any-return]
+
+    with os.fdopen(source, "rb") as pipe:
+        try:
+            yield result
+        finally:
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+
 
 # What the simulator leaves out of a tool that turns sections.
 EDGE_IS_A_POINT = (

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from camtools.base.json_text import Json
 from camtools.base.quantities import Floats, length_text
+from camtools.base.text import Json
 from camtools.report.text import ReportRow
 from camtools.sim.results import AnyCut
 

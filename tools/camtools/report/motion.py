@@ -14,7 +14,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from camtools.base.quantities import Floats, length_unit
-from camtools.plots.panels import paint_band, stacked
 from camtools.plots.style import (
     BLUE,
     GREEN,
@@ -26,6 +25,8 @@ from camtools.plots.style import (
     SKY,
     angle_axis,
     new_figure,
+    paint_band,
+    stacked,
 )
 from camtools.report.charts import TurnOfU
 from camtools.sim.results import CUTTING, FAULT, STATES, CutTrace

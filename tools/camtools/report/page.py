@@ -19,7 +19,7 @@ from typing import NamedTuple
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from camtools.base.json_text import Json
+from camtools.base.text import Json
 from camtools.report.board import Board, board_data
 from camtools.report.charts import board_charts
 from camtools.report.sheet_page import SheetPages

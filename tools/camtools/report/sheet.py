@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Sheets of a gauged part: what a roundness instrument would print, from the gauged sections.
 
 >>> verdict_of(0.1, 0.2), verdict_of(-0.3, 0.2), verdict_of(0.1, None)
@@ -11,17 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.base.quantities import Floats
-from camtools.part.tolerances import Tolerances
+from camtools.base.quantities import UM_PER_MM, Floats
+from camtools.part.common import Tolerances
 from camtools.report.text import ReportRow, origin_rows
-from camtools.roundness.lines import Straightness, straightness
-from camtools.roundness.section import SectionFigures, section_of
-from camtools.roundness.waves import POINTS_PER_WAVE
+from camtools.roundness.circles import Straightness, straightness
+from camtools.roundness.section import POINTS_PER_WAVE, SectionFigures, section_of
 from camtools.sim.results import PLACES, AnyCut, GaugedLine
 
 GOOD, OUT, NO_TOLERANCE = "good", "out of tolerance", "no tolerance given"
 TOO_COARSE = "not judged: too few points"
-_UM_PER_MM = 1000.0
 _LEAST_POINTS = 3  # of a line
 _OVALITY = "ovality: long less short axis"
 _ROUNDNESS_MZ = "roundness of the deviation RONt, MZ"
@@ -123,7 +120,7 @@ def feature(
     """
     deviation = None if nominal is None else actual - nominal
     judged = actual if deviation is None else deviation
-    verdict = verdict_of(judged * (_UM_PER_MM if kind[1] == "mm" else 1), tolerance)
+    verdict = verdict_of(judged * (UM_PER_MM if kind[1] == "mm" else 1), tolerance)
     return Feature(name, *kind, nominal, actual, deviation, tolerance, verdict)
 
 
@@ -136,7 +133,7 @@ def _axes_features(section: SectionFigures, stated: Tolerances) -> list[Feature]
         feature("short axis", size, cut.short_mm, drawn.short_mm, stated.diameter_um),
         feature("mean of all diameters", size, cut.mean_mm, drawn.mean_mm),
     ]
-    if drawn.ovality_mm * _UM_PER_MM < _OVAL_UM:
+    if drawn.ovality_mm * UM_PER_MM < _OVAL_UM:
         return found
     turned_deg = (cut.phase_deg - drawn.phase_deg + 90) % 180 - 90
     nearest_deg = drawn.phase_deg + turned_deg
@@ -151,15 +148,15 @@ def _axes_features(section: SectionFigures, stated: Tolerances) -> list[Feature]
 def _form_features(section: SectionFigures, subject: Subject, tolerance_um: float) -> list[Feature]:
     """Return the form of a section: its deviation from the drawing."""
     um = ("radius" if subject.has_radius else "along the normal", "µm")
-    off, zone_um = section.off, section.off_zone.width_mm * _UM_PER_MM
+    off, zone_um = section.off, section.off_zone.width_mm * UM_PER_MM
     roundness_um = subject.tolerances.roundness_um
-    largest_um = section.largest_mm * _UM_PER_MM
+    largest_um = section.largest_mm * UM_PER_MM
     return [
         feature("form: largest deviation, unfiltered", um, largest_um, None, tolerance_um),
-        feature("roundness of the deviation RONt, LS", um, off.total_mm * _UM_PER_MM),
-        feature("RONp, LS", um, off.peak_mm * _UM_PER_MM),
-        feature("RONv, LS", um, off.valley_mm * _UM_PER_MM),
-        feature("RONq, LS", um, off.q_mm * _UM_PER_MM),
+        feature("roundness of the deviation RONt, LS", um, off.total_mm * UM_PER_MM),
+        feature("RONp, LS", um, off.peak_mm * UM_PER_MM),
+        feature("RONv, LS", um, off.valley_mm * UM_PER_MM),
+        feature("RONq, LS", um, off.q_mm * UM_PER_MM),
         feature(_ROUNDNESS_MZ, um, zone_um, None, roundness_um)._replace(is_width=True),
     ]
 
@@ -169,27 +166,27 @@ def _whole_features(section: SectionFigures) -> list[Feature]:
     um, size, apart = ("radius", "µm"), ("diameter", "mm"), ("distance", "µm")
     centre = section.whole.circle
     return [
-        feature("RONt of the section as it is, LS", um, section.whole.total_mm * _UM_PER_MM),
-        feature("RONt of the section as it is, MZ", um, section.whole_zone.width_mm * _UM_PER_MM),
+        feature("RONt of the section as it is, LS", um, section.whole.total_mm * UM_PER_MM),
+        feature("RONt of the section as it is, MZ", um, section.whole_zone.width_mm * UM_PER_MM),
         feature("least-squares circle", size, 2 * section.whole.circle.radius_mm),
         feature("smallest circle around it", size, 2 * section.circumscribed.radius_mm),
         feature("largest circle within it", size, 2 * section.inscribed.radius_mm),
-        feature("centre of the LS circle, towards 0°", apart, centre.x_mm * _UM_PER_MM),
-        feature("centre of the LS circle, towards 90°", apart, centre.y_mm * _UM_PER_MM),
+        feature("centre of the LS circle, towards 0°", apart, centre.x_mm * UM_PER_MM),
+        feature("centre of the LS circle, towards 90°", apart, centre.y_mm * UM_PER_MM),
     ]
 
 
 def _line_sheet(line: GaugedLine, tolerance_um: float, stated: Tolerances) -> LineSheet:
     off, whole = (straightness(line.z_mm, one) for one in (line.deviation_mm, line.radius_mm))
-    um, zone_um = ("radius", "µm"), off.zone_mm * _UM_PER_MM
+    um, zone_um = ("radius", "µm"), off.zone_mm * UM_PER_MM
     straight_um = stated.straightness_um
-    worst_um = float(line.deviation_mm[np.abs(line.deviation_mm).argmax()]) * _UM_PER_MM
+    worst_um = float(line.deviation_mm[np.abs(line.deviation_mm).argmax()]) * UM_PER_MM
     features = [
         feature("profile: largest deviation", um, worst_um, None, tolerance_um),
-        feature("straightness of the deviation STRt, LS", um, off.total_mm * _UM_PER_MM),
+        feature("straightness of the deviation STRt, LS", um, off.total_mm * UM_PER_MM),
         feature(_STRAIGHTNESS_MZ, um, zone_um, None, straight_um)._replace(is_width=True),
-        feature("STRq, LS", um, off.q_mm * _UM_PER_MM),
-        feature("straightness as it is STRt, LS", um, whole.total_mm * _UM_PER_MM),
+        feature("STRq, LS", um, off.q_mm * UM_PER_MM),
+        feature("straightness as it is STRt, LS", um, whole.total_mm * UM_PER_MM),
     ]
     return LineSheet(
         line.angle_deg, line.z_mm, line.radius_mm, line.deviation_mm, off, whole, features
@@ -199,7 +196,7 @@ def _line_sheet(line: GaugedLine, tolerance_um: float, stated: Tolerances) -> Li
 def _taper(one: LineSheet, other: LineSheet, tolerance_um: float | None) -> Feature:
     """Return how the diameter through two lines grows off the drawing, MATHS.md (206)."""
     span_mm = min(float(np.ptp(line.z_mm)) for line in (one, other))
-    grown_um = (one.off.slope + other.off.slope) * span_mm * _UM_PER_MM
+    grown_um = (one.off.slope + other.off.slope) * span_mm * UM_PER_MM
     name = f"taper {one.angle_deg:g}°/{other.angle_deg:g}° over {span_mm:.4g} mm, off the drawing"
     return feature(name, ("diameter", "µm"), grown_um, None, tolerance_um)
 

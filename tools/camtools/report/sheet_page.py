@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 r"""Sheets as the page shows them, as pictures, and as data in sheets.json.
 
 >>> one = Feature("long axis", "diameter", "mm", 92.0, 91.9999, -1e-4, None, "no tolerance given")
@@ -13,7 +12,8 @@ from __future__ import annotations
 import json
 from typing import NamedTuple
 
-from camtools.base.json_text import Json, emit_json
+from camtools.base.quantities import UM_PER_MM
+from camtools.base.text import Json, emit_json
 from camtools.plots.style import png_of
 from camtools.report.sheet import (
     GOOD,
@@ -30,12 +30,11 @@ from camtools.report.sheet import (
 from camtools.report.sheet_plots import draw_lines, draw_section
 from camtools.report.text import ReportRow
 from camtools.roundness.circles import Circle, Roundness
-from camtools.roundness.waves import RoundWave
+from camtools.roundness.section import RoundWave
 from camtools.sim.results import AnyCut
 
 SHEETS = "sheets.json"
 _COLUMNS = 5  # of the table of harmonics
-_UM_PER_MM = 1000.0
 _CLASSES = {GOOD: "good", OUT: "poor"}
 
 Row = tuple[str, str, str, str, str, str, str, str]  # the last one is the class of the verdict
@@ -67,7 +66,7 @@ def _row(one: Feature) -> Row:
     unit = "" if one.unit == "°" else f" {one.unit}"
     deviation = shown_number(one.deviation, one.unit)
     if one.unit == "mm" and one.deviation is not None:
-        deviation = f"{one.deviation * _UM_PER_MM:.4f} µm"
+        deviation = f"{one.deviation * UM_PER_MM:.4f} µm"
     elif deviation:
         deviation += f"{unit}" if unit else "°"
     tolerance = ""
@@ -89,7 +88,7 @@ def _row(one: Feature) -> Row:
 def _wave_rows(one: SectionSheet) -> list[list[tuple[str, str, str]]]:
     """Return the harmonics of the deviation, running down the columns."""
     cells = [
-        (f"{wave.order}", f"{wave.amplitude * _UM_PER_MM * 1000:.3f}", f"{wave.phase_deg:.1f}°")
+        (f"{wave.order}", f"{wave.amplitude * UM_PER_MM * 1000:.3f}", f"{wave.phase_deg:.1f}°")
         for wave in one.section.off_waves
     ]
     n_rows = -(-len(cells) // _COLUMNS)
@@ -126,17 +125,17 @@ def _circle(one: Circle) -> Json:
 
 def _roundness(one: Roundness, zone_mm: float) -> Json:
     return {
-        "RONt_LS_um": one.total_mm * _UM_PER_MM,
-        "RONp_LS_um": one.peak_mm * _UM_PER_MM,
-        "RONv_LS_um": one.valley_mm * _UM_PER_MM,
-        "RONq_LS_um": one.q_mm * _UM_PER_MM,
-        "RONt_MZ_um": zone_mm * _UM_PER_MM,
+        "RONt_LS_um": one.total_mm * UM_PER_MM,
+        "RONp_LS_um": one.peak_mm * UM_PER_MM,
+        "RONv_LS_um": one.valley_mm * UM_PER_MM,
+        "RONq_LS_um": one.q_mm * UM_PER_MM,
+        "RONt_MZ_um": zone_mm * UM_PER_MM,
     }
 
 
 def _waves(waves: list[RoundWave]) -> list[Json]:
     return [
-        {"order": one.order, "amplitude_um": one.amplitude * _UM_PER_MM, "phase_deg": one.phase_deg}
+        {"order": one.order, "amplitude_um": one.amplitude * UM_PER_MM, "phase_deg": one.phase_deg}
         for one in waves
     ]
 
@@ -156,7 +155,7 @@ def _section(one: SectionSheet, *, is_oval: bool) -> Json:
         "z_mm": one.z_mm,
         "features": [line._asdict() for line in one.features],
         "deviation": _roundness(found.off, found.off_zone.width_mm),
-        "largest_deviation_um": found.largest_mm * _UM_PER_MM,
+        "largest_deviation_um": found.largest_mm * UM_PER_MM,
         "largest_deviation_deg": found.largest_deg,
         "harmonics_of_deviation": _waves(found.off_waves),
     }

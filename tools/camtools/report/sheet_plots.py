@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Pictures of a sheet: polar pictures, harmonics, profiles along the axis.
 
 >>> enlarged_text(46.0, 0.0001), enlarged_text(46.0, 0.05)
@@ -15,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle as Disc
 
-from camtools.base.quantities import Floats, length_text, length_unit
+from camtools.base.quantities import UM_PER_MM, Floats, length_text, length_unit
 from camtools.plots.style import (
     BLUE,
     GREY,
@@ -28,10 +27,9 @@ from camtools.plots.style import (
     nice_limit,
 )
 from camtools.report.sheet import LineSheet, SectionSheet, Sheets
-from camtools.roundness.waves import RoundWave
+from camtools.roundness.section import RoundWave
 
 _ROOM = 0.3  # share of the radius in which deviations are drawn, to both sides
-_UM_PER_MM = 1000.0
 _EDGE, _NAMES = 1.62, 1.48
 _TURN = np.linspace(0, 1, 721)
 _LEAST_FLOOR_UM = 1e-5
@@ -51,12 +49,12 @@ def enlarged_text(radius_mm: float, limit_mm: float) -> str:
 
 
 def _text(value_mm: float) -> str:
-    return length_text(value_mm * _UM_PER_MM)
+    return length_text(value_mm * UM_PER_MM)
 
 
 def _limit_mm(off_mm: Floats) -> float:
     """Return the round deviation that the outer ring stands for [mm]."""
-    return nice_limit(float(np.abs(off_mm).max()) * _UM_PER_MM) / _UM_PER_MM
+    return nice_limit(float(np.abs(off_mm).max()) * UM_PER_MM) / UM_PER_MM
 
 
 def _ring(axes: Axes, turn: Floats, radius: Floats | float, **style: object) -> None:
@@ -148,13 +146,13 @@ def floor_um(waves: list[RoundWave]) -> float:
     >>> floor_um([RoundWave(1, 2e-5, 0.0), RoundWave(2, 5e-7, 0.0)])
     1e-05
     """
-    largest_um = max(one.amplitude for one in waves) * _UM_PER_MM
+    largest_um = max(one.amplitude for one in waves) * UM_PER_MM
     power = round(log10(max(largest_um, _LEAST_FLOOR_UM)) - _DECADES)
     return max(_LEAST_FLOOR_UM, float(f"1e{power}"))
 
 
 def _amplitudes_um(waves: list[RoundWave]) -> Floats:
-    return np.array([wave.amplitude for wave in waves]) * _UM_PER_MM
+    return np.array([wave.amplitude for wave in waves]) * UM_PER_MM
 
 
 def _draw_waves(axes: Axes, one: SectionSheet, *, is_oval: bool) -> None:
@@ -214,8 +212,8 @@ def _draw_line(axes: Axes, one: LineSheet, limit_um: float) -> None:
     factor, unit = length_unit(limit_um)
     fit_mm = one.off.middle_mm + one.off.slope * (one.z_mm - one.z_mm.mean())
     axes.axvline(0, **_DRAWN_STYLE)  # type: ignore[arg-type]
-    axes.plot(one.deviation_mm * _UM_PER_MM * factor, one.z_mm, color=RED, lw=0.8)
-    axes.plot(fit_mm * _UM_PER_MM * factor, one.z_mm, **_CIRCLE_STYLE)  # type: ignore[arg-type]
+    axes.plot(one.deviation_mm * UM_PER_MM * factor, one.z_mm, color=RED, lw=0.8)
+    axes.plot(fit_mm * UM_PER_MM * factor, one.z_mm, **_CIRCLE_STYLE)  # type: ignore[arg-type]
     axes.set_xlim(-limit_um * factor, limit_um * factor)
     found = f"STRt {_text(one.off.total_mm)} LS\n{_text(one.off.zone_mm)} MZ"
     axes.set_title(f"{one.angle_deg:g}°\n{found}")
@@ -237,7 +235,7 @@ def draw_lines(sheets: Sheets) -> Figure:
     panels[0].set(xlabel="twice the radius, mm", ylabel="height, mm", title="as it is")
     panels[0].legend(frameon=False, fontsize=8, title="angle")
     panels[0].grid(alpha=0.3)
-    worst_um = max(float(np.abs(one.deviation_mm).max()) for one in lines) * _UM_PER_MM
+    worst_um = max(float(np.abs(one.deviation_mm).max()) for one in lines) * UM_PER_MM
     for axes, one in zip(panels[1:], lines, strict=True):
         _draw_line(axes, one, nice_limit(worst_um))
     handles = [

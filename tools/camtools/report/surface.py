@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The gauged surface in numbers: the worst point of each cell of a map, sections, bands of height.
 
 >>> points = GaugedSurface(*np.array([[0.5, 0.5], [1.0, 1.0], [46.0, 46.0], [0.1, -0.3]]))

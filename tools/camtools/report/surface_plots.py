@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Pictures of any gauged surface: error map, section as a roundness instrument draws it, height.
 
 >>> round_to_two_digits(137936.0)
@@ -13,8 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camtools.base.quantities import Floats, length_text, length_unit
-from camtools.plots.panels import paint_band
+from camtools.base.quantities import UM_PER_MM, Floats, length_text, length_unit
 from camtools.plots.style import (
     BLUE,
     ERROR_COLOURS,
@@ -24,12 +22,12 @@ from camtools.plots.style import (
     angle_axis,
     new_figure,
     nice_limit,
+    paint_band,
 )
 from camtools.report.surface import bands_by_height, cells_of, closed, map_rows
 from camtools.sim.results import GaugedSurface
 
 _ROOM = 0.3  # share of the radius in which errors are drawn
-_UM_PER_MM = 1000.0
 TURN = np.linspace(0, 1, 721)
 
 
@@ -117,7 +115,7 @@ def draw_clock(axes: Axes, title: str, middle: str, names_at: float) -> None:
 
 def draw_roundness(axes: Axes, near: GaugedSurface, a_mm: float, limit_um: float) -> None:
     """Draw one section's error like a roundness instrument: zero is the middle circle."""
-    factor = round_to_two_digits(_ROOM * a_mm * _UM_PER_MM / limit_um)
+    factor = round_to_two_digits(_ROOM * a_mm * UM_PER_MM / limit_um)
     for ring, style in ((1 - _ROOM, ":"), (1.0, "-"), (1 + _ROOM, ":")):
         draw_ring(axes, TURN, ring, color=BLUE if ring == 1 else GREY, lw=0.9, ls=style)
     line = closed(near)

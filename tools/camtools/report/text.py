@@ -16,11 +16,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from camtools.base.errors import InputError
-from camtools.base.json_text import Json
-from camtools.base.project_paths import ROOT
+from camtools.base.project import ROOT
 from camtools.base.quantities import length_text
+from camtools.base.text import Json
 from camtools.cut.feasibility import UNITS
-from camtools.part.smoothing_text import share_text
+from camtools.part.smoothing import share_text
 from camtools.sim.results import FAULT, AnyCut
 
 _FAULTS = ROOT / "firmware" / "FAULTS.md"

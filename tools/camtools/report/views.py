@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A view of a report, as a kind of part declares it, and the views that all kinds share.
 
 >>> worth_text((CutVariant("a", 0.1, 0.03), CutVariant("b", 3.0, 1.0)))
@@ -13,8 +12,8 @@ from typing import Generic, NamedTuple, TypeVar
 import numpy as np
 from matplotlib.figure import Figure
 
-from camtools.base.json_text import Json
 from camtools.base.quantities import Floats, length_text
+from camtools.base.text import Json
 from camtools.plots.style import (
     BLUE,
     GREEN,

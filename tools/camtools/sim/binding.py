@@ -22,9 +22,8 @@ import numpy.typing as npt
 
 from camtools.base.command import BAD_INPUT
 from camtools.base.errors import CamtoolsError
-from camtools.base.json_text import Json
-from camtools.base.project_paths import ROOT
-from camtools.base.shared_library import Prototypes, loaded
+from camtools.base.project import ROOT, Prototypes, loaded
+from camtools.base.text import Json
 
 Rows = npt.NDArray[Any]  # structured: a field of float64 for each column
 

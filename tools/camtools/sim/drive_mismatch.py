@@ -12,8 +12,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from camtools.base.json_text import Json
 from camtools.base.quantities import length_text
+from camtools.base.text import Json
 from camtools.sim.machine_file import Machine, emit_machine, mistaken, nominal_of, read_machine
 from camtools.sim.simulate import Result, simulate
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 r"""Controller and lathe as two processes of the simulator, in the time of the clock.
 
 host_sim/live/sim_live.h tells what they do, and what each does when the other is gone.

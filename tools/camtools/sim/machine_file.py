@@ -1,4 +1,4 @@
-r"""Machine files of the simulator: found, made from the limits of a part, read, changed, written.
+r"""Machine files of the simulator: found, made from limits, read, changed, written, described.
 
 A machine is a tree: tables of keys, as TOML has them; `host_sim/machines/default.toml` lists every
 key. What the controller is configured from stands in `[believed.TABLE]`.
@@ -12,6 +12,11 @@ delay_us = 75
 <BLANKLINE>
 >>> "real" in names(), machine_path("real").name
 (True, 'real.toml')
+
+Meanings are the comments of host_sim/machines/default.toml.
+
+>>> _meanings("[u]\ndamping = 0.7\nkind = 1  # takes\n          # forces\n")
+{'u.damping': '', 'u.kind': 'takes forces'}
 """
 
 from __future__ import annotations
@@ -19,16 +24,19 @@ from __future__ import annotations
 import copy
 import json
 import math
+import re
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from camtools.base.errors import CamtoolsError, InputError
-from camtools.base.input_file import read_text
-from camtools.base.project_paths import ROOT
-from camtools.base.toml_text import toml_tree
+from camtools.base.files import read_text
+from camtools.base.project import ROOT
+from camtools.base.text import toml_tree
 from camtools.part.common import MachineLimits
+from camtools.part.schema import DRAFT, Schema
+from camtools.sim.binding import machine_keys
 
 Tree = dict[str, Any]
 MACHINES = ROOT / "host_sim" / "machines"
@@ -234,3 +242,55 @@ def mistaken(tree: Tree, truth: Mapping[str, float]) -> Tree:
         changed.setdefault(table, {})[name] = value
     believed = changed.pop(BELIEVED, None)
     return changed | ({BELIEVED: believed} if believed else {})
+
+
+_LINE = re.compile(r"(?:\[(\w+)\]|(\w+) *=[^#\n]*)?\s*(?:#\s*(.*))?")
+
+
+def _meanings(text: str) -> dict[str, str]:
+    """Return the comments of the keys of a machine file by table and key."""
+    found: dict[str, str] = {}
+    table = last = ""
+    for line in text.splitlines():
+        match = _LINE.match(line.strip() if last else line)
+        header, key, comment = match.groups() if match else (None, None, None)
+        if header:
+            table, last = header, ""
+        elif key:
+            last = f"{table}.{key}"
+            found[last] = comment or ""
+        elif comment and last:
+            found[last] = f"{found[last]} {comment}".strip()
+        else:
+            last = ""
+    return found
+
+
+def _key(kind: str, low: float, high: float, default: float, words: list[str]) -> Schema:
+    if kind == "choice":
+        return {"enum": words, "default": words[int(default)]}
+    if kind == "sign":
+        return {"enum": [int(low), int(high)], "default": int(default)}
+    sort = "integer" if kind == "whole" else "number"
+    return {"type": sort, "minimum": low, "maximum": high, "default": default}
+
+
+def _object(properties: Schema) -> Schema:
+    return {"type": "object", "properties": properties, "additionalProperties": False}
+
+
+def machine_schema() -> Schema:
+    """Return the JSON schema of machine files."""
+    meanings = _meanings(find_machine("default").text)
+    tables: dict[str, Schema] = {"machine": {"name": {"type": "string", "maxLength": 63}}}
+    for line in machine_keys().splitlines():
+        table, name, kind, low, high, default, words = line.split("\t")
+        numbers = float(low), float(high), float(default)
+        key = _key(kind, *numbers, re.findall(r'"([^"]*)"', words))
+        meaning = meanings.get(f"{table}.{name}", "")
+        tables.setdefault(table, {})[name] = key | ({"description": meaning} if meaning else {})
+    found = {name: _object(keys) for name, keys in tables.items()}
+    believed = _object({name: one for name, one in found.items() if name != "machine"})
+    parameters = {"type": "object", "additionalProperties": {"type": ["integer", "boolean"]}}
+    title = {"$schema": DRAFT, "title": "machines"}
+    return title | _object(found | {"controller": parameters, BELIEVED: believed})

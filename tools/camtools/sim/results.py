@@ -18,10 +18,10 @@ import numpy as np
 import numpy.typing as npt
 
 from camtools.base.errors import InputError
-from camtools.base.json_text import Json
-from camtools.base.provenance import Origin
+from camtools.base.project import Origin
 from camtools.base.quantities import NM_PER_MM, Floats
-from camtools.roundness.waves import DEFAULT_UPR
+from camtools.base.text import Json
+from camtools.roundness.section import DEFAULT_UPR
 from camtools.sim.binding import Rows
 from camtools.table.header import MadeTable
 

@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.json_text import Json
+from camtools.base.text import Json
 from camtools.sim.binding import NO_ROWS, Rows, SimSession, Table
 from camtools.sim.machine_file import Machine, emit_machine, find_machine
 

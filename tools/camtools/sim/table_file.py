@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 r"""Tables of the simulator as files: CSV text, or Parquet in a tenth of it.
 
 Both have the digits of `camsim run`, and the same rows give the same bytes. Rows are written group

@@ -10,18 +10,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camtools.base.json_text import Json
 from camtools.base.quantities import NM_PER_MM, Floats
+from camtools.base.text import Json
 from camtools.cut.correction import Correction, Drawing
 from camtools.cut.path import ToolPath
-from camtools.pipeline.exact import Exact
-from camtools.pipeline.kind import Kind, Rig
+from camtools.pipeline.kind import Exact, Kind, Rig
 from camtools.sim.machine_file import machine_text
 from camtools.sim.results import Measured, control_of
+from camtools.skirt.geometry.profile import smoothing_takes_um
 from camtools.skirt.geometry.skirt_geometry import make_geometry
-from camtools.skirt.geometry.smooth_points import smoothing_takes_um
-from camtools.skirt.part.control_heights import margin_mm, spread
-from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.part.part_file import SkirtPart, margin_mm, spread
 from camtools.skirt.report.outcome import SkirtOutcome, compare_removal
 from camtools.skirt.report.summary import make_summary
 from camtools.skirt.report.summary_text import emit_text
@@ -78,7 +76,7 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
     def plots(self, made: GeneratedSkirt) -> dict[str, bytes]:
         """See `Kind.plots`."""
         # matplotlib loads longer than all the rest
-        from camtools.skirt.report.part_plots import draw_all
+        from camtools.skirt.report.plots import draw_all
 
         return draw_all(made)
 

@@ -1,19 +1,67 @@
-"""Channels of a table, before they are an image: knots, kinds, bounds.
+"""Channels of a table, before they are an image: knots, kinds, bounds, quintics, mirrored ones.
+
+>>> segment_coefficients(np.array([[0, 0, 0], [1, 0, 0]]), periodic=False).tolist()
+[[0, 0, 0, 10, -15, 6]]
 
 >>> slices_per_nm_q48(32, 0, 62_000_000)
 140737488
+
+The drawing's angle phi counts the same way round whatever the spindle does (PARTFILE.md, "The
+drawing's angle"). The angle of a table counts in the sense of cutting: phi with M3, -phi with M4.
+Generators make channels over the drawing's angle, and `table_of` hands all of them to `in_sense`
+for `process.direction = -1`, so a kind of part has nothing else to do. What a table says about
+angles beside its channels, such as the phase of a pattern, goes through `angle_in_sense`.
+
+Values keep their signs, the swing's and the contact's too: tool and follower stand still in the
+machine, and at the same angle phi the same part lies before them in the same place, so the normal
+at the contact has the same direction in space. Only derivatives by the angle change their signs.
+
+>>> import numpy as np
+>>> from camtools.table.channel import KIND_U
+>>> knots = np.array([[[0, 5, 1], [10, 6, 2], [20, 7, 3], [30, 8, 4]]], dtype=np.int32)
+>>> channel = Channel(KIND_U, knots, 0, 0, 0, 1_000_000, 0, 0, 30, 8, 4)
+>>> in_sense(channel, -1).knots[0].tolist()
+[[0, -5, 1], [30, -8, 4], [20, -7, 3], [10, -6, 2]]
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from camtools.base.quantities import Ints
-from camtools.table.quintics import segment_coefficients
 from camtools.table.records import Demand
+
+Numbers = TypeVar("Numbers", npt.NDArray[np.int64], npt.NDArray[np.float64])
+
+
+def segment_coefficients(knots: Numbers, *, periodic: bool) -> Numbers:
+    """Return the quintics between neighbouring knots, of integers exactly, MATHS.md (46).
+
+    Parameters
+    ----------
+    knots : ndarray of int64 or float64, shape (..., n, 3)
+        Triples (p, v, a) along the second last axis.
+    periodic : bool
+        Whether the first knot follows the last one.
+
+    Returns
+    -------
+    ndarray, shape (..., n, 6) or (..., n - 1, 6)
+        c0 .. c5 of each segment in t = 0 .. 1, LSB as the knots.
+    """
+    left = knots if periodic else knots[..., :-1, :]
+    right = np.roll(knots, -1, axis=-2) if periodic else knots[..., 1:, :]
+    p, v, a = left[..., 0], left[..., 1], left[..., 2]
+    dp = right[..., 0] - p - v - a
+    dv = right[..., 1] - v - 2 * a
+    da = right[..., 2] - a
+    c3, c4, c5 = 10 * dp - 4 * dv + da, -15 * dp + 7 * dv - 2 * da, 6 * dp - 3 * dv + da
+    return np.stack([p, v, a, c3, c4, c5], axis=-1)
+
 
 Knots = npt.NDArray[np.int32]
 
@@ -163,3 +211,26 @@ def check_knots(channel: Channel, demand: Demand) -> None:
     demand(channel.p_min <= int(p.min()) and int(p.max()) <= channel.p_max, "p_min, p_max: wrong")
     demand(int(v.max()) <= channel.v_max and int(a.max()) <= channel.a_max, "v_max, a_max: wrong")
     demand(largest_sum(channel_coefficients(channel)) <= SUM_LIMIT, "knots: could overflow")
+
+
+def in_sense(channel: Channel, direction: int) -> Channel:
+    """Return a channel over the drawing's angle in the sense of cutting, or the other way round.
+
+    Knot k becomes knot -k of the pattern: (p, v, a) -> (p, -v, a), exactly, so the mirror of the
+    mirror is the same channel. Bounds stay, and so does the size. A channel over height alone
+    stays as it is. `quantise` makes no channel whose mirror would overflow.
+
+    Parameters
+    ----------
+    direction : int
+        `process.direction`: 1 (M3) changes nothing, -1 (M4) mirrors.
+    """
+    if direction == 1 or channel.kind in OVER_HEIGHT:
+        return channel
+    turned = np.roll(channel.knots[:, ::-1], 1, axis=1) * np.array([1, -1, 1], dtype=np.int32)
+    return replace(channel, knots=turned)
+
+
+def angle_in_sense(angle: float, direction: int) -> float:
+    """Return a drawing's angle in the sense of cutting, or the other way round, in any unit."""
+    return angle if direction == 1 else -angle

@@ -26,11 +26,12 @@ from camtools.table.channel import (
     KIND_X,
     RATIO_ONE,
     Channel,
+    angle_in_sense,
+    in_sense,
+    segment_coefficients,
 )
 from camtools.table.evaluate import knot_interval, locate, power_rows
 from camtools.table.image import Table
-from camtools.table.mirror import angle_in_sense, in_sense
-from camtools.table.quintics import segment_coefficients
 
 FORMS = ("xyva", "text")
 _PER_UNIT = 360 / ANGLE_TURN

@@ -14,10 +14,9 @@ from typing import Protocol
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
 from camtools.part.common import MachineLimits, PartFile
-from camtools.table.channel import Bounds, Channel, ImageLimits
+from camtools.table.channel import Bounds, Channel, ImageLimits, in_sense
 from camtools.table.evaluate import extent, knot_interval, raw_bounds
 from camtools.table.image import Table
-from camtools.table.mirror import in_sense
 
 MAX_TOLERANCE_NM = 1_000_000.0
 MAX_U_NM, MAX_PEAK_NM = 1 << 24, (1 << 31) - 1  # of the header

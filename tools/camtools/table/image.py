@@ -43,18 +43,25 @@ from camtools.table.channel import (
     check_way,
     slices_per_nm_q48,
 )
-from camtools.table.lobes import KIND_LOBES, LobePlace, bytes_of_lobes, check_lobes, lobes_of
-from camtools.table.passes import KIND_PASSES, PassRecord, bytes_of_passes, passes_of
 from camtools.table.records import (
     CRC_START,
     ENTRY,
     ENTRY_SIZE,
     HEADER,
     HEADER_SIZE,
+    KIND_LOBES,
+    KIND_PASSES,
     KNOT,
     KNOT_SIZE,
+    LobePlace,
+    PassRecord,
     bytes_of,
+    bytes_of_lobes,
+    bytes_of_passes,
+    check_lobes,
     fields_of,
+    lobes_of,
+    passes_of,
 )
 
 MAGIC = b"CAMTAB\x1a\n"

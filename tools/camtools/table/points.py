@@ -20,9 +20,9 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.errors import InputError, numbers_shown
-from camtools.base.input_file import read_whole_table
+from camtools.base.files import read_whole_table
 from camtools.base.quantities import Floats
-from camtools.table.quintics import segment_coefficients
+from camtools.table.channel import segment_coefficients
 
 MAX_POINTS = 100_000
 MAX_BYTES = 20_000_000

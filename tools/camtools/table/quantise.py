@@ -20,10 +20,10 @@ from camtools.table.channel import (
     SUM_LIMIT,
     Channel,
     channel_coefficients,
+    in_sense,
     largest_sum,
 )
 from camtools.table.evaluate import raw_bounds
-from camtools.table.mirror import in_sense
 
 
 class TooLargeError(Exception):

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 r"""A drive file: what is known about a force drive, and the task that it must do.
 
 >>> text = "mass_kg = 1.5\namplifier_hz = 1500.0\ndelay_us = 75.0\ntick_hz = 20000.0\n"
@@ -17,9 +16,9 @@ import numpy as np
 from pydantic import Field, ValidationError
 
 from camtools.base.errors import CamtoolsError, InputError
-from camtools.base.input_file import read_limited
-from camtools.base.toml_text import toml_tree
-from camtools.part.findings import describe_all
+from camtools.base.files import read_limited
+from camtools.base.text import toml_tree
+from camtools.part.file import describe_all
 from camtools.part.model import TomlTable
 from camtools.tune.loop_design import Plant
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A position loop for a force drive: its response, its margins, and a proposal.
 
 The loop is that of firmware/servo, MATHS.md (234) and (235). The plant is a mass on drag and

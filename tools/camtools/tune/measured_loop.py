@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The open loop at the lines of a record in which it was closed, without a model of the drive.
 
 It is the reading over the whole force, times the response of the controller's parameters.
@@ -21,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.identify.spectra import Spectra
+from camtools.identify.recording import Spectra
 from camtools.tune.drive import Drive
 from camtools.tune.loop_design import (
     Complexes,

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The servo's parameters of a controller: from a loop and a drive, and back to a loop.
 
 >>> drive = Drive(mass_kg=1.5, amplifier_hz=1500.0, delay_us=75.0, tick_hz=20000.0)
@@ -18,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from camtools.base.errors import InputError
-from camtools.link.parameters import INFOS
+from camtools.link.kept_values import INFOS
 from camtools.tune.drive import Drive, read_tree
 from camtools.tune.loop_design import Loop, Plant, word_shares
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The picture of a loop: open loop, sensitivity, step of force, dynamic stiffness.
 
 >>> from camtools.tune.judgement import judge

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A drive that was measured or described, and the loop that is proposed or given for it.
 
 >>> drive = Drive(mass_kg=1.5, amplifier_hz=1500.0, delay_us=25.0, tick_hz=20000.0)
@@ -14,13 +13,12 @@ from typing import Any, NamedTuple
 
 from camtools.tune.drive import Drive, drive_of
 from camtools.tune.excited import Measured
-from camtools.tune.judgement import Judgement, judge, refusal
+from camtools.tune.judgement import Judgement, judge, lines_of, refusal
 from camtools.tune.loop_design import best
 from camtools.tune.measured_loop import OpenLoop, measured_loop, model_loop
 from camtools.tune.measured_loop import text_of as loop_text
 from camtools.tune.parameters import loop_of, parameters_of, plant_of, read_loop
-from camtools.tune.record import fit_lines_of, with_fit
-from camtools.tune.text import lines_of
+from camtools.tune.plant_fit import fit_lines_of, with_fit
 
 
 class Subject(NamedTuple):

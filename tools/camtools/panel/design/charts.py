@@ -1,11 +1,14 @@
-# SPDX-License-Identifier: Apache-2.0
-"""Charts of the design page as options of ECharts: section, profile, motion of U.
+"""A preview for people: charts as options of ECharts, words and rows.
 
 They are drawn for a light page; a style sheet inverts them on a dark one.
 
 >>> options = section({"nominal_mm": 46.0, "deviation_um": [0.0, -100.0, 0.0, -100.0]}, None)
 >>> [one["name"] for one in options["series"]]
 ['nominal circle', 'drawing']
+
+>>> verdict_words({"is_feasible": True, "highest_rpm": 3000.0, "asked_rpm": 2500.0,
+...                "decided_by": "spindle_rpm"})
+('feasible', 'at most 3000.0 r/min, limited by spindle_rpm; required 2500 r/min')
 """
 
 from __future__ import annotations
@@ -13,12 +16,14 @@ from __future__ import annotations
 from math import floor, log10
 from typing import Any
 
+from camtools.base.quantities import UM_PER_MM
+from camtools.cut.feasibility import tenth_below
+
 INK, FAINT, BLUE, ORANGE, RED, GREEN = (
     *("#37474f", "#cfd8dc", "#0d5a9c", "#b34700", "#b00020", "#2e6b34"),
 )
 _COLOURS = (BLUE, ORANGE, GREEN, "#6a3d9a")
 _SHARE = 0.3  # of the radius that the largest deviation takes
-_UM_PER_MM = 1000.0
 _STEPS = (1.0, 2.0, 5.0, 10.0)
 _EVERY = 2  # of the angles of a section one of so many is drawn
 MOTION = (
@@ -37,7 +42,7 @@ def magnification_of(nominal_mm: float, deviation_um: list[float]) -> float:
     >>> magnification_of(46.0, [0.0, -150.0])
     50.0
     """
-    largest_mm = max((abs(one) for one in deviation_um), default=0.0) / _UM_PER_MM
+    largest_mm = max((abs(one) for one in deviation_um), default=0.0) / UM_PER_MM
     wanted = _SHARE * nominal_mm / largest_mm if largest_mm > 0 else 1.0
     if wanted <= 1:
         return 1.0
@@ -93,7 +98,7 @@ def section(curves: Options, magnification: float | None) -> Options:
     """
     nominal_mm, off_um = curves["nominal_mm"], curves["deviation_um"]
     factor = magnification or magnification_of(nominal_mm, off_um)
-    radius_um = nominal_mm * _UM_PER_MM / factor  # of the nominal circle on the scale
+    radius_um = nominal_mm * UM_PER_MM / factor  # of the nominal circle on the scale
     most = max(0.0, max(off_um))
     shown = off_um[::_EVERY]
     step = 360 / len(shown)
@@ -243,3 +248,73 @@ def _limit_lines(limit: float, unit: str) -> Options:
         | {"color": RED},
         "lineStyle": {"color": RED, "type": "dashed"},
     }
+
+
+_NAMES = {
+    "u_stroke": "U stroke",
+    "u_speed": "U speed",
+    "u_acceleration": "U acceleration",
+    "spindle_speed": "spindle speed",
+    "feed": "feed per turn",
+    "z_speed": "Z speed",
+    "z_acceleration": "Z acceleration",
+    "x_speed": "X speed",
+    "x_acceleration": "X acceleration",
+    "tick_rate": "spindle speed of the ticks",
+    "spindle_acceleration": "spindle acceleration",
+    "spindle_loop": "spindle loop",
+    "spindle_set_point": "spindle set-point",
+    "swing_range": "swing",
+    "swing_speed": "swing speed",
+    "swing_acceleration": "swing acceleration",
+}
+
+
+def verdict_words(told: dict[str, Any]) -> tuple[str, str]:
+    """Return the verdict in a word, and the speed in a sentence."""
+    speed = f"at most {tenth_below(told['highest_rpm'])} r/min, limited by {told['decided_by']}"
+    if told["highest_rpm"] <= 0:
+        speed = f"at no speed, limited by {told['decided_by']}"
+    word = "feasible" if told["is_feasible"] else "not feasible"
+    return word, f"{speed}; required {told['asked_rpm']:g} r/min"
+
+
+def _digits(value: float) -> str:
+    """Return a number with five digits, without an exponent.
+
+    >>> _digits(250000.0), _digits(0.123456), _digits(87654.3)
+    ('250000', '0.12346', '87654')
+    """
+    return f"{value:.0f}" if abs(value) >= 10_000 else f"{value:.5g}"
+
+
+def margin_rows(told: dict[str, Any]) -> list[dict[str, str]]:
+    """Return what the table needs of each limit, the nearest one first."""
+    rows = sorted(told["margins"], key=lambda one: float(one["left_percent"]))
+    return [
+        {
+            "limit": _NAMES.get(one["name"], one["name"]),
+            "needed": f"{_digits(one['needed'])} {one['unit']}",
+            "of": f"{_digits(one['limit'])} {one['unit']}",
+            "left": f"{one['left_percent']:.1f} %",
+        }
+        for one in rows
+    ]
+
+
+def table_words(told: dict[str, Any]) -> list[str]:
+    """Return the size of the table and of its channels in lines."""
+    table = told["table"]
+    size = f"{table['bytes']:,}".replace(",", " ")
+    tolerance = table["tolerance_nm"]
+    within = "" if tolerance is None else f", within {tolerance:g} nm"
+    lines = [f"table of {size} bytes{within}"]
+    for one in table["channels"]:
+        n = one["knots_per_pattern"]
+        repeats = one["patterns_per_turn"]
+        knots = f"{n} knots" if repeats == 1 else f"{n} knots, {repeats} times per turn"
+        if n == 1:
+            knots = "over the height"
+        size = f"{one['bytes']:,}".replace(",", " ")
+        lines.append(f"{one['name']}: {size} bytes, {one['n_slices']} slices, {knots}")
+    return lines

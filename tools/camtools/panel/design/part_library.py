@@ -1,5 +1,4 @@
-# SPDX-License-Identifier: Apache-2.0
-"""The library of parts: the examples of the project, and a folder of one's own.
+"""Part files to work on: the examples, a folder of one's own, and the text with undo and redo.
 
 Names are checked, files are replaced only when that was said, and all of a file is written or none.
 
@@ -8,6 +7,11 @@ Names are checked, files are replaced only when that was said, and all of a file
 >>> library.save("my-part", "[part]", replaces=False)
 >>> library.own(), library.read(OWN, "my-part")
 (['my-part'], '[part]')
+
+>>> draft = Draft("a")
+>>> draft.change("ab", at_s=0.0); draft.change("abc", at_s=0.1); draft.change("x", at_s=5.0)
+>>> draft.undo(), draft.undo(), draft.redo()
+('abc', 'a', 'abc')
 """
 
 from __future__ import annotations
@@ -16,9 +20,8 @@ import re
 from pathlib import Path
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.input_file import read_limited
-from camtools.base.output import write_all
-from camtools.base.project_paths import ROOT
+from camtools.base.files import read_limited, write_all
+from camtools.base.project import ROOT
 from camtools.part.file import MAX_FILE_BYTES
 
 EXAMPLES = ROOT / "tools" / "parts"
@@ -129,3 +132,52 @@ class PartLibrary:
         if (self._folder / name).is_symlink():
             raise CamtoolsError([f"{name}: is a link; give another name"])
         write_all(self._folder, {name: data})
+
+
+_TOGETHER_S = 0.8  # what is typed without a rest is undone together
+_MOST_STEPS = 200
+
+
+class Draft:
+    """A text with its history."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self._before: list[str] = []
+        self._behind: list[str] = []
+        self._changed_s = -1e9
+
+    def change(self, text: str, at_s: float, *, is_step: bool = False) -> None:
+        """Take a changed text.
+
+        Parameters
+        ----------
+        at_s : float
+            When, on a clock that does not jump [s].
+        is_step : bool
+            It is a step of its own, however quickly it follows.
+        """
+        if text == self.text:
+            return
+        if is_step or not self._before or at_s - self._changed_s > _TOGETHER_S:
+            self._before.append(self.text)
+            del self._before[:-_MOST_STEPS]
+        self._changed_s = -1e9 if is_step else at_s
+        self._behind.clear()
+        self.text = text
+
+    def undo(self) -> str:
+        """Return the text before the last change."""
+        if self._before:
+            self._behind.append(self.text)
+            self.text = self._before.pop()
+            self._changed_s = -1e9
+        return self.text
+
+    def redo(self) -> str:
+        """Return the text that was undone last."""
+        if self._behind:
+            self._before.append(self.text)
+            self.text = self._behind.pop()
+            self._changed_s = -1e9
+        return self.text

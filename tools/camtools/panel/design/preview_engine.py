@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Previews in processes of their own: the newest change wins, and none can stall the panel.
 
 Every page has a `Seat`. Its newest request is given to a process that is free, the one that served
@@ -22,7 +21,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from camtools.base.errors import CamtoolsError
-from camtools.panel.child_environment import child_environment
+from camtools.base.project import child_environment
 
 Answer = dict[str, Any]
 OnAnswer = Callable[[Answer], None]

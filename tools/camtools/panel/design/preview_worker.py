@@ -1,5 +1,11 @@
-# SPDX-License-Identifier: Apache-2.0
-"""The process that computes previews: a request in a line of JSON, answers in lines of JSON.
+"""The process that computes previews: curves first, then what the table costs.
+
+>>> from camtools.skirt.part.part_file import example_part
+>>> from camtools.pipeline.load import kinds
+>>> part = example_part()
+>>> shown = curves_of(kinds()[0].exact(part), part.process.spindle_rpm, 20.0)
+>>> shown["height_mm"], shown["nominal_mm"], len(shown["motion"]["velocity_mm_s"])
+(20.0, 46.0, 1440)
 
 It is kept ready with everything imported. SIGUSR1 drops what it computes, for a newer change;
 what was made on the way is remembered. It can write no file, and has a limit of memory.
@@ -22,19 +28,181 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
+import numpy as np
+
 from camtools.base.cache import Memory, recall, remembering
 from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import Floats, omega_rad_s
+from camtools.cut.verdict import margins_of, refused_of
 from camtools.panel.design.document import edited, problems_of
-from camtools.panel.design.preview_values import (
-    Judged,
-    Shown,
-    curves_of,
-    limits_of,
-    verdict_of_table,
-)
+from camtools.part.common import MachineLimits
 from camtools.part.file import MAX_FILE_BYTES, files_named, read_tree
-from camtools.pipeline.load import Loaded, parse
-from camtools.pipeline.registry import kind_of, kinds
+from camtools.pipeline.kind import Exact, ExactTurn, SpeedRatio
+from camtools.pipeline.load import Loaded, kind_of, kinds, parse
+from camtools.table.channel import (
+    KIND_CONTACT,
+    KIND_SPEED,
+    KIND_SWING,
+    KIND_U,
+    KIND_WAY,
+    KIND_X,
+    Channel,
+    in_sense,
+)
+from camtools.table.image import Table, pack
+from camtools.table.summary import describe_channel
+
+N_ANGLES = 1440
+_UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
+_DIGITS = 7
+_CHANNELS = {
+    KIND_U: "U",
+    KIND_X: "X",
+    KIND_SPEED: "speed",
+    KIND_SWING: "swing",
+    KIND_CONTACT: "contact",
+    KIND_WAY: "way of Z",
+}
+
+Shown = dict[str, Any]
+
+
+def rounded(values: Floats) -> list[float]:
+    """Return numbers with as many digits as a picture needs."""
+    largest = float(np.abs(values).max(initial=0.0))
+    if largest == 0.0:
+        return [0.0] * values.size
+    decimals = _DIGITS - 1 - int(np.floor(np.log10(largest)))
+    found: list[float] = np.round(values, decimals).tolist()
+    return found
+
+
+def motion_of(turn: ExactTurn, rpm: float, ratio: SpeedRatio | None = None) -> dict[str, Floats]:
+    """Return U over a turn and its derivatives by the time, MATHS.md (25).
+
+    Parameters
+    ----------
+    rpm : float
+        Mean speed of the spindle [r/min].
+    ratio : SpeedRatio, optional
+        Speed over its mean, of a modulated spindle.
+    """
+    omega = omega_rad_s(rpm)
+    one = np.ones_like(turn.u_mm)
+    r, r1, r2 = (one, 0 * one, 0 * one) if ratio is None else ratio
+    velocity = turn.d1 * r
+    acceleration = turn.d2 * r**2 + turn.d1 * r * r1
+    jerk = turn.d3 * r**3 + 3 * turn.d2 * r**2 * r1 + turn.d1 * r * (r1**2 + r * r2)
+    return {
+        "u_um": turn.u_mm * _UM_PER_MM,
+        "velocity_mm_s": velocity * omega,
+        "acceleration_m_s2": acceleration * (omega**2 / _MM_PER_M),
+        "jerk_km_s3": jerk * (omega**3 / _MM_PER_M**2),
+    }
+
+
+def curves_of(exact: Exact, rpm: float, z_mm: float | None, speed: Channel | None = None) -> Shown:
+    """Return section, profile and motion at a height, in the middle where none is given."""
+    low, high = exact.heights_mm
+    z_mm = exact.nearest_mm((low + high) / 2 if z_mm is None else z_mm)
+    turn, profile = exact.turn_at(z_mm, N_ANGLES), exact.profile()
+    ratio = None if speed is None else exact.ratio_at(speed, turn.phi_rad, z_mm)
+    motion = motion_of(turn, rpm, ratio)
+    return {
+        "heights_mm": [low, high],
+        "height_mm": z_mm,
+        "rpm": rpm,
+        "is_modulated": speed is not None,
+        "nominal_mm": turn.nominal_mm,
+        "deviation_um": rounded((turn.radius_mm - turn.nominal_mm) * _UM_PER_MM),
+        "motion": {name: rounded(values) for name, values in motion.items()},
+        "peaks": {name: float(np.abs(values).max()) for name, values in motion.items()},
+        "stroke_um": float(np.ptp(motion["u_um"])),
+        "profile": {
+            "z_mm": rounded(profile.z_mm),
+            "curves": {one.name: rounded(2 * one.radius_mm) for one in profile.curves},
+        },
+    }
+
+
+def limits_of(limits: MachineLimits) -> Shown:
+    """Return the limits that lines of the pictures stand for."""
+    return {
+        "velocity_mm_s": limits.u_speed_mm_s,
+        "acceleration_m_s2": limits.u_acceleration_mm_s2 / _MM_PER_M,
+        "stroke_um": limits.u_stroke_mm * _UM_PER_MM,
+    }
+
+
+class Judged:
+    """A table that was made, and what the controller's rule says of it.
+
+    Raises
+    ------
+    CamtoolsError
+        There is no table: the shape is impossible, or the tolerance out of reach.
+    """
+
+    def __init__(self, loaded: Loaded) -> None:
+        self.lines: list[str] = []
+        self.tolerance_nm: float | None = None
+        self.asked_rpm: float = loaded.part.process.spindle_rpm
+        try:
+            made = loaded.kind.make(loaded.part, None)
+        except CamtoolsError as error:
+            refused = refused_of(error)
+            if refused is None:
+                raise
+            self.table, self.best, self.lines = refused.table, refused.best, error.lines
+            return
+        self.table, self.best = made.table, made.highest_speed
+        self.tolerance_nm = made.tolerance_nm
+
+    @property
+    def speed(self) -> Channel | None:
+        """Return the law of a modulated spindle over the drawing's angle."""
+        law = self.table.speed
+        return None if law is None else in_sense(law, self.table.direction)
+
+    @property
+    def rpm(self) -> float:
+        """Return the mean speed of the table [r/min]."""
+        return self.table.spindle_mrpm / 1000
+
+
+def table_facts(table: Table) -> Shown:
+    """Return bytes, knots and slices of a table and of its channels."""
+    channels = []
+    for one in table.channels:
+        about = describe_channel(one)
+        keys = ("bytes", "n_slices", "knots_per_pattern", "patterns_per_turn")
+        channels.append({"name": _CHANNELS[one.kind]} | {key: about[key] for key in keys})
+    return {"bytes": len(pack(table)), "channels": channels}
+
+
+def verdict_of_table(judged: Judged, limits: MachineLimits) -> Shown:
+    """Return size, margins and verdict of a table."""
+    margins = margins_of(judged.table, limits)
+    return {
+        "table": table_facts(judged.table) | {"tolerance_nm": judged.tolerance_nm},
+        "is_feasible": not judged.lines,
+        "highest_rpm": judged.best.rpm,
+        "decided_by": judged.best.decides,
+        "rpm": judged.rpm,
+        "asked_rpm": judged.asked_rpm,
+        "margins": [
+            {
+                "name": one.name,
+                "field": one.field,
+                "needed": one.needed,
+                "limit": one.limit,
+                "unit": one.unit,
+                "left_percent": one.left_percent,
+            }
+            for one in margins
+        ],
+    }
+
 
 FILE = "part.toml"  # what messages call the text; it is left out where they are shown
 _REMEMBERED = 64

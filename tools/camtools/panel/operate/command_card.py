@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The orders of every day: enable, start, hold, resume, reset; and overrides, trim, parts."""
 
 from __future__ import annotations
@@ -8,15 +7,14 @@ from collections.abc import Callable
 from nicegui import ui
 from nicegui.events import GenericEventArguments
 
-from camtools.panel.dialogs import asks, confirmed
-from camtools.panel.operate.card import card
+from camtools.base.quantities import UM_PER_MM
 from camtools.panel.operate.order_buttons import Orders, Press
 from camtools.panel.orders.snapshot import Snapshot
+from camtools.panel.pieces import asks, card, confirmed
 from camtools.panel.views.availability import why_not
 
 _FEED_DETENTS = (0, 50, 80, 100, 120, 150)
 _SPINDLE_DETENTS = (50, 80, 90, 100, 110, 120)
-_UM_PER_MM = 1e3
 _CHANGED = "table, state or commander have changed meanwhile; check, and start again"
 
 
@@ -192,7 +190,7 @@ class AdjustCard:
     async def _set_trim(self) -> None:
         um = float(self._trim.value or 0.0)
         words = f"trim of the diameter {um:g} µm"
-        await self._orders.give("trim", words, measure="diameter", mm=um / _UM_PER_MM)
+        await self._orders.give("trim", words, measure="diameter", mm=um / UM_PER_MM)
 
     async def _set_parts(self) -> None:
         number = int(self._parts.value or 0)
@@ -203,7 +201,7 @@ class AdjustCard:
         for one in self._overrides:
             one.show(snapshot)
         s = snapshot.signals
-        trim_um = s.get("trim_of_x", 0.0) * _UM_PER_MM
+        trim_um = s.get("trim_of_x", 0.0) * UM_PER_MM
         self._trim_now.set_text(
             f"now {2 * trim_um:+.1f} µm on the diameter, {trim_um:+.1f} µm on the radius"
         )

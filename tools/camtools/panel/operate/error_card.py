@@ -1,5 +1,4 @@
-# SPDX-License-Identifier: Apache-2.0
-"""Following error against the angle: unrolled and polar, the last turns over each other, live.
+"""The following error, live: over the angle, and how it falls while the controller learns.
 
 An update sends the series that have changed by ECharts' own setOption; nothing is sent to a page
 that is hidden.
@@ -12,11 +11,23 @@ from contextlib import suppress
 from nicegui import ui
 
 from camtools.link import strobe
-from camtools.panel.operate.card import Figure, card
-from camtools.panel.views.axis_scale import Scale
-from camtools.panel.views.error_chart import POLAR, UNROLLED, change, whole
-from camtools.panel.views.error_trail import Ticks, Trail, mean_by_angle, recent, statistics
-from camtools.panel.views.numbers import plain
+from camtools.link.strobe import Lessons
+from camtools.panel.orders.snapshot import Snapshot
+from camtools.panel.pieces import Figure, card
+from camtools.panel.views.convergence_chart import options, points_of, words
+from camtools.panel.views.error_chart import (
+    POLAR,
+    UNROLLED,
+    Scale,
+    Ticks,
+    Trail,
+    change,
+    mean_by_angle,
+    recent,
+    statistics,
+    whole,
+)
+from camtools.panel.views.wording import plain
 
 _LEAST_UM, _LIMIT_UM, _MOST_UM = 0.02, 2.0, 1000.0
 _TAKEN_S = 5.0  # longest time for which a page is waited for that does not say it has an update
@@ -107,3 +118,24 @@ class ErrorCard:
         with suppress(TimeoutError):  # the page takes them in order: the last stands for both
             last = self._charts[POLAR]
             await last.run_chart_method("setOption", options[POLAR], timeout=_TAKEN_S)
+
+
+class LearningCard:
+    """A small chart, sent when a lesson has come, and what is learned in words."""
+
+    def __init__(self) -> None:
+        self._told: list[list[float]] = []
+        with card("Learning", "learning", is_live=True):
+            self._words = ui.label("").classes("op-note").props("data-testid=learning")
+            self._chart = ui.echart(options()).classes("op-chart op-chart-small")
+            said = "Error of U in the learned harmonics, over the turns used for learning"
+            self._chart.props(f'role=img aria-label="{said}" data-testid=learning-chart')
+
+    def show(self, snapshot: Snapshot, lessons: Lessons) -> None:
+        """Show what was learned up to now."""
+        self._words.set_text(words(snapshot.signals))
+        points = points_of(lessons.turn.tolist(), lessons.error_um.tolist())
+        if points != self._told:
+            self._told = points
+            series = {"id": "lessons", "data": points}
+            self._chart.run_chart_method("setOption", {"series": [series]})

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Axes by hand: jog while a button is held, steps, homes, zero, tool.
 
 A held button is watched by jog.js in the browser, which tells begin, hold ten times a second, and
@@ -12,10 +11,10 @@ from collections.abc import Awaitable, Callable
 from nicegui import ui
 from nicegui.events import GenericEventArguments
 
-from camtools.panel.operate.card import card
 from camtools.panel.operate.order_buttons import Orders
 from camtools.panel.orders.order import Order
 from camtools.panel.orders.snapshot import Snapshot
+from camtools.panel.pieces import card
 
 _JOG = ("jog_begin", "jog_hold", "jog_end")
 _AXES = {"u": ("in", "out"), "x": ("out", "in"), "z": ("up", "down")}

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """How a page gives orders: buttons that state why they are off; the last order and its outcome."""
 
 from __future__ import annotations
@@ -10,11 +9,11 @@ from nicegui import ui
 from nicegui.elements.mixins.disableable_element import DisableableElement
 
 from camtools.panel.context import AppContext
+from camtools.panel.orders.commander import Visitor
 from camtools.panel.orders.order import Order, Outcome
 from camtools.panel.orders.snapshot import Snapshot
-from camtools.panel.orders.visitor import Visitor
 from camtools.panel.views.availability import why_not
-from camtools.panel.views.bus_commander import held_text
+from camtools.panel.views.wording import held_text
 
 Press = Callable[[], Awaitable[object]]
 

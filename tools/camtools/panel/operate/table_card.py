@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Tables: from a file or made of a part file, downloaded with progress, taken into use."""
 
 from __future__ import annotations
@@ -10,13 +9,12 @@ from pathlib import Path
 
 from nicegui import ui
 
-from camtools.base.project_paths import ROOT
-from camtools.panel.operate.card import card
-from camtools.panel.operate.file_button import file_button
+from camtools.base.project import ROOT
 from camtools.panel.operate.order_buttons import Orders
 from camtools.panel.orders.order import Outcome
 from camtools.panel.orders.snapshot import Snapshot
-from camtools.panel.views.busy_text import share_of
+from camtools.panel.pieces import card, file_button
+from camtools.panel.views.wording import share_of
 
 _PARTS = ROOT / "tools" / "parts"
 _MOST_BYTES = 16 << 20

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The service: pages ask it for what the controller does, and give it orders.
 
 `snapshot()`, `strobe()` and `parameters()` never wait and may be called by every page as often as
@@ -18,18 +17,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from camtools.base.errors import CamtoolsError, shown
-from camtools.link.convergence import Lessons
-from camtools.link.strobe import Samples
-from camtools.panel.orders.command_log import CommandLog
-from camtools.panel.orders.commander import Commander
+from camtools.link.strobe import Lessons, Samples
+from camtools.panel.orders.commander import Commander, CommandLog, Visitor
 from camtools.panel.orders.jog_press import Presses
 from camtools.panel.orders.link_thread import Job, LinkThread, OpenLink
 from camtools.panel.orders.loop_tuner import LoopTuner, Tuned
-from camtools.panel.orders.order import Order, Outcome
-from camtools.panel.orders.order_rules import ATTENDED, RULES, URGENT, checked
-from camtools.panel.orders.parameter_set import ParameterSet
-from camtools.panel.orders.snapshot import Snapshot
-from camtools.panel.orders.visitor import Visitor
+from camtools.panel.orders.order import ATTENDED, RULES, URGENT, Order, Outcome, checked
+from camtools.panel.orders.snapshot import ParameterSet, Snapshot
 
 BACK_S = 0.5  # what comes so soon behind a lost connection may have been pressed long ago
 NOT_YOU = "you do not command; take the command first"

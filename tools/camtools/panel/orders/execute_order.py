@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """How each order is carried out, in the link's thread.
 
 >>> sorted(set(ACTIONS) ^ set(RULES))
@@ -13,12 +12,12 @@ from typing import Any
 from camtools.base.errors import one_line
 from camtools.link.controller import Link
 from camtools.link.download import check_image, download, select_table
-from camtools.link.manual_axes import carry_out, end_text, jog
+from camtools.link.kept_values import change_kept, parse, set_all
 from camtools.link.messages import NUMBERS, Refused
-from camtools.link.parameters import change_kept, parse, set_all
-from camtools.link.refusal_text import ask_done
-from camtools.link.rights_report import level_text
-from camtools.link.settings import (
+from camtools.link.operator import (
+    carry_out,
+    end_text,
+    jog,
     set_override,
     set_parts,
     set_quick,
@@ -27,10 +26,11 @@ from camtools.link.settings import (
     set_trim,
     set_zero,
 )
-from camtools.link.status_text import table_report
+from camtools.link.refusal_text import ask_done
+from camtools.link.status_text import level_text, table_report
 from camtools.panel.orders.jog_press import Press
 from camtools.panel.orders.loop_tuner import LoopTuner
-from camtools.panel.orders.order_rules import RULES, check_parameter
+from camtools.panel.orders.order import RULES, check_parameter
 
 _PAGES_S = 1.0  # within which every page of the status comes
 _SETTLE_S = 0.05  # the state of before is in the status until the next tick's

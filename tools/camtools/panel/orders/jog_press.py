@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A jog button that is held: it lives while its heartbeats come, and never comes back to life.
 
 The browser says every 100 ms that the button is still down. Silence of 250 ms, a button that was
@@ -6,7 +5,7 @@ let go, a page that is gone or no longer commands: each ends the press for good,
 which were kept back on the way and come in one heap move nothing. What was under way for longer
 than 250 ms is known by the browser's own clock, and counts as nothing.
 
->>> from camtools.panel.orders.visitor import Visitor
+>>> from camtools.panel.orders.commander import Visitor
 >>> now = [0.0]
 >>> presses = Presses(clock=lambda: now[0])
 >>> visitor = Visitor("v1")
@@ -26,7 +25,7 @@ from collections.abc import Callable
 from weakref import WeakKeyDictionary
 
 from camtools.base.errors import CamtoolsError
-from camtools.panel.orders.visitor import Visitor
+from camtools.panel.orders.commander import Visitor
 
 SILENT_S = 0.25
 LATE_S = 0.25

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The thread that owns the link: it keeps the status fresh and does one job after the other.
 
 An urgent job breaks off the one that runs, wherever it waits for a frame, and those that wait are
@@ -26,17 +25,22 @@ from typing import Any
 
 from camtools.base.errors import CamtoolsError
 from camtools.link.controller import SILENT_S, Link, Status
-from camtools.link.convergence import Convergence, Lessons
+from camtools.link.kept_values import INFOS
 from camtools.link.messages import NUMBERS, Refused
-from camtools.link.parameters import INFOS
 from camtools.link.refusal_text import ask_done
 from camtools.link.rights import CommandHeld, May, sender_of
-from camtools.link.strobe import Samples, Strobe
+from camtools.link.strobe import Convergence, Lessons, Samples, Strobe
+from camtools.panel.orders.commander import Visitor
 from camtools.panel.orders.execute_order import ACTIONS
 from camtools.panel.orders.order import Outcome
-from camtools.panel.orders.parameter_set import ParameterSet, parameter_set
-from camtools.panel.orders.snapshot import NO_SAMPLES, SILENT, Snapshot, snapshot_of
-from camtools.panel.orders.visitor import Visitor
+from camtools.panel.orders.snapshot import (
+    NO_SAMPLES,
+    SILENT,
+    ParameterSet,
+    Snapshot,
+    parameter_set,
+    snapshot_of,
+)
 
 LOOK_S = 0.02  # longest wait before the next job is looked for
 SHOW_S = 0.05  # between two snapshots

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The position loop of a U that takes forces: measured, proposed and set, in the link's thread.
 
 >>> LoopTuner().newest is None
@@ -11,13 +10,19 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
-from camtools.identify.can_drive import ConnectedU
+from camtools.identify.drives import ConnectedU
 from camtools.link.controller import Link
 from camtools.link.messages import Refused
-from camtools.tune.excited import Recorded, fitted, recorded
+from camtools.tune.excited import (
+    Recorded,
+    fitted,
+    measure_pulse,
+    pulse_lines,
+    pulse_settings,
+    recorded,
+)
 from camtools.tune.parameters import settings_of
 from camtools.tune.proposal import proposed, subject_of
-from camtools.tune.pulse import measure_pulse, pulse_lines, pulse_settings
 
 _LOOK_S = 1.0
 _NAME = "U"

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The page /design of the panel: a part file as text and as a form, its preview, and its cut.
 
 Marks of elements: source, part, open, save-name, save, download, part-upload, undo, redo, editor,
@@ -16,17 +15,15 @@ from nicegui import background_tasks, events, ui
 
 from camtools.base.errors import CamtoolsError
 from camtools.panel.context import AppContext
-from camtools.panel.design.draft import Draft
-from camtools.panel.design.part_library import EXAMPLE, OWN
+from camtools.panel.design.part_library import EXAMPLE, OWN, Draft
 from camtools.panel.design_service import DesignService, design_service_of
-from camtools.panel.dialogs import confirmed
-from camtools.panel.operate.file_button import file_button
-from camtools.panel.orders.visitor import Visitor
+from camtools.panel.orders.commander import Visitor
 from camtools.panel.page_frame import framed
 from camtools.panel.pages.design_cut import CutView
 from camtools.panel.pages.design_form import FormView
 from camtools.panel.pages.design_preview import PreviewView
-from camtools.panel.runs.options import RunOptions
+from camtools.panel.pieces import confirmed, file_button
+from camtools.panel.runs.store import RunOptions
 from camtools.part.schema import Key
 
 STYLE = '<link rel="stylesheet" href="panel/design.css">'

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Cut it: machine, speed, feed, learning and seed; progress, time left, and the report beside.
 
 Marks of elements: cut-machine, cut-rpm, cut-feed, cut-learns, cut-seed, cut, cut-stop,
@@ -16,13 +15,12 @@ from collections.abc import Awaitable, Callable
 from nicegui import ui
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.readable import duration_text
+from camtools.base.text import duration_text
 from camtools.panel.design.part_library import checked_name
 from camtools.panel.design_service import DesignService
-from camtools.panel.operate.file_button import file_button
-from camtools.panel.orders.visitor import Visitor
-from camtools.panel.runs.options import OF_THE_PART, RunOptions
-from camtools.panel.runs.store import DONE, OWN, RUNNING, WAITING
+from camtools.panel.orders.commander import Visitor
+from camtools.panel.pieces import file_button
+from camtools.panel.runs.store import DONE, OF_THE_PART, OWN, RUNNING, WAITING, RunOptions
 
 _SHOW_S = 0.25
 _MAX_MACHINE_BYTES = 100_000

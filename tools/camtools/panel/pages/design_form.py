@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The form beside the text: a card for each table, a field for each key, made from the model.
 
 The field that was touched last has the dial on top: a slider around its value and two step buttons.
@@ -14,9 +13,9 @@ from typing import Any
 
 from nicegui import ui
 
-from camtools.panel.design.fields import dial_of, is_short, shown_text, step_of, typed, within
+from camtools.panel.design.document import dial_of, is_short, shown_text, step_of, typed, within
 from camtools.part.schema import Key, Table, plain
-from camtools.pipeline.registry import keys_of
+from camtools.pipeline.load import keys_of
 
 OnEdit = Callable[[Key, Any], None]
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The preview beside the editor: charts, verdict, margins, size; the last good one stays visible.
 
 Marks of elements: preview-state, section-chart, profile-chart, motion-chart, height, magnify,
@@ -13,7 +12,7 @@ from typing import Any
 from nicegui import ui
 
 from camtools.panel.design import charts
-from camtools.panel.design.preview_text import margin_rows, table_words, verdict_words
+from camtools.panel.design.charts import margin_rows, table_words, verdict_words
 
 Answer = dict[str, Any]
 _MAGNIFY = {0: "as seen well", 1: "true to scale"} | {n: f"{n} times" for n in (10, 100, 1000)}

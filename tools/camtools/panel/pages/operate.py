@@ -1,5 +1,4 @@
-# SPDX-License-Identifier: Apache-2.0
-"""The operator's page, "/".
+"""The operator's page, "/", and its keys.
 
 Marks for tests are attributes `data-testid`:
 
@@ -31,22 +30,61 @@ from nicegui.events import GenericEventArguments, KeyEventArguments
 
 from camtools.panel.context import AppContext
 from camtools.panel.operate.command_card import AdjustCard, CommandCard
-from camtools.panel.operate.error_card import ErrorCard
-from camtools.panel.operate.figures_card import FiguresCard
-from camtools.panel.operate.force_drive_card import ForceDriveCard
-from camtools.panel.operate.guide_card import GuideCard
+from camtools.panel.operate.error_card import ErrorCard, LearningCard
 from camtools.panel.operate.hand_card import HandCard
-from camtools.panel.operate.keyboard_help import Help
-from camtools.panel.operate.learning_card import LearningCard
-from camtools.panel.operate.log_card import LogCard
 from camtools.panel.operate.order_buttons import Orders
-from camtools.panel.operate.params_card import ParamsCard
-from camtools.panel.operate.progress_card import ProgressCard
-from camtools.panel.operate.state_bar import StateBar
+from camtools.panel.operate.params_card import ForceDriveCard, ParamsCard
+from camtools.panel.operate.status_cards import (
+    FiguresCard,
+    GuideCard,
+    LogCard,
+    ProgressCard,
+    StateBar,
+)
 from camtools.panel.operate.table_card import TableCard
-from camtools.panel.orders.visitor import Visitor
+from camtools.panel.orders.commander import Visitor
 from camtools.panel.page_frame import STATIC, framed
-from camtools.panel.views.missing import way_on
+from camtools.panel.pieces import titled_dialog
+from camtools.panel.views.availability import way_on
+
+KEYS = {
+    "Esc": "STOP: stops all motion, anywhere on the page",
+    "E": "Enable: switches the drives on and finds the index",
+    "S": "Start, after a confirmation",
+    "H": "Hold: pauses Z after a whole turn",
+    "R": "Resume",
+    "D": "Disable: switches the drives off",
+    "T": "Reset after a fault",
+    "M": "By hand",
+    "Space": "on a jog button: the axis moves while the key is held",
+    "?": "this list",
+}
+
+
+class Help:
+    """A dialog; STOP goes on to work while it is open."""
+
+    def __init__(self) -> None:
+        with titled_dialog("Keys", "help") as self._dialog:
+            with ui.element("dl").classes("op-keys"):
+                for key, meaning in KEYS.items():
+                    with ui.element("dt"):
+                        ui.label(key).classes("op-key-name")
+                    with ui.element("dd"):
+                        ui.label(meaning)
+            self.are_keys_on = ui.switch("Letter keys give orders", value=True)
+            self.are_keys_on.props("data-testid=keys-on")
+            ui.label(
+                "STOP is not the emergency stop, the red button at the machine that works without "
+                "this page."
+            )
+            close = ui.button("Close", on_click=self._dialog.close)
+            close.props("no-caps outline autofocus data-testid=help-close")
+
+    def toggle(self) -> None:
+        """Open the dialog, or close it."""
+        self._dialog.set_value(not self._dialog.value)
+
 
 FAST_S, SLOW_S = 0.08, 0.5  # between two updates of numbers and charts, and of the rest
 UNSEEN_S = 2.0  # of a page whose tab is hidden

@@ -1,5 +1,4 @@
-# SPDX-License-Identifier: Apache-2.0
-"""The page /runs of the panel: all runs in a table, and what differs between those that are picked.
+"""The page /runs of the panel: all runs in a table, their reports, and what differs.
 
 Marks of elements: runs-table, remove-runs, stop-run, compare, comparison, settings, figures,
 diff-part, diff-machine, over-height, over-angle, section-error, section-height, error-map-N,
@@ -13,16 +12,21 @@ from datetime import UTC, datetime
 from typing import Any
 
 from nicegui import ui
+from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import FileResponse
+from starlette.routing import Route
 
 from camtools.base.errors import CamtoolsError
 from camtools.panel.context import AppContext
 from camtools.panel.design_service import DesignService, design_service_of
-from camtools.panel.dialogs import confirmed
-from camtools.panel.orders.visitor import Visitor
+from camtools.panel.orders.commander import Visitor
 from camtools.panel.page_frame import framed
 from camtools.panel.pages.design import STYLE
 from camtools.panel.pages.runs_comparison import MOST_COMPARED, ComparisonView
-from camtools.panel.runs.store import Run
+from camtools.panel.pieces import confirmed
+from camtools.panel.runs.store import REPORT, Run
 
 _BOX = '<q-checkbox dense v-model="props.selected" {name} />'
 _SHOW_S = 0.5
@@ -163,3 +167,30 @@ def add(context: AppContext) -> None:
         with framed(context, "/runs") as visitor:
             ui.add_head_html(STYLE)
             RunsPage(designs, visitor)
+
+
+# Scripts run, but in no origin: they reach neither the panel nor a network.
+_POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; style-src 'unsafe-inline'; "
+    "img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'self'; sandbox allow-scripts"
+)
+
+
+def reports(designs: DesignService) -> Starlette:
+    """Return an application that serves the report of every run, and no other file of its folder.
+
+    It is not mounted below the token, which the scripts of a report must not see in their address.
+    """
+
+    def report(request: Request) -> FileResponse:
+        place, name = request.path_params["place"], request.path_params["name"]
+        try:
+            path = designs.store.run(f"{place}/{name}").folder / REPORT
+        except CamtoolsError as error:
+            raise HTTPException(404, "no such run") from error
+        if path.is_symlink() or not path.is_file():
+            raise HTTPException(404, "this run has no report")
+        return FileResponse(path, headers={"content-security-policy": _POLICY})
+
+    return Starlette(routes=[Route(f"/{{place}}/{{name}}/{REPORT}", report)])

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Runs side by side: what differs, figures, errors as curves and maps, reports.
 
 >>> MOST_COMPARED
@@ -14,7 +13,7 @@ from nicegui import ui
 from nicegui.events import ValueChangeEventArguments
 
 from camtools.base.quantities import Floats
-from camtools.panel.runs import compare_charts as charts
+from camtools.panel.runs import compare as charts
 from camtools.panel.runs.compare import (
     DiffLine,
     ErrorCurves,

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Error of U over the lessons of learning, as options of ECharts and as words.
 
 >>> points_of([1, 2, 4], [8.0, 0.0, 0.5])

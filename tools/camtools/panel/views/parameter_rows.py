@@ -1,11 +1,15 @@
-# SPDX-License-Identifier: Apache-2.0
-"""The table of parameters: value, unit, range, group and meaning, searched and judged.
+"""The table of parameters, searched and judged, and what they say of a U that takes forces.
 
 >>> row = rows({"lead_ns": 100000})[0]
 >>> row["name"], row["value"], row["unit"], row["range"], row["group"], row["is_default"]
 ('lead_ns', 100000, 'ns', '0 .. 20000000', 'axis u', True)
 >>> judged("lead_ns", "1e5"), judged("lead_ns", "100 000"), judged("lead_ns", "30000000")
 ('give a whole number', 100000, 'out of range; give 0 .. 20000000')
+
+>>> has_force_drive({"servo_mass_g": 1500, "servo_crossover_hz": 0})
+False
+>>> has_force_drive({"servo_mass_g": 2100, "servo_crossover_hz": 0})
+True
 """
 
 from __future__ import annotations
@@ -13,7 +17,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from camtools.link.parameters import INFOS, group_of
+from camtools.link.kept_values import INFOS, group_of
+from camtools.tune.parameters import ranges
 
 _UNITS = {
     "nm": "nm",
@@ -83,3 +88,30 @@ def judged(name: str, text: str) -> int | str:
     if not info.low <= value <= info.high:
         return f"out of range; give {info.low} .. {info.high}"
     return value
+
+
+_NOT_SET = (
+    "The loop of U is not set (servo_crossover_hz = 0), so its drives cannot be enabled. Load a "
+    "weak loop below: hal/RETROFIT.md, first power-up of a U that takes forces, step 3."
+)
+_PER_UNIT = 1e3  # of mN, ms and g
+
+
+def has_force_drive(values: Mapping[str, int]) -> bool:
+    """Return whether a parameter of the loop differs from its default, as with a force drive."""
+    return any(values.get(name, INFOS[name].default) != INFOS[name].default for name in ranges())
+
+
+def loop_text(values: Mapping[str, int]) -> str:
+    """Return the loop in force and the limits that stay as they are, or what is to be set first."""
+    if values["servo_crossover_hz"] == 0:
+        return _NOT_SET
+    limit, continuous, thermal = (
+        values[f"servo_{name}"] / _PER_UNIT
+        for name in ("force_limit_mn", "continuous_mn", "thermal_ms")
+    )
+    return (
+        f"Loop in force: crossover {values['servo_crossover_hz']} Hz, mass "
+        f"{values['servo_mass_g'] / _PER_UNIT:g} kg. Limits, which stay: {limit:g} N, "
+        f"{continuous:g} N for ever, thermal {thermal:g} s."
+    )

@@ -13,8 +13,7 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from camtools.base.errors import GeometryError
-from camtools.base.quantities import Floats, FloatsLike, SectionValues
-from camtools.skirt.geometry.composite import QUARTER_RAD, Joint
+from camtools.base.quantities import UM_PER_MM, Floats, FloatsLike, SectionValues
 from camtools.skirt.geometry.poly_surface import TURN_RAD, PolySurface, angle_pieces, over_height
 from camtools.skirt.geometry.profile import (
     Allowance,
@@ -36,15 +35,14 @@ from camtools.skirt.geometry.refit import (
     refit,
     sites_rad,
 )
-from camtools.skirt.geometry.sections import Section, make_section
+from camtools.skirt.geometry.sections import QUARTER_RAD, Joint, Section, make_section
+from camtools.skirt.part.curves import PeakOvality
 from camtools.skirt.part.part_file import SkirtPart
-from camtools.skirt.part.power_law import PeakOvality
 from camtools.skirt.part.profile_keys import Ovality
 from camtools.skirt.part.section_keys import Refit
 
 MAX_STEP_MM = 0.001
 REFIT_SHARE = 0.75  # of the accepted form error, unless the part says how far a refit may be off
-_UM_PER_MM = 1000.0
 _MAX_JUDGED, _MAX_CHECKED = 16, 100  # heights, for all candidates and for the one chosen
 _JOINT = Allowance("joint_deg over height", 1.0, "degrees", 0.1, None)
 
@@ -189,7 +187,7 @@ def largest_deviation(corner: Corner, recipe: Recipe, heights_mm: Floats) -> Ref
         joint = corner.joint(float(z_mm))
         phi, off_mm = deviation_mm(joint, refit(joint, recipe, n_ellipse))
         i = int(np.argmax(np.abs(off_mm)))
-        off_um = float(np.abs(off_mm[i])) * _UM_PER_MM
+        off_um = float(np.abs(off_mm[i])) * UM_PER_MM
         if off_um > worst.um:
             worst = RefitDeviation(off_um, float(z_mm), float(np.degrees(phi[i])))
     return worst
@@ -297,7 +295,7 @@ def _check_eccentricity(
     if off[worst] > MAX_STEP_MM:
         here = np.broadcast_to(np.asarray(given), heights.shape)[worst]
         problem = (
-            f"{here:g} mm leaves a step of {step[worst] * _UM_PER_MM:.3f} um at the joint at "
+            f"{here:g} mm leaves a step of {step[worst] * UM_PER_MM:.3f} um at the joint at "
             f"height {heights[worst]:g} mm"
         )
         remedy = f"the consistent value there is {right[worst]:.6f} mm; give it, or remove the key"

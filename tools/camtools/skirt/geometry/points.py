@@ -17,9 +17,9 @@ from scipy.interpolate import PPoly, make_interp_spline
 
 from camtools.base.errors import CamtoolsError, GeometryError, InputError
 from camtools.base.quantities import Floats
-from camtools.skirt.geometry.measured import gaps_of
 from camtools.skirt.geometry.poly_surface import N_ANGLE, N_HEIGHT, PolySurface, angle_pieces
 from camtools.skirt.geometry.profile import constant_spline, polygon_or_spline
+from camtools.skirt.geometry.scan import gaps_of
 from camtools.skirt.part.section_keys import PointsAt, SectionShape
 from camtools.table.channel import MAX_LOG2_REPEAT
 from camtools.table.points import PointedTurn, PointFile, quintics_of, read_points

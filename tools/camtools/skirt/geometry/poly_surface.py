@@ -24,7 +24,7 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from camtools.base.quantities import Floats, FloatsLike, Ints, SectionValues
-from camtools.skirt.geometry.composite import fold
+from camtools.skirt.geometry.sections import fold
 
 N_ANGLE, N_HEIGHT = 6, 8  # coefficients of a piece
 TURN_RAD = 2 * np.pi

@@ -24,15 +24,14 @@ import numpy.typing as npt
 from scipy.interpolate import CubicSpline, PPoly, make_interp_spline
 
 from camtools.base.errors import GeometryError
-from camtools.base.quantities import Floats
-from camtools.skirt.geometry.composite import QUARTER_RAD, Joint
+from camtools.base.quantities import UM_PER_MM, Floats
+from camtools.skirt.geometry.sections import QUARTER_RAD, Joint
 
 N_SITES = 91
 CANDIDATES = tuple(product(range(4), range(4)))  # (s1, s2) as the paper tries them
 PAPER_JERK_LIMIT_MM_S3 = 1e7
 _TAIL_RAD = np.radians(2.0)  # the paper's jerk is that beyond the refitted corner
 _DENSE_PER_PIECE = 32
-_UM_PER_MM = 1000.0
 
 
 class Recipe(NamedTuple):
@@ -152,7 +151,7 @@ def judge(joint: Joint, recipe: Recipe, spindle_rpm: float) -> RefitCandidate:
         float(bends.min()),
         float(tail.max()),
         float(np.abs(jerk).max()),
-        float(np.abs(off_mm[worst])) * _UM_PER_MM,
+        float(np.abs(off_mm[worst])) * UM_PER_MM,
         float(np.degrees(phi[worst])),
     )
 

@@ -1,50 +1,56 @@
-"""Exact geometry of a piston skirt, in double.
+"""Exact geometry of a piston skirt, in double, and of the blank it is turned from.
 
 >>> from camtools.skirt.part.part_file import example_part
 >>> geometry = make_geometry(example_part())
 >>> [f"{mm:.9f}" for mm in geometry.radius_mm([5.0, 35.0])]
 ['45.983096898', '45.983079419']
+
+>>> from camtools.skirt.geometry.skirt_geometry import make_geometry
+>>> from camtools.skirt.part.part_file import example_part
+>>> round(blank_radius_mm(make_geometry(example_part()), 0.1), 9)
+46.1
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from scipy.interpolate import PPoly
 
 from camtools.base.errors import GeometryError
-from camtools.base.quantities import Floats, FloatsLike, SectionValues
+from camtools.base.quantities import UM_PER_MM, Floats, FloatsLike, SectionValues
 from camtools.cut.correction import Correction
+from camtools.cut.removal import QUARTER_RAD, TURN_RAD, SectionCut
 from camtools.skirt.geometry.corner import Corner, make_corner
-from camtools.skirt.geometry.measured import check_heights, check_scan, measured_sections
+from camtools.skirt.geometry.measured_sections import Sections
 from camtools.skirt.geometry.points import ovality_of_points, point_surface, read_sections
 from camtools.skirt.geometry.profile import (
     check_ovality,
     check_profile,
+    check_smoothing,
     magnified,
     ovality_spline,
     profile_spline,
 )
 from camtools.skirt.geometry.scan import (
     Scan,
+    check_heights,
+    check_scan,
     joined,
+    measured_sections,
     off_points_mm,
     ovality_of,
     scan_surface,
     waves_of,
 )
-from camtools.skirt.geometry.scan_text import Sections
 from camtools.skirt.geometry.sections import Section, make_section
-from camtools.skirt.geometry.sides import TurnedSurface, heights_of
-from camtools.skirt.geometry.sides_from_part import is_plain, sides_of, turn_of
-from camtools.skirt.geometry.smooth_points import check_smoothing
+from camtools.skirt.geometry.sides import TurnedSurface, heights_of, is_plain, sides_of, turn_of
 from camtools.skirt.part.part_file import Piston, SkirtPart
 
 _CHECKS_PER_PIECE = 64
-_UM_PER_MM = 1000.0
 _APART_MM = 1e-9  # heights that differ only by rounding are closer
 _ALL_AROUND_RAD = np.radians(np.arange(0, 360, 0.5))
 
@@ -154,10 +160,10 @@ class Geometry:
 
     def oval_words(self, z_mm: float) -> str:
         """Return the ovality of a section, and with its trim where it has one, for pictures."""
-        g_um = float(self.ovality_mm(z_mm)) * _UM_PER_MM
+        g_um = float(self.ovality_mm(z_mm)) * UM_PER_MM
         if self.corner is None:
             return f"ovality {g_um:.0f} µm (diameter)"
-        with_trim_um = g_um + 2 * float(self.corner.trim(z_mm)) * _UM_PER_MM
+        with_trim_um = g_um + 2 * float(self.corner.trim(z_mm)) * UM_PER_MM
         return f"ovality {g_um:.0f} µm (diameter), with trim {with_trim_um:.0f} µm"
 
     def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
@@ -248,14 +254,14 @@ def _measured(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
     scan, joined_mm = joined(sections)
     check_scan(scan, section)
     drawn = scan_surface(scan, factor, section.interpolation)
-    off_um = _UM_PER_MM * off_points_mm(drawn, sections, factor)
+    off_um = UM_PER_MM * off_points_mm(drawn, sections, factor)
     geometry = Geometry(
         radius,
         magnified(ovality_of(scan), factor, 0.0),
         drawn,
         *ends,
         off_points_um=off_um,
-        joined_um=_UM_PER_MM * factor * joined_mm,
+        joined_um=UM_PER_MM * factor * joined_mm,
         measured=(sections, scan),
     )
     if section.harmonics is None:
@@ -276,7 +282,7 @@ def keeping(
     assert geometry.measured is not None
     sections, scan = geometry.measured
     surface = scan_surface(waves_of(sections, scan, harmonics), factor, interpolation)
-    off_um = _UM_PER_MM * off_points_mm(surface, sections, factor)
+    off_um = UM_PER_MM * off_points_mm(surface, sections, factor)
     drawn = geometry.drawn or geometry.surface
     return replace(geometry, surface=surface, drawn=drawn, off_points_um=off_um)
 
@@ -326,3 +332,45 @@ def _check_half_axis(z_mm: Floats, half_axis_mm: Floats, factor: float) -> None:
         at = f"at height {z_mm[thinnest]:.6g} mm"
         problem = f"the short half axis becomes {half_axis_mm[thinnest]:.6g} mm {at}"
         raise GeometryError(field, problem, "magnify less, or give points without such a step")
+
+
+_SYMMETRIC_MM = 1e-9  # sections that differ by less are mirror images
+
+
+def blank_radius_mm(geometry: Geometry, depth_mm: float) -> float:
+    """Return the radius of the blank, a cylinder: largest long half axis plus cutting depth."""
+    z_mm = np.linspace(*geometry.skirt_mm, 4097)
+    return float(geometry.radius_mm(z_mm).max()) + depth_mm
+
+
+def section_cut(geometry: Geometry, depth_mm: float, z_mm: float) -> SectionCut:
+    """Return a part's section at a height [mm], out of a cylindrical blank."""
+
+    def shaped(phi_rad: Floats) -> SectionValues:
+        flat = geometry.delta(phi_rad.ravel(), z_mm)
+        return SectionValues(*(one.reshape(phi_rad.shape) for one in flat))
+
+    phi = np.linspace(0, QUARTER_RAD, 181)
+    here = shaped(phi).delta
+    mirrored = [shaped(other).delta for other in (np.pi - phi, phi + np.pi, -phi)]
+    is_quarter = all(np.abs(one - here).max() < _SYMMETRIC_MM for one in mirrored)
+    pattern = QUARTER_RAD if is_quarter else TURN_RAD
+    a_mm, blank_mm = float(geometry.radius_mm(z_mm)), blank_radius_mm(geometry, depth_mm)
+    return SectionCut(shaped, a_mm, blank_mm, pattern)
+
+
+class Axes(NamedTuple):
+    """Table 5: axis positions at the borders of the parts, from the long axis on."""
+
+    t_s: Floats
+    c_rad: Floats  # unwrapped
+    z_mm: Floats
+    x_mm: Floats
+    u_mm: Floats
+
+
+def axes_at(geometry: Geometry, z_mm: float, feed_mm: float, angles: Floats, t_s: Floats) -> Axes:
+    """Return the axes, MATHS.md (8), at unwrapped angles [rad] and their times, Z from a height."""
+    z = z_mm + feed_mm * angles / TURN_RAD
+    u = geometry.delta(angles, z).delta
+    return Axes(t_s, angles, z, geometry.radius_mm(z), u)

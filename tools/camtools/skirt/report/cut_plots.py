@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Pictures of a cut beside what was asked for: U over a turn, the corner, equal volumes.
 
 >>> nothing, turn, rate = np.zeros(4), np.array([0.1, 0.4, 1.2, 1.6]), np.array([1.0, 2, 5, 5])
@@ -16,12 +15,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from camtools.base.quantities import NM_PER_MM, Floats, Ints, omega_rad_s
-from camtools.plots.panels import stacked
-from camtools.plots.style import BLUE, GREY, ORANGE, RED, angle_axis, new_figure
+from camtools.plots.style import BLUE, GREY, ORANGE, RED, angle_axis, new_figure, stacked
 from camtools.report.charts import ChartPanel, TurnOfU, slope_of
 from camtools.sim.results import CUTTING, CutTrace, GaugedSurface, Removal
-from camtools.skirt.geometry.composite import fold
 from camtools.skirt.geometry.corner import Corner
+from camtools.skirt.geometry.sections import fold
 from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.report.outcome import Even, SkirtOutcome
 from camtools.skirt.table.speed import SpeedTable, motion_played, worst_of

@@ -1,4 +1,4 @@
-"""All that is known about the cut of a skirt, and uniform turning where volumes are equal.
+"""All that is known about the cut of a skirt, and in words and numbers.
 
 >>> limited_turns(620.0), limited_turns(62_000.0)
 ([], ['--turns-limit', '2000'])
@@ -7,15 +7,39 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import sqrt
 from pathlib import Path
 from typing import NamedTuple
 
-from camtools.base.json_text import Json
+from camtools.base.quantities import length_text
+from camtools.base.text import Json
+from camtools.part.common import Tool
 from camtools.pipeline.kind import Rig
 from camtools.pipeline.part_cut import made_cut
-from camtools.sim.results import Cut, GaugedSurface, Removal, removal_of
+from camtools.report.learning_text import learned
+from camtools.report.text import (
+    COMPUTING_TIME,
+    FOLLOWING_ERROR,
+    MACHINE_TIME,
+    ReportRow,
+    error_pair,
+    form_text,
+    quantity,
+    table_quantity,
+    turns_text,
+)
+from camtools.sim.results import AnyCut, Cut, GaugedSurface, Removal, removal_of
+from camtools.skirt.geometry.profile import (
+    noise_facts,
+    notable_overshoots,
+    smoothing_facts,
+    smoothing_takes_um,
+    smoothing_texts,
+)
 from camtools.skirt.report.summary import make_summary
+from camtools.skirt.report.summary_text import clearance_text
 from camtools.skirt.table.generate import GeneratedSkirt, generate
+from camtools.skirt.tool.heel import Heel
 from camtools.table.summary import table_files
 
 REMOVAL, REMOVAL_UNIFORM = "removal.csv", "removal_uniform.csv"
@@ -80,3 +104,217 @@ def compare_removal(rig: Rig, generated: GeneratedSkirt) -> Even | None:
     return Even(
         *(even.summary, uniform.summary), removal_of(even.removal), removal_of(uniform.removal)
     )
+
+
+_BETWEEN = "ridges between tracks"
+
+
+def _nose_text(nose_mm: float) -> str:
+    return f"nose radius {nose_mm:g} mm" if nose_mm else "pointed, without nose radius"
+
+
+def tool_row(summary: Json, tool: Tool, heel: Heel) -> ReportRow:
+    """Return the row of the tool.
+
+    Parameters
+    ----------
+    summary : dict
+        Of the cut: which tool the simulator had. Where it does not say, that of the table.
+    """
+    used = summary.get("tool", {})
+    nose_mm = used.get("nose_mm", tool.nose_radius_mm)
+    words = _nose_text(nose_mm)
+    if nose_mm != tool.nose_radius_mm:
+        words += f", but the table is made for: {_nose_text(tool.nose_radius_mm)}"
+    if used.get("wear_um", 0):
+        words += f", worn by {used['wear_um']:g} um"
+    return ReportRow(
+        "tool",
+        f"{words}; {clearance_text(tool.clearance_deg, heel)}",
+    )
+
+
+def track_row(summary: Json, tool: Tool, peak: float = 1.0) -> ReportRow:
+    """Return the row of what stays between the tracks of the tool.
+
+    The form error is that of the tool's path: ridges do not count in it.
+
+    Parameters
+    ----------
+    summary : dict
+        Of the cut: its feed, and which tool the simulator had.
+    peak : float
+        The largest feed over the height as a multiple of the mean.
+
+    >>> track_row({"cut": {"feed_mm": 0.1}}, Tool(nose_radius_mm=0.8)).value
+    '1.56 µm in theory (nose radius 0.8 mm, feed 0.1 mm); not part of the form error'
+    """
+    nose_mm = summary.get("tool", {}).get("nose_mm", tool.nose_radius_mm)
+    feed_mm = summary["cut"]["feed_mm"] * peak
+    if not nose_mm:
+        text = "not judged: the tool has no nose radius; give tool.nose_radius_mm"
+        return ReportRow(_BETWEEN, text)
+    why = f"(nose radius {nose_mm:g} mm, feed {feed_mm:.4g} mm)"
+    if feed_mm >= 2 * nose_mm:
+        return ReportRow(
+            _BETWEEN, f"the tracks do not meet, so metal remains {why}; reduce the feed"
+        )
+    ridge_um = 1000 * (nose_mm - sqrt(nose_mm**2 - feed_mm**2 / 4))
+    text = f"{length_text(ridge_um)} in theory {why}; not part of the form error"
+    return ReportRow(_BETWEEN, text)
+
+
+def what_was_cut(outcome: SkirtOutcome) -> str:
+    """Return part, speed, feed and turns in one phrase."""
+    geometry, magnify = outcome.generated.geometry, outcome.generated.part.magnify
+    span_mm = geometry.z_last_mm - geometry.z_first_mm
+    enlarged = f", {magnify.words}" if magnify else ""
+    return f"skirt of {span_mm:g} mm {turns_text(outcome)}{enlarged}"
+
+
+def pass_rows(outcome: AnyCut) -> list[ReportRow]:
+    """Return what each of several passes came to, nothing for one."""
+    passes = outcome.summary.get("passes", [])
+    return [
+        ReportRow(
+            f"pass {one['pass']} of {len(passes)}",
+            f"{one['spindle_rpm']:g} r/min, feed {one['feed_mm']:g} mm, depth "
+            f"{one['depth_min_mm']:.3f} .. {one['depth_max_mm']:.3f} mm, leaves "
+            f"{length_text(one['allowance_um'])}: {error_pair(one['form_error_um'])}"
+            f"{_force_text(one['chip_force_n'])}",
+        )
+        for one in passes
+    ]
+
+
+def _force_text(force: Json) -> str:
+    """Return the force of a pass in words, nothing where it is not measured (rings)."""
+    if not force["max"]:
+        return ""
+    return f", chip force {force['mean']:.0f} N, at most {force['max']:.0f} N"
+
+
+def _corner_rows(outcome: SkirtOutcome) -> list[ReportRow]:
+    """Return what the refit of a corner costs, nothing for other sections."""
+    corner = outcome.generated.geometry.corner
+    if corner is None or corner.recipe is None:
+        return []
+    recipe, off = corner.recipe, corner.off
+    assert off is not None
+    return [
+        ReportRow(
+            "refit of the corner",
+            f"{recipe.spline}, ({recipe.s1}, {recipe.s2}) points left out: deviates from the "
+            f"drawing by at most {length_text(off.um)}, {length_text(corner.off_limit_um)} allowed",
+        )
+    ]
+
+
+def _filter_rows(outcome: SkirtOutcome) -> list[ReportRow]:
+    """Return what the filter of measured points changes, nothing for other sections."""
+    geometry, section = outcome.generated.geometry, outcome.generated.part.piston.section
+    if geometry.off_points_um is None or section.harmonics is None:
+        return []
+    waves = f"waves up to {section.harmonics} per turn are kept"
+    off = f"at most {length_text(geometry.off_points_um)} from the points"
+    return [ReportRow("filter of the points", f"{waves}; {off}")]
+
+
+def _correction_rows(outcome: SkirtOutcome) -> list[ReportRow]:
+    """Return what was expected of a part whose table gauged parts have corrected."""
+    correction = outcome.generated.geometry.correction
+    if correction is None:
+        return []
+    about = correction.rounds[-1]
+    left = about["expected_um"]
+    text = (
+        f"round {len(correction.rounds)}: measured at most "
+        f"{length_text(about['gauged_um']['max'])}; expected {length_text(left['max'])}, "
+        f"rms {length_text(left['rms'])}"
+    )
+    return [ReportRow("correction by measured parts", text)]
+
+
+def _control_rows(outcome: SkirtOutcome) -> list[ReportRow]:
+    """Return the controller's own error where the table does not play the drawing itself."""
+    control = outcome.summary.get("control_error_um")
+    if control is None or outcome.generated.geometry.drawn is None:
+        return []
+    played = outcome.generated.geometry.played_name
+    return [ReportRow("controller's own error", f"{error_pair(control)} against the {played}")]
+
+
+def _smoothing_rows(outcome: SkirtOutcome) -> list[ReportRow]:
+    """Return what smoothing of points did, or would do; nothing for smooth points."""
+    part = outcome.generated.part
+    found, noise = smoothing_facts(part.piston), noise_facts(part.piston)
+    texts = smoothing_texts(found, noise, part.process.form_error_um)
+    return [ReportRow("smoothing", text) for text in texts]
+
+
+def _removal_rows(outcome: SkirtOutcome) -> list[ReportRow]:
+    """Return what equal-volume turning brought, nothing for uniform turning."""
+    if outcome.even is None:
+        return []
+    ours, theirs = outcome.even.summary["removal"], outcome.even.uniform_summary["removal"]
+    if "rate_ripple" not in ours or "rate_ripple" not in theirs:
+        return [
+            ReportRow("ripple of the removal rate", "unknown: no whole turn at full feed was cut")
+        ]
+    rate, plain = ours["rate_ripple"], theirs["rate_ripple"]
+    chip, plain_chip = ours["chip_force_ripple"], theirs["chip_force_ripple"]
+    return [
+        ReportRow(
+            "ripple of the removal rate",
+            f"mean {100 * rate['mean']:.1f} %, max {100 * rate['max']:.1f} % of its mean in a turn "
+            f"(uniform turning {100 * plain['mean']:.0f} %, {100 * plain['max']:.0f} %)",
+        ),
+        ReportRow(
+            "ripple of the chip force",
+            f"mean {100 * chip['mean']:.0f} % (uniform turning {100 * plain_chip['mean']:.0f} %); "
+            "no speed law changes it",
+        ),
+        ReportRow(
+            "form error at uniform speed", error_pair(outcome.even.uniform_summary["form_error_um"])
+        ),
+    ]
+
+
+def tool_rows(outcome: AnyCut) -> list[ReportRow]:
+    """Return the rows of the tool and of what stays between its tracks."""
+    made, summary = outcome.generated, outcome.summary
+    law = getattr(made.part.process, "feed_law", None)
+    peak = max(law.feed_mm) / made.part.process.feed_mm if law is not None else 1.0
+    tool = made.part.tool
+    return [tool_row(summary, tool, made.heel), track_row(summary, tool, peak)]
+
+
+def table_error_nm(outcome: AnyCut) -> float:
+    """Return the largest error of a table of U and X [nm]."""
+    made = outcome.generated
+    return float(max(made.accuracy_u.value_nm, made.accuracy_x.value_nm))
+
+
+ROWS = (
+    quantity("cut", what_was_cut),
+    quantity(
+        "form error",
+        lambda cut: form_text(cut.summary["form_error_um"], smoothing_takes_um(cut.generated.part)),
+    ),
+    _correction_rows,
+    _control_rows,
+    pass_rows,
+    FOLLOWING_ERROR,
+    learned,
+    _corner_rows,
+    _filter_rows,
+    lambda cut: [
+        ReportRow("overshoot", text) for text in notable_overshoots(cut.generated.part.piston)
+    ],
+    _smoothing_rows,
+    _removal_rows,
+    tool_rows,
+    table_quantity(table_error_nm),
+    MACHINE_TIME,
+    COMPUTING_TIME,
+)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from camtools.part.smoothing_text import sheet_note
+from camtools.part.smoothing import sheet_note
 from camtools.report.kind_report import KindReport
 from camtools.report.sheet import Subject
 from camtools.report.surface_plots import Extent, draw_map
@@ -25,23 +25,18 @@ from camtools.report.views import (
     motion_view,
     surface_view,
 )
-from camtools.skirt.geometry.smooth_points import (
-    smoothed_curves,
-    smoothing_takes_um,
-    tolerances_left,
-)
+from camtools.skirt.geometry.profile import smoothed_curves, smoothing_takes_um, tolerances_left
 from camtools.skirt.report.cut_plots import draw_corner, draw_even, draw_ripple, motion_of
-from camtools.skirt.report.outcome import SkirtOutcome
-from camtools.skirt.report.part_plots import draw_smoothing
-from camtools.skirt.report.surface_plots import (
+from camtools.skirt.report.outcome import ROWS, SkirtOutcome
+from camtools.skirt.report.plots import (
     ANGLE,
     draw_overview,
     draw_sections,
     draw_skirt,
+    draw_smoothing,
     enlargement_of,
     extent_of,
 )
-from camtools.skirt.report.text import ROWS
 
 
 def _extent(cut: SkirtOutcome) -> Extent:

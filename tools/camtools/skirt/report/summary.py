@@ -12,17 +12,23 @@ from math import isinf
 
 import numpy as np
 
-from camtools.base.json_text import Json
 from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
+from camtools.base.text import Json
 from camtools.cut.feasibility import feasibility_of
-from camtools.part.tool import Tool
+from camtools.part.common import Tool
 from camtools.skirt.geometry.corner import Corner
-from camtools.skirt.geometry.measured import coverage
-from camtools.skirt.geometry.profile import notable_overshoots, ovality_pieces, profile_pieces
+from camtools.skirt.geometry.profile import (
+    noise_facts,
+    notable_overshoots,
+    ovality_pieces,
+    profile_pieces,
+    smoothing_facts,
+    smoothing_takes_um,
+)
 from camtools.skirt.geometry.run_in import HeldSurface
+from camtools.skirt.geometry.scan import coverage
 from camtools.skirt.geometry.sides import SidesSurface, as_drawn
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
-from camtools.skirt.geometry.smooth_points import noise_facts, smoothing_facts, smoothing_takes_um
 from camtools.skirt.part.part_file import Piston
 from camtools.skirt.part.profile_keys import Ovality, Profile
 from camtools.skirt.part.segments import Piece

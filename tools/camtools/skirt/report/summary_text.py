@@ -9,11 +9,11 @@
 
 from __future__ import annotations
 
-from camtools.base.json_text import Json
+from camtools.base.text import Json
 from camtools.cut.feasibility import tenth_below
-from camtools.measured.text import round_text
-from camtools.part.smoothing_text import share_text
-from camtools.skirt.geometry.smooth_points import smoothing_texts
+from camtools.measured.correction_step import round_text
+from camtools.part.smoothing import share_text
+from camtools.skirt.geometry.profile import smoothing_texts
 from camtools.skirt.tool.heel import Heel
 
 

@@ -11,11 +11,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.interpolate import PPoly
 
-from camtools.base.json_text import Json
+from camtools.base.text import Json
 from camtools.skirt.geometry.corner import Corner
-from camtools.skirt.geometry.corrected import CorrectedSurface
 from camtools.skirt.geometry.poly_surface import TURN_RAD, PolySurface
-from camtools.skirt.geometry.run_in import HeldSurface
+from camtools.skirt.geometry.run_in import CorrectedSurface, HeldSurface
 from camtools.skirt.geometry.sides import SidesSurface, TurnedSurface
 from camtools.skirt.geometry.skirt_geometry import Geometry, SkirtSurface
 from camtools.skirt.part.part_file import SkirtPart

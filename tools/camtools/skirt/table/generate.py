@@ -1,5 +1,11 @@
 """From a part to its table, checked against the exact geometry and the machine's limits.
 
+A table through every point of a long scan plays the instrument's noise and needs several knots per
+point; the format has 4096 per turn and the generator makes no channel above a mebibyte.
+
+>>> WAVES[:3]
+(120, 60, 30)
+
 >>> from camtools.skirt.part.part_file import example_part
 >>> result = generate(example_part(), tolerance_nm=1.0)
 >>> result.accuracy_u.value_nm < 1.0, result.accuracy_x.value_nm < 1.0
@@ -8,6 +14,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -19,26 +26,75 @@ from camtools.cut.correction import Correction
 from camtools.cut.feasibility import HighestSpeed, Peaks, drift_of, highest_speed, peaks_of
 from camtools.cut.passes import checked_passes, judge_passes, records_of
 from camtools.cut.verdict import check_table
-from camtools.skirt.geometry.cache_keys import geometry_of, law_key, way_key
 from camtools.skirt.geometry.corner import refuse_deviation
-from camtools.skirt.geometry.corrected import corrected
-from camtools.skirt.geometry.run_in import with_run
-from camtools.skirt.geometry.skirt_geometry import Geometry
+from camtools.skirt.geometry.run_in import corrected, with_run
+from camtools.skirt.geometry.skirt_geometry import Geometry, keeping
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.accuracy import Accuracy
-from camtools.skirt.table.long_scan import refuse_scan
 from camtools.skirt.table.search import UnreachableError, choose_u, choose_x
 from camtools.skirt.table.speed import SpeedTable, make_speed
-from camtools.skirt.tool.feed_law import largest_share, way_channel
+from camtools.skirt.tool.exact_shape import geometry_of, law_key, way_key
 from camtools.skirt.tool.heel import Heel, check_heel
 from camtools.skirt.tool.nose import tip_geometry
-from camtools.skirt.tool.turning import path_of
-from camtools.skirt.tool.u_zero import middle_nm, moved, with_mean
+from camtools.skirt.tool.turning import (
+    largest_share,
+    middle_nm,
+    moved,
+    path_of,
+    way_channel,
+    with_mean,
+)
 from camtools.table.channel import Channel
+from camtools.table.evaluate import moving_bounds
 from camtools.table.header import table_of, u_bounds
 from camtools.table.image import Table
-from camtools.table.modulation import moving_bounds
 from camtools.table.quantise import with_bounds
+
+WAVES = (120, 60, 30, 15, 8, 4)  # numbers of harmonics that are tried
+
+
+def refuse_scan(
+    part: SkirtPart,
+    geometry: Geometry,
+    followed: Callable[[Geometry], Geometry],
+    tolerance_nm: float,
+    error: UnreachableError,
+) -> None:
+    """Refuse a measured part that has no table, with the most waves that make one.
+
+    Does nothing for other parts.
+
+    Parameters
+    ----------
+    followed : callable
+        From the skirt's geometry to what the tool's tip follows.
+
+    Raises
+    ------
+    GeometryError
+        With the number of harmonics that was tried and works, and how far it is off the points.
+    """
+    section = part.piston.section
+    if geometry.measured is None:
+        return
+    scan = geometry.measured[1]
+    factor = part.magnify.factor if part.magnify else 1.0
+    most = min(section.harmonics or scan.angle_deg.size, (scan.angle_deg.size - 1) // 2 + 1)
+    n_points = f"{scan.angle_deg.size} points a turn at {scan.z_mm.size} heights"
+    kept = "all points" if section.harmonics is None else f"{section.harmonics} waves per turn"
+    problem = f"no table through {kept} of the scan ({n_points}) keeps {tolerance_nm:g} nm"
+    for waves in (one for one in WAVES if one < most):
+        try:
+            fewer = keeping(geometry, waves, factor, section.interpolation)
+            channel, _ = choose_u(followed(fewer), tolerance_nm)
+        except CamtoolsError:
+            continue
+        remedy = (
+            f"set harmonics = {waves}: its surface is within {fewer.off_points_um:.3g} um of the "
+            f"points and takes {channel.size} bytes"
+        )
+        raise GeometryError("piston.section.harmonics", problem, remedy) from error
+
 
 DEFAULT_TOLERANCE_NM = 1.0
 REFIT_TOLERANCE_NM = 5.0  # of u, where a spline replaces a corner

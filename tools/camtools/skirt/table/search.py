@@ -22,9 +22,16 @@ import numpy as np
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Ints
 from camtools.skirt.geometry.skirt_geometry import Geometry
-from camtools.skirt.table.accuracy import Accuracy, measure_u, measure_x
-from camtools.skirt.table.channels import height_range_nm, u_channel, x_channel
-from camtools.skirt.table.error_estimate import height_error, probe
+from camtools.skirt.table.accuracy import (
+    Accuracy,
+    height_error,
+    height_range_nm,
+    measure_u,
+    measure_x,
+    probe,
+    u_channel,
+    x_channel,
+)
 from camtools.table.channel import (
     MAX_CHANNEL_BYTES,
     MAX_LOG2_KNOTS,

@@ -30,14 +30,12 @@ from camtools.cut.speed_law import (
 )
 from camtools.cut.spindle_loop import SpindleLoop, played_ripple
 from camtools.part.common import MachineLimits
-from camtools.skirt.geometry.blank import blank_radius_mm
-from camtools.skirt.geometry.skirt_geometry import Geometry
+from camtools.skirt.geometry.skirt_geometry import Geometry, blank_radius_mm
 from camtools.skirt.part.part_file import SkirtPart
-from camtools.skirt.table.channels import height_range_nm
+from camtools.skirt.table.accuracy import height_range_nm
 from camtools.skirt.tool.turning import turning_at
 from camtools.table.channel import KIND_SPEED, MAX_SPACING_NM, RATIO_ONE, Channel
-from camtools.table.evaluate import evaluate_at, knot_interval
-from camtools.table.modulation import MotionPeaks, peaks_together
+from camtools.table.evaluate import MotionPeaks, evaluate_at, knot_interval, peaks_together
 from camtools.table.quantise import quantise, slice_heights_mm, with_bounds
 
 _LOG2_KNOTS = 7  # per pattern: the table is within 1e-6 of laws of 32 control points

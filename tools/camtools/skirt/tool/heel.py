@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.errors import GeometryError
-from camtools.part.tool import Tool
+from camtools.part.common import Tool
 from camtools.skirt.geometry.skirt_geometry import Geometry
 
 _ANGLES, _HEIGHTS = 3600, 17

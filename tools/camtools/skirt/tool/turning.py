@@ -1,22 +1,48 @@
-"""The motion that cuts a skirt: its axes at constant speed, and the path of Z.
+"""The motion that cuts a skirt: its axes, where U stands, and the way of Z.
 
 >>> from camtools.skirt.geometry.skirt_geometry import make_geometry
 >>> from camtools.skirt.part.part_file import example_part
 >>> motion = turning_at(make_geometry(example_part()), 600.0, 20.0, np.array([0.0, 0.25]))
 >>> motion.u_mm.round(6).tolist()
 [0.0, 0.1]
+
+>>> from camtools.skirt.geometry.skirt_geometry import make_geometry
+>>> from camtools.skirt.part.part_file import example_part
+>>> middle_nm(make_geometry(example_part()), "mean")
+75000
+
+>>> from camtools.part.passes import FeedLaw
+>>> law = FeedLaw(height_mm=[0.0, 20.0], feed_mm=[0.1, 0.2])
+>>> channel = way_channel(law, (0, 20_000_000))
+>>> channel.kind, bool(channel.n_slices < 40)
+(7, True)
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
 
-from camtools.base.quantities import Floats, FloatsLike, omega_rad_s
+from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import NM_PER_MM, Floats, FloatsLike, omega_rad_s
 from camtools.cut.path import ToolPath, ramp_of, step_of
-from camtools.skirt.geometry.skirt_geometry import Geometry
+from camtools.part.passes import FeedLaw
+from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
 from camtools.skirt.part.part_file import SkirtPart
+from camtools.table.channel import (
+    KIND_WAY,
+    LEAST_FEED,
+    MAX_SLICES,
+    MAX_SPACING_NM,
+    MIN_SPACING_NM,
+    Bounds,
+    Channel,
+)
+from camtools.table.evaluate import evaluate_x
+from camtools.table.quantise import TooLargeError, quantise, slice_heights_mm, with_bounds
 
 
 class AxesMotion(NamedTuple):
@@ -83,3 +109,151 @@ def path_of(
         return ToolPath("helix", z_first_mm, z_last_mm, process.feed_mm)
     ramp = ramp_of(process.feed_mm, process.spindle_rpm, limits)
     return ToolPath("ring-helix", z_first_mm, z_last_mm, process.feed_mm, ramp)
+
+
+_PER_PIECE = 8  # heights between the breaks of the shape
+_AROUND_RAD = np.radians(np.arange(0, 360, 0.5))
+
+
+def middle_nm(geometry: Geometry, u_zero: str) -> int:
+    """Return the reduction of the radius that X takes over from U [nm], the same everywhere.
+
+    Parameters
+    ----------
+    u_zero : str
+        "long-axis": 0. "mean": the middle between the least and the largest reduction of the whole
+        table, so that U swings equally far to both sides.
+    """
+    if u_zero == "long-axis":
+        return 0
+    z_mm = dense_heights_mm(geometry, _PER_PIECE)
+    ranges = [geometry.delta(_AROUND_RAD, float(z)).delta for z in z_mm]
+    low, high = min(float(one.min()) for one in ranges), max(float(one.max()) for one in ranges)
+    return round((low + high) / 2 * NM_PER_MM)
+
+
+def moved(channel: Channel, by_nm: int) -> Channel:
+    """Return a channel whose values are smaller by a length; its knots stay."""
+    return replace(channel, value_offset=channel.value_offset - by_nm)
+
+
+def with_mean(lines: list[str], u_zero: str, bounds: Bounds) -> list[str]:
+    """Return refusals; that of the stroke with what it would be about the mean."""
+    if u_zero == "mean":
+        return lines
+    travel_mm = (bounds.u_max_nm - bounds.u_min_nm) / NM_PER_MM
+    hint = f'; or set process.u_zero = "mean", which needs {travel_mm:.9g} mm'
+    return [line + hint if ".u_stroke_mm" in line else line for line in lines]
+
+
+TOLERANCE_NM = 50.0  # of Z: its drive is a thousand times coarser
+_NEWTON = 6
+_DENSE = 4001
+_GROWTH = 1.15
+
+
+class _Turned(NamedTuple):
+    """Turns over dense heights."""
+
+    z_mm: Floats
+    turns: Floats
+
+
+def _turned(law: FeedLaw, ends_mm: tuple[float, float]) -> _Turned:
+    dense = np.linspace(*ends_mm, _DENSE)
+    return _Turned(dense, law.turns(ends_mm[0], dense))
+
+
+def height_at_mm(
+    law: FeedLaw, ends_mm: tuple[float, float], helix_mm: Floats, turned: _Turned | None = None
+) -> Floats:
+    """Return Z where the plain helix with the mean feed is at some heights, MATHS.md (103).
+
+    Parameters
+    ----------
+    turned : _Turned, optional
+        Of the same law and ends, where it is known already.
+    """
+    first, last = ends_mm
+    dense, turns = _turned(law, ends_mm) if turned is None else turned
+    mean = (last - first) / turns[-1]
+    wanted = (np.asarray(helix_mm) - first) / mean
+    z = np.interp(wanted, turns, dense)
+    for _ in range(_NEWTON):
+        order = np.argsort(z)
+        off = np.empty_like(z)
+        off[order] = law.turns(first, z[order])
+        z = np.clip(z + (wanted - off) * law.at_mm(z), first, last)
+    return np.asarray(np.where(helix_mm <= first, first, np.where(helix_mm >= last, last, z)))
+
+
+class _Known:
+    """The turns of one law; the search for a size asks for the same ends again and again."""
+
+    def __init__(self, law: FeedLaw) -> None:
+        self.law = law
+        self._by_ends: dict[tuple[float, float], _Turned] = {}
+
+    def height_at_mm(self, ends_mm: tuple[float, float], helix_mm: Floats) -> Floats:
+        """Return `height_at_mm` of the law."""
+        if ends_mm not in self._by_ends:
+            self._by_ends[ends_mm] = _turned(self.law, ends_mm)
+        return height_at_mm(self.law, ends_mm, helix_mm, self._by_ends[ends_mm])
+
+
+def _channel(known: _Known, range_nm: tuple[int, int], n_knots: int) -> Channel:
+    law = known.law
+    z = slice_heights_mm(range_nm, n_knots)
+    ends = float(z[0]), float(z[-1])
+    h_mm = (ends[1] - ends[0]) / (n_knots - 1)
+    at = known.height_at_mm(ends, z)
+    mean = law.mean_mm(*ends)
+    feed, slope = law.at_mm(at), law.at_mm(at, 1)
+    triple = [at - z, h_mm * (feed / mean - 1), h_mm**2 / 2 * slope * feed / mean**2]
+    return quantise(KIND_WAY, np.stack(triple, axis=-1)[:, None] * NM_PER_MM, 0, range_nm)
+
+
+def _error_nm(known: _Known, channel: Channel) -> float:
+    range_nm = channel.z_first_nm, channel.z_last_nm
+    z_nm = np.linspace(*range_nm, 16 * channel.n_slices + 1)
+    ends = range_nm[0] / NM_PER_MM, range_nm[1] / NM_PER_MM
+    exact = known.height_at_mm(ends, z_nm / NM_PER_MM) * NM_PER_MM - z_nm
+    return float(np.abs(evaluate_x(channel, z_nm).value - exact).max())
+
+
+def way_channel(law: FeedLaw, range_nm: tuple[int, int]) -> Channel:
+    """Return the smallest way of a law over the heights of a table.
+
+    Raises
+    ------
+    CamtoolsError
+        The feed falls too far below its mean, or Z runs further ahead than the format holds.
+    """
+    span_nm = range_nm[1] - range_nm[0]
+    ends = range_nm[0] / NM_PER_MM, range_nm[1] / NM_PER_MM
+    mean, least = law.mean_mm(*ends), min(law.feed_mm)
+    if least < 2 * LEAST_FEED * mean:
+        problem = f"feed_mm = {least:g} is less than {2 * LEAST_FEED:.0%} of the mean, {mean:.6g}"
+        raise CamtoolsError([f"process.feed_law.feed_mm: {problem}; give feeds nearer together"])
+    known = _Known(law)
+    n, most = max(2, ceil(span_nm / MAX_SPACING_NM) + 1), span_nm // MIN_SPACING_NM + 1
+    while n <= min(most, MAX_SLICES):
+        try:
+            found = _channel(known, range_nm, n)
+        except TooLargeError:
+            n = max(n + 1, int(n * _GROWTH))
+            continue
+        if _error_nm(known, found) <= TOLERANCE_NM:
+            return with_bounds(found)
+        n = max(n + 1, int(n * _GROWTH))
+    problem = "Z would run too far ahead of a plain helix, or change its feed too suddenly"
+    remedy = "give feeds nearer together, or points of the law further apart"
+    raise CamtoolsError([f"process.feed_law.feed_mm: {problem}; {remedy}"])
+
+
+def largest_share(channel: Channel | None) -> float:
+    """Return the largest feed of a way over its mean; 1 without one."""
+    if channel is None:
+        return 1.0
+    slopes = evaluate_x(channel, np.linspace(channel.z_first_nm, channel.z_last_nm, _DENSE)).d1
+    return 1.0 + float(slopes.max())

@@ -9,8 +9,8 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field, field_validator
 
-from camtools.base.json_text import Json
 from camtools.base.quantities import NM_PER_MM, Floats
+from camtools.base.text import Json
 from camtools.cut.verdict import check_table
 from camtools.part.common import Machine, PartInfo, Process, check_feed
 from camtools.part.model import HeightMm, TomlTable, rising
@@ -20,11 +20,10 @@ from camtools.report.sheet import Subject
 from camtools.report.text import error_pair, quantity
 from camtools.sim.machine_file import machine_text
 from camtools.sim.results import Cut, Measured
-from camtools.table.channel import KIND_U, KIND_X
+from camtools.table.channel import KIND_U, KIND_X, segment_coefficients
 from camtools.table.header import check_tolerance, table_of, u_bounds
 from camtools.table.image import Table
 from camtools.table.quantise import quantise, with_bounds
-from camtools.table.quintics import segment_coefficients
 from camtools.table.summary import about_image
 
 _LOG2_KNOTS = 6

@@ -1,0 +1,86 @@
+"""What names the U of a drive on a command line: a controller, or a recording.
+
+>>> UOptions(channel="can0").check(is_bus=False, machine=None)
+Traceback (most recent call last):
+    ...
+camtools.base.arguments.UsageError: --channel: needs a bus: add --bus
+
+>>> from tempfile import TemporaryDirectory
+>>> with TemporaryDirectory() as folder:
+...     file = Path(folder) / "scope.csv"
+...     _ = file.write_text("time_s,force_n")
+...     record_text(file)
+'time_s,force_n'
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Annotated
+
+from camtools.base.arguments import Option, UsageError
+from camtools.base.errors import InputError
+from camtools.cli.bus import BusOptions
+from camtools.identify.drives import ConnectedU
+from camtools.identify.foreign_record import MAX_BYTES
+from camtools.link.controller import Link
+from camtools.link.rights import secret_of, sender_of
+from camtools.measured.correction_round import read_given
+
+
+@dataclass(frozen=True)
+class UOptions(BusOptions):
+    """The options that name a bus, a controller on it and the secret that unlocks it."""
+
+    secret: Annotated[
+        Path | None, Option("file of the secret that unlocks the controller for --apply", "FILE")
+    ] = None
+
+    def check(self, *, is_bus: bool, machine: str | None) -> None:
+        """Refuse options of the bus without --bus."""
+        given = [one.name for one in fields(self) if getattr(self, one.name)]
+        if given and not is_bus:
+            remedy = "use --bus instead of --machine" if machine else "add --bus"
+            raise UsageError(f"--{given[0]}: needs a bus: {remedy}")
+
+
+@contextmanager
+def connected_u(options: UOptions, program: str) -> Iterator[tuple[ConnectedU, int]]:
+    """Open U of the controller that the options name; give it and the controller's node.
+
+    Parameters
+    ----------
+    program : str
+        name by which it takes command, one that `link.rights` knows
+
+    Raises
+    ------
+    CamtoolsError
+        The bus cannot be opened, or the secret cannot be read.
+    """
+    bus, where, node = options.opened()
+    try:
+        link = Link(bus, where, node)
+        link.rights.sender = sender_of(program)
+        if options.secret is not None:
+            link.rights.secret = secret_of(options.secret)
+        yield ConnectedU(link), node
+    finally:
+        bus.shutdown()
+
+
+def record_text(csv: Path) -> str:
+    """Return the text of a recording.
+
+    Raises
+    ------
+    CamtoolsError
+        It cannot be read, or is not UTF-8.
+    """
+    try:
+        return read_given(csv, "--record", MAX_BYTES).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(str(csv), "", None, "not UTF-8 text", "give a CSV file") from error

@@ -1,0 +1,240 @@
+"""Cuts of a forecast: made here or elsewhere, kept on the disk by the digest of their causes.
+
+A worker gets bytes, not paths: it keeps the table in a folder of its own, which ends with it.
+
+>>> CutOutcome("", "done", 0, "", "", 0.1, 0.05, 0.1, 0.1, 1000, 0.2).is_gauged
+True
+
+Every batch becomes a file of its own, which appears complete or not at all; a forecast that was
+stopped finds what is there and goes on.
+
+>>> import tempfile
+>>> with tempfile.TemporaryDirectory() as name:
+...     store = Store(Path(name))
+...     store.add([CutOutcome("a", "done", 0, "", "", 0.1, 0.05, 0.1, 0.1, 1000, 0.2)])
+...     Store(Path(name)).found["a"].form_max_um
+0.1
+"""
+
+from __future__ import annotations
+
+import atexit
+import hashlib
+import shutil
+import tempfile
+import uuid
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.files import parquet_bytes, write_all
+from camtools.sim.binding import library_path
+from camtools.sim.machine_file import Machine
+from camtools.sim.simulate import Result, simulate
+
+TABLE, DESIGN = "part.camtab", "part.json"
+
+
+class Task(NamedTuple):
+    """What all cuts of a forecast have in common."""
+
+    table: bytes  # content of the table
+    design: bytes  # content of its report
+    words: tuple[str, ...]  # options of camsim
+    build: str  # digest of the simulator that all cuts are to be made by
+
+    def key(self, machine: str) -> str:
+        """Return what a cut depends on, as one digest."""
+        parts = (self.table, self.design, "\0".join(self.words).encode(), self.build.encode())
+        digest = hashlib.sha256()
+        for part in (*parts, machine.encode()):
+            digest.update(len(part).to_bytes(8, "little"))
+            digest.update(part)
+        return digest.hexdigest()
+
+
+class CutOutcome(NamedTuple):
+    """What one cut came to.
+
+    Attributes
+    ----------
+    end : str
+        done, stopped, fault, timeout, refused: as in the summary; "refused" also where the
+        simulator refused the machine or the speed.
+    form_max_um, form_rms_um, roundness_um, following_max_um : float
+        NaN where nothing was gauged.
+    """
+
+    key: str  # digest of all that it depends on
+    end: str
+    status: int  # exit status of camsim
+    faults: str  # names of the first faults, separated by blanks
+    message: str  # why it is not good
+    form_max_um: float
+    form_rms_um: float
+    roundness_um: float
+    following_max_um: float
+    ticks: int  # that the cut took
+    wall_s: float  # computing time
+
+    @property
+    def is_gauged(self) -> bool:
+        """Return whether the cut came to its end and was gauged."""
+        return self.end in ("done", "stopped") and self.form_max_um == self.form_max_um
+
+
+@cache
+def build_of(path: Path) -> str:
+    """Return the digest of a simulator's library.
+
+    Raises
+    ------
+    CamtoolsError
+        It is not there.
+    """
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+    except OSError as error:
+        raise CamtoolsError(
+            [f"{path}: cannot be read: {error.strerror}; start tools/run, which builds it"]
+        ) from error
+
+
+@cache
+def folder_of(table: bytes, design: bytes) -> Path:
+    """Return a folder of this process with a table and its report."""
+    folder = Path(tempfile.mkdtemp(prefix="camturn-forecast."))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    (folder / TABLE).write_bytes(table)
+    (folder / DESIGN).write_bytes(design)
+    return folder
+
+
+def _number(value: float | None) -> float:
+    return float("nan") if value is None else float(value)
+
+
+def _outcome(key: str, result: Result) -> CutOutcome:
+    summary = result.summary
+    form, following = summary["form_error_um"], summary["following_error_um"]
+    return CutOutcome(
+        key,
+        summary["end"],
+        result.status,
+        " ".join(summary.get("first_faults", [])),
+        result.message,
+        _number(form["max"]),
+        _number(form["rms"]),
+        _number(form["roundness"]),
+        _number(following["max"]),
+        int(summary["ticks"]),
+        float(summary["wall_time_s"]),
+    )
+
+
+def cut_one(task: Task, machine: str) -> CutOutcome:
+    """Cut on one machine; what the simulator refuses is an outcome, too."""
+    key, nan = task.key(machine), float("nan")
+    table = folder_of(task.table, task.design) / TABLE
+    try:
+        result = simulate(table, Machine("machine", machine), options=task.words)
+    except CamtoolsError as error:
+        return CutOutcome(key, "refused", 2, "", str(error), nan, nan, nan, nan, 0, 0.0)
+    return _outcome(key, result)
+
+
+def cut_batch(task: Task, machines: Sequence[str]) -> list[CutOutcome] | str:
+    """Cut on some machines, one after the other; return why it cannot be done here, if so."""
+    try:
+        here = build_of(library_path())
+    except CamtoolsError as error:
+        return str(error)
+    if here != task.build:
+        problem = f"a worker has another simulator ({here}, not {task.build})"
+        return f"{problem}; build the same version on every computer"
+    return [cut_one(task, machine) for machine in machines]
+
+
+_FIELDS = {
+    "key": pa.string(),
+    "end": pa.string(),
+    "status": pa.int32(),
+    "faults": pa.string(),
+    "message": pa.string(),
+    "form_max_um": pa.float64(),
+    "form_rms_um": pa.float64(),
+    "roundness_um": pa.float64(),
+    "following_max_um": pa.float64(),
+    "ticks": pa.int64(),
+    "wall_s": pa.float64(),
+}
+SCHEMA = pa.schema(list(_FIELDS.items()))
+
+
+class Store:
+    """Outcomes in a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        Made when the first outcome is added.
+
+    Attributes
+    ----------
+    found : dict
+        All outcomes by key.
+
+    Raises
+    ------
+    InputError
+        A file there is none of ours.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.found: dict[str, CutOutcome] = {}
+        self._paths = sorted(folder.glob("*.parquet"))
+        for path in self._paths:
+            for outcome in _read(path):
+                self.found[outcome.key] = outcome
+
+    def add(self, outcomes: Sequence[CutOutcome]) -> None:
+        """Keep outcomes; they are on the disk on return."""
+        name = f"{uuid.uuid4().hex}.parquet"
+        columns = {name: [getattr(one, name) for one in outcomes] for name in _FIELDS}
+        write_all(self.folder, {name: parquet_bytes(columns, SCHEMA, {})})
+        self._paths.append(self.folder / name)
+        self.found |= {outcome.key: outcome for outcome in outcomes}
+
+    def pick(self, keys: Iterable[str]) -> list[CutOutcome]:
+        """Return the outcomes of these keys that are there."""
+        return [self.found[key] for key in keys if key in self.found]
+
+    def compact(self) -> None:
+        """Make one file of many."""
+        before = self._paths
+        if len(before) > 1:
+            self.add(list(self.found.values()))
+            self._paths = self._paths[-1:]
+            for path in before[: len(before)]:
+                if path != self._paths[0]:
+                    with suppress(OSError):
+                        path.unlink()
+
+
+def _read(path: Path) -> list[CutOutcome]:
+    try:
+        rows = pq.read_table(path, schema=SCHEMA).to_pylist()
+    except (OSError, pa.ArrowException) as error:
+        reason = str(error).splitlines()[0]
+        remedy = "remove it; its cuts are repeated"
+        raise InputError(
+            str(path), "", None, f"not a result of tools/forecast: {reason}", remedy
+        ) from error
+    return [CutOutcome(**row) for row in rows]

@@ -1,0 +1,232 @@
+"""How pages put things: numbers with units, states, who commands, what waits.
+
+>>> signed(0.5, 4), signed(-0.00001, 4), plain(None, 1) == NOTHING
+('+0.5000', '+0.0000', True)
+>>> clock(3725.4), clock(59.6)
+('1:02:05', '1:00')
+
+>>> share_of("download, 40 %"), share_of(""), share_of("keep")
+(0.4, 0.0, 0.0)
+
+>>> look("cutting", is_connected=True).word
+'CUTTING'
+>>> look("cutting", is_connected=False).word
+'NO CONNECTION'
+
+>>> from dataclasses import replace
+>>> from camtools.panel.orders.snapshot import SILENT
+>>> other = replace(SILENT, is_connected=True, signals={"commander": 0.0})
+>>> other_sender(other), other_sender(replace(other, signals={"commander": 300.0}))
+(0, 300)
+>>> held_text(replace(other, signals={"commander": 300.0}))
+'sender 300 commands the controller; take over, top right'
+
+>>> box_text({"recorder_use": 2.0, "recorder_phase": 3.0, "recorder_faults": 1.0})[:59]
+'The black box holds the recording from before the fault est'
+>>> box_text({})
+''
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isfinite
+
+from camtools.base.quantities import UM_PER_MM
+from camtools.link.messages import NUMBERS
+from camtools.link.rights import sender_text
+from camtools.link.signals import faults_in
+from camtools.panel.orders.snapshot import Snapshot
+
+NOTHING = "\N{EN DASH}"
+_MINUS = "\N{MINUS SIGN}"  # as wide as a plus, unlike the hyphen
+
+
+def _digits(value: float, decimals: int) -> str:
+    return f"{abs(value):.{decimals}f}"
+
+
+def _is_negative(value: float, decimals: int) -> bool:
+    """Whether a value is below 0 as it is shown: no minus stands in front of zeros."""
+    return value < 0 and float(_digits(value, decimals)) > 0
+
+
+def signed(value: float | None, decimals: int) -> str:
+    """Return a number with its sign, so that its width does not depend on it."""
+    if value is None or not isfinite(value):
+        return NOTHING
+    return f"{_MINUS if _is_negative(value, decimals) else '+'}{_digits(value, decimals)}"
+
+
+def plain(value: float | None, decimals: int) -> str:
+    """Return a number with a minus only where it is below 0."""
+    if value is None or not isfinite(value):
+        return NOTHING
+    return f"{_MINUS if _is_negative(value, decimals) else ''}{_digits(value, decimals)}"
+
+
+def clock(seconds: float | None) -> str:
+    """Return a time as minutes and seconds, with hours where there are any."""
+    if seconds is None or not isfinite(seconds):
+        return NOTHING
+    whole = max(0, round(seconds))
+    minutes, s = divmod(whole, 60)
+    hours, m = divmod(minutes, 60)
+    return f"{hours}:{m:02d}:{s:02d}" if hours else f"{m}:{s:02d}"
+
+
+@dataclass(frozen=True)
+class Field:
+    """A number of the status.
+
+    Attributes
+    ----------
+    label, unit : str
+        for people
+    decimals : int
+    """
+
+    key: str  # stable name, also of the test
+    label: str
+    unit: str
+    signal: str  # of the DBC
+    decimals: int
+    factor: float = 1.0  # that unit per unit of the signal
+    is_signed: bool = False  # a plus stands in front of what is not negative
+
+    def text(self, signals: Mapping[str, float]) -> str:
+        """Return the number as it is shown."""
+        value = signals.get(self.signal)
+        scaled = None if value is None else value * self.factor
+        return (signed if self.is_signed else plain)(scaled, self.decimals)
+
+
+SPEED = Field("speed", "Spindle speed", "r/min", "speed", 1)
+ANGLE = Field("angle", "Angle of the drawing", "°", "angle", 1)
+U_SET = Field("u-set", "U set", "mm", "u_set", 4, is_signed=True)
+U_ACTUAL = Field("u-actual", "U actual", "mm", "u_actual", 4, is_signed=True)
+FOLLOWING = Field(
+    "following", "Following error", "µm", "following_error", 2, UM_PER_MM, is_signed=True
+)
+X_RADIUS = Field("x-radius", "X radius", "mm", "x", 4)
+X_DIAMETER = Field("x-diameter", "X diameter ⌀", "mm", "x", 4, 2.0)
+Z_HEIGHT = Field("z", "Z height", "mm", "z", 3, is_signed=True)
+PARTS = Field("parts", "Parts cut", "parts", "parts_cut", 0)
+LATE_TICKS = Field("tick-late", "Late ticks", "ticks", "late_ticks", 0)
+AXES = (U_SET, U_ACTUAL, Z_HEIGHT, X_RADIUS, X_DIAMETER)
+
+
+def homed_text(signals: Mapping[str, float]) -> str:
+    """Return which axes have their home.
+
+    >>> homed_text({"homed_x": 1.0, "homed_z": 0.0})
+    'U not homed, X homed, Z not homed'
+    """
+    marks = ((axis.upper(), signals.get(f"homed_{axis}", 0.0)) for axis in "uxz")
+    return ", ".join(f"{axis} {'homed' if is_so else 'not homed'}" for axis, is_so in marks)
+
+
+def pass_text(signals: Mapping[str, float]) -> str:
+    """Return the pass that is cut, or that the next start cuts; "" for a table of one.
+
+    >>> pass_text({"pass": 2.0, "passes": 3.0})
+    'pass 2 of 3'
+    """
+    n = int(signals.get("passes", 0.0))
+    return f"pass {int(signals.get('pass', 0.0))} of {n}" if n else ""
+
+
+_PERCENT = re.compile(r"(\d{1,3}) ?%")
+
+
+def share_of(work: str) -> float:
+    """Return the share that a text tells in per cent, 0 .. 1; 0 where it tells none."""
+    found = _PERCENT.search(work)
+    return min(int(found[1]), 100) / 100 if found else 0.0
+
+
+@dataclass(frozen=True)
+class Look:
+    """Of a state."""
+
+    word: str  # in big letters
+    tone: str  # names the colour: a class of the style sheet, `tone-` in front
+    icon: str  # shape, a name of the Material icons that NiceGUI brings along
+    meaning: str  # what goes on, a sentence
+
+
+LOOKS = {
+    "off": Look("OFF", "off", "radio_button_unchecked", "The drives are off."),
+    "homing": Look(
+        "HOMING", "moves", "my_location", "The drives are on; searching for the spindle index."
+    ),
+    "ready": Look(
+        "READY", "ready", "check_circle", "The drives are on and the spindle angle is known."
+    ),
+    "rehearsing": Look(
+        "REHEARSING", "moves", "replay", "The tool moves clear of the work, to learn."
+    ),
+    "engaging": Look("ENGAGING", "cuts", "login", "The tool enters the work."),
+    "cutting": Look("CUTTING", "cuts", "play_circle", "The part is being cut."),
+    "holding": Look(
+        "HOLDING", "held", "pause_circle", "Z is paused and U continues; the tool is cutting."
+    ),
+    "disengaging": Look("LEAVING", "cuts", "logout", "The tool leaves the work."),
+    "fault": Look("FAULT", "fault", "report", "The tool has left the work, or is on its way."),
+    "identifying": Look(
+        "MEASURING", "moves", "graphic_eq", "U moves along a wave, to measure its drive."
+    ),
+    "manual": Look(
+        "BY HAND", "hand", "pan_tool", "Axes are moved by hand; the spindle is stopped."
+    ),
+}
+SILENT = Look(
+    "NO CONNECTION",
+    "silent",
+    "link_off",
+    "The controller does not answer: all values here are old.",
+)
+UNKNOWN = Look("WAITING", "silent", "hourglass_empty", "No status received yet.")
+IN_WORK = ("rehearsing", "engaging", "cutting", "holding", "disengaging")
+
+
+def look(state: str, *, is_connected: bool) -> Look:
+    """Return how a state is shown.
+
+    Parameters
+    ----------
+    is_connected : bool
+        whether the controller's status comes
+    """
+    return LOOKS.get(state, UNKNOWN) if is_connected else SILENT
+
+
+def other_sender(snapshot: Snapshot) -> int:
+    """Return who else commands the controller; 0: nobody does, or this panel."""
+    if snapshot.has_command or not snapshot.is_connected:
+        return 0
+    return int(snapshot.signals.get("commander", 0.0))
+
+
+def held_text(snapshot: Snapshot) -> str:
+    """Return why orders are off while another sender commands the controller; "" otherwise."""
+    sender = other_sender(snapshot)
+    return f"{sender_text(sender)} commands the controller; take over, top right" if sender else ""
+
+
+READ_IT = "tools/camctl blackbox fault.csv --plot fault.png"
+_BOX, _DONE = NUMBERS["recorder_use"]["box"], NUMBERS["recorder_phase"]["done"]
+
+
+def box_text(signals: Mapping[str, float]) -> str:
+    """Return a sentence where a black box has not been read; "" otherwise."""
+    is_waiting = signals.get("recorder_use") == _BOX and signals.get("recorder_phase") == _DONE
+    if not is_waiting:
+        return ""
+    names = ", ".join(faults_in(int(signals.get("recorder_faults", 0.0))))
+    return (
+        f"The black box holds the recording from before the fault {names} and keeps it through "
+        "reset and enable. To read it:"
+    )
