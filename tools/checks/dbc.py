@@ -95,10 +95,7 @@ def _values(start: str, names: Mapping[int, str]) -> tuple[str, str]:
 def dbc_text(text: str) -> str:
     """Return the text of camturn.dbc with the names and faults of the sources.
 
-    Raises
-    ------
-    CamtoolsError
-        The file has no place for some of them.
+    Raises CamtoolsError: the file has no place for some of them.
     """
     results = {0: "done"} | {int(number): name for number, name, _ in errors(text)}
     faults = re.findall(r'X\((\w+), "([^"]*)"', _body(text, "CAM_FAULTS"))

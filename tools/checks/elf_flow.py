@@ -31,14 +31,8 @@ _INDIRECT = re.compile(r"bxj? .*|(?!cmp|b)\w+ pc, .*|ldm.*\{.*\bpc\}|tb[bh] \[(?
 class Flow:
     """The graph of one function.
 
-    Attributes
-    ----------
-    successors : dict
-        Of every instruction, inside the function.
-    calls : set
-        Addresses of callees; a jump to another function is a call.
-    problems : list
-        What makes the graph incomplete, one line each.
+    successors: of every instruction, inside the function; calls: addresses of callees; a jump to
+    another function is a call; problems: what makes the graph incomplete, one line each.
     """
 
     function: Function
@@ -88,12 +82,7 @@ def _go(flow: Flow, code: Code, one: ImageInstruction, after: list[int]) -> list
 def make_flow(code: Code, function: Function) -> Flow:
     """Return the graph of a function.
 
-    Parameters
-    ----------
-    code : Code
-        All functions of the image.
-    function : Function
-        One of them.
+    code: all functions of the image; function: one of them.
     """
     flow = Flow(function)
     addresses = [one.address for one in function.instructions]

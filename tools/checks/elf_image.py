@@ -40,12 +40,8 @@ _FRAME_LINE = re.compile(r"^[0-9a-f]{8} (\w+)\+(\d+)\s")
 class ImageInstruction:
     """One line of a disassembly.
 
-    Attributes
-    ----------
-    base : str
-        Mnemonic without width, type and, inside an IT block, condition.
-    is_conditional : bool
-        It stands in an IT block.
+    base: mnemonic without width, type and, inside an IT block, condition; is_conditional: it stands
+    in an IT block.
     """
 
     address: int
@@ -104,10 +100,7 @@ def _start(code: Code, address: int, name: str) -> Function:
 def parse_code(text: str) -> Code:
     """Return the functions of a disassembly by address.
 
-    Parameters
-    ----------
-    text : str
-        Of `objdump -d -z --no-show-raw-insn`.
+    text: of `objdump -d -z --no-show-raw-insn`.
     """
     code: Code = {}
     function: Function | None = None
@@ -140,10 +133,7 @@ class Image:
     def ask(self, tool: str, *words: str, given: str | None = None) -> str:
         """Return what one of the binary utilities prints.
 
-        Raises
-        ------
-        CamtoolsError
-            It is not there, or refuses.
+        Raises CamtoolsError: it is not there, or refuses.
         """
         command = [self.prefix + tool, *words]
         try:
@@ -163,10 +153,7 @@ class Image:
     def function(self, name: str) -> Function:
         """Return the one function of a name.
 
-        Raises
-        ------
-        CamtoolsError
-            There is none, or several.
+        Raises CamtoolsError: there is none, or several.
         """
         found = [one for one in self.code.values() if one.name == name]
         if len(found) != 1:

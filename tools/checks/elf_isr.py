@@ -50,10 +50,7 @@ class IsrReport:
 def load_bounds(path: Path) -> Bounds:
     """Return the reason why the loops of a source function end, by function.
 
-    Raises
-    ------
-    InputError
-        The file is not readable or no such table.
+    Raises InputError: the file is not readable or no such table.
     """
     remedy = 'give FUNCTION = "why its loops end" below [loops]'
     try:
@@ -143,21 +140,9 @@ def _check_sources(walk: _Walk, sources: Iterable[str]) -> None:
 def examine(image: Image, root: str, bounds: Bounds, sources: Iterable[str] = ()) -> IsrReport:
     """Return what the interrupt that begins at a function can reach and take.
 
-    Parameters
-    ----------
-    image : Image
-        Linked, with debug information.
-    root : str
-        Symbol of the interrupt.
-    bounds : Bounds
-        Of its loops.
-    sources : iterable of str
-        Folders that all reachable code must come from; empty: not checked.
-
-    Raises
-    ------
-    CamtoolsError
-        There is no such root, or the binary utilities fail.
+    image: linked, with debug information; root: symbol of the interrupt; bounds: of its loops;
+    sources: folders that all reachable code must come from; empty: not checked. Raises
+    CamtoolsError: there is no such root, or the binary utilities fail.
     """
     report = IsrReport(ALIGNMENT_BYTES + FRAME_BYTES)
     walk = _Walk(image, bounds, report, image.frames())

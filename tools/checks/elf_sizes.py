@@ -78,12 +78,8 @@ def _code_bytes(image: Image, begin: int, end: int) -> dict[int, int]:
 def measure(image: Image, sources: Iterable[str]) -> Sizes:
     """Return the sizes of the modules whose sources lie in the given folders.
 
-    Parameters
-    ----------
-    image : Image
-        With debug information.
-    sources : iterable of str
-        Folders as they stand in the paths of the debug information.
+    image: with debug information; sources: folders as they stand in the paths of the debug
+    information.
     """
     total: dict[str, dict[str, int]] = defaultdict(lambda: defaultdict(int))
     sources, n_bytes = tuple(sources), dict[int, int]()
@@ -117,10 +113,7 @@ def compare(measured: Sizes, recorded: Mapping[str, Size]) -> list[Change]:
 def parse_sizes(file: str, text: str) -> dict[str, Sizes]:
     """Return the recorded sizes by name of the build, then by module.
 
-    Raises
-    ------
-    InputError
-        The text is no such record.
+    Raises InputError: the text is no such record.
     """
     try:
         builds = tomllib.loads(text)

@@ -79,10 +79,7 @@ def _quoted(cell: str) -> tuple[str, ...]:
 def parse_deviations(file: str, text: str) -> list[Deviation]:
     """Return the deviations of a Markdown table.
 
-    Raises
-    ------
-    InputError
-        A row is not understood, or its number is not the next one.
+    Raises InputError: a row is not understood, or its number is not the next one.
     """
     found: list[Deviation] = []
     for line in text.splitlines():
@@ -124,12 +121,8 @@ def cppcheck(root: Path) -> list[Finding]:
     """Return what cppcheck finds in the firmware, its MISRA addon included.
 
     By itself cppcheck would read every file three times, since headers that nearly all include have
-    a few lines for the core: those are read once.
-
-    Raises
-    ------
-    CamtoolsError
-        It is not installed, or breaks down.
+    a few lines for the core: those are read once. Raises CamtoolsError: it is not installed, or
+    breaks down.
     """
     sources = sorted(p for p in root.glob(f"{SOURCES}/**/*.c") if p.parent != root / GENERATED)
     found = _findings(root, sources, [f"-U{name}" for name in CORE])
@@ -165,10 +158,7 @@ def judge(
 ) -> tuple[list[Finding], Counter[str]]:
     """Return the findings that no deviation covers, and how many each covers.
 
-    Parameters
-    ----------
-    deviations : list of Deviation
-        The first that covers a finding has it.
+    deviations: the first that covers a finding has it.
     """
     left, covered = list[Finding](), Counter[str]()
     for finding in findings:

@@ -47,16 +47,7 @@ def limit_s(seconds: float = _LIMIT_S) -> float:
 def until(condition: Callable[[], T], what: str, seconds: float = _LIMIT_S) -> T:
     """Wait until a condition holds; return its value.
 
-    Parameters
-    ----------
-    condition : called every 10 ms
-    what : the event, for the error
-    seconds : limit on an idle reference machine
-
-    Raises
-    ------
-    AssertionError
-        The limit passed; names the event.
+    Raises AssertionError: the limit passed; names the event.
     """
     end_s = time.monotonic() + limit_s(seconds)
     while not (found := condition()):

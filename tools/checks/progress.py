@@ -59,13 +59,7 @@ def waits_for(process: psutil.Process) -> str:
 
 
 class Watch:
-    """Follows the work of a process and those below it.
-
-    Parameters
-    ----------
-    pid : the process; of its own, the thread that watches does not count
-    stall_s : time without progress, on an idle machine, that is a hang
-    """
+    """Follows the work of a process and those below it."""
 
     def __init__(self, pid: int, stall_s: float = STALL_S) -> None:
         self._pid, self._stall_s = pid, limit_s(stall_s)

@@ -66,10 +66,7 @@ def _run(*words: str, folder: Path) -> None:
 def build(preset: str, target: str, folder: Path) -> bytes:
     """Return the image of a target, built from the sources in a folder.
 
-    Raises
-    ------
-    CamtoolsError
-        The build fails, or gives not one program of that name.
+    Raises CamtoolsError: the build fails, or gives not one program of that name.
     """
     _run("cmake", "--preset", preset, folder=folder)
     _run("cmake", "--build", "--preset", preset, "-j2", "--target", target, folder=folder)

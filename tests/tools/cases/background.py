@@ -25,13 +25,7 @@ class Background:
     """A command in a group of processes of its own, in the session of the test.
 
     So it can be ended with its children here, and by the runner of all steps, who ends a session.
-
-    Attributes
-    ----------
-    process : subprocess.Popen
-        the command's first process
-    said : list of str
-        lines of both its outputs up to now
+    process: the command's first process; said: lines of both its outputs up to now.
     """
 
     def __init__(self, words: tuple[str | Path, ...], more: Mapping[str, str]) -> None:

@@ -71,20 +71,10 @@ class _Listened(io.StringIO):
 class Bench:
     """The firmware in a process of its own, its frames on a virtual bus.
 
-    Attributes
-    ----------
-    channel : str
-        of the virtual bus
-    drop : callable
-        tells of a frame for the controller whether it gets lost
-    node : int
-        number of the controller; the firmware knows itself as 64
-    is_fd : bool
-        whether the bus carries frames of CAN FD
-    ended : list of Refused
-        how cuts beside the test ended that were refused
-    secret : str
-        of a controller that demands the button acknowledge; "": it is waived, there is no secret
+    channel: of the virtual bus; drop: tells of a frame for the controller whether it gets lost;
+    node: number of the controller; the firmware knows itself as 64; is_fd: whether the bus carries
+    frames of CAN FD; ended: how cuts beside the test ended that were refused; secret: of a
+    controller that demands the button acknowledge; "": it is waived, there is no secret.
     """
 
     def __init__(self, channel: str, node: int = 64, secret: str = "") -> None:
@@ -178,10 +168,7 @@ class Bench:
     def cutting(self, state: str = "") -> Iterator[Link]:
         """Cut a part beside the block, as camctl start does in another terminal.
 
-        Parameters
-        ----------
-        state : str
-            waited for before the block begins
+        state: waited for before the block begins.
         """
         bus = can.Bus(interface="virtual", channel=self.channel)
         link = Link(bus, f"virtual {self.channel}", self.node)

@@ -40,12 +40,7 @@ def cut(
 ) -> Result:
     """Cut a table in this process, with the words of `camsim run`.
 
-    Parameters
-    ----------
-    status : int or None
-        With which the cut must end; None: any but a refusal.
-    machine : str, optional
-        Text of the machine file.
+    status: with which the cut must end; None: any but a refusal; machine: text of the machine file.
     """
     given = None if machine is None else Machine("machine.toml", machine)
     result = played([str(table), *map(str, words)], given, tables=tables)

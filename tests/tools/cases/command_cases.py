@@ -38,12 +38,8 @@ def command(
 ) -> subprocess.CompletedProcess[str]:
     """Run the command of a module in a folder, with settings in its environment.
 
-    Parameters
-    ----------
-    largest_file : int
-        Bytes beyond which a file cannot be written, as on a full disk.
-    draws : bool
-        False leaves pictures empty, for tests of other results; drawing takes the longest.
+    largest_file: bytes beyond which a file cannot be written, as on a full disk; draws: false
+    leaves pictures empty, for tests of other results; drawing takes the longest.
     """
     texts = [str(word) for word in words]
     main: Callable[[list[str]], int] = importlib.import_module(module).main

@@ -22,13 +22,7 @@ def until(is_true: Callable[[], object], what: str = "the condition in the trace
 class Seat:
     """A service, a visitor who commands, and another.
 
-    Attributes
-    ----------
-    service, commander, log
-        of the panel
-    boss, other : Visitor
-    is_bus_there : bool
-        whether the bus can be opened
+    service, commander, log: of the panel; is_bus_there: whether the bus can be opened.
     """
 
     def __init__(self, channel: str) -> None:

@@ -63,12 +63,8 @@ class Interpreter:
     def points(self, program: Path) -> tuple[str, Floats]:
         """Read a program for a machine with all nine axes.
 
-        Returns
-        -------
-        message : str
-            "" or the interpreter's error.
-        points : ndarray, shape (n, 10)
-            0 rapid, 1 feed; then X radius, Y, Z, A, B, C, U, V, W [mm, degrees].
+        Returns message: "" or the interpreter's error; points: shape (n, 10), 0 rapid, 1 feed; then
+        X radius, Y, Z, A, B, C, U, V, W [mm, degrees].
         """
         found = program.with_suffix(".points")
         done = self._run("/usr/bin/python3", READER, program, found, program.with_suffix(".var"))
@@ -107,10 +103,7 @@ def _is_complete(root: Path) -> bool:
 def tools() -> Path:
     """Return the folder with LinuxCNC's programs, modules, headers and halcompile: "/" or unpacked.
 
-    Raises
-    ------
-    NotHereError
-        Neither installed with its -dev package nor to be had.
+    Raises NotHereError: neither installed with its -dev package nor to be had.
     """
     root = Path("/") if _is_complete(Path("/")) else UNPACKED
     if not _is_complete(root):
@@ -121,10 +114,7 @@ def tools() -> Path:
 def interpreter() -> Interpreter:
     """Return the interpreter, tried.
 
-    Raises
-    ------
-    NotHereError
-        Neither installed nor to be had, or it does not start.
+    Raises NotHereError: neither installed nor to be had, or it does not start.
     """
     is_installed = Path("/usr/bin/rs274").exists()
     if not is_installed and not UNPACKED.exists():

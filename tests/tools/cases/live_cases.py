@@ -16,12 +16,7 @@ from tests.tools.cases.background import Background, background, python
 class LiveCase:
     """A live lathe, and a link to it.
 
-    Attributes
-    ----------
-    lathe : Background
-        tools/live, to which faults are typed
-    link : Link
-        to its controller
+    lathe: tools/live, to which faults are typed; link: to its controller.
     """
 
     def __init__(self, lathe: Background, link: Link) -> None:
@@ -53,10 +48,7 @@ class LiveCase:
 def live_case(folder: Path, *words: str | Path) -> Iterator[LiveCase]:
     """Run tools/live with some words.
 
-    Parameters
-    ----------
-    folder : Path
-        empty; this lathe and no other announces itself there
+    folder: empty; this lathe and no other announces itself there.
     """
     live = python("camtools.cli.live", *words)
     with background(*live, XDG_RUNTIME_DIR=str(folder)) as lathe:

@@ -27,10 +27,7 @@ Named = dict[str, tuple[str, list[str]]]
 def declared_in(header: Path, words: dict[str, str]) -> Named:
     """Return result and arguments of every function between the marks of a header.
 
-    Parameters
-    ----------
-    words : dict
-        Names of ctypes for the header's own types.
+    words: names of ctypes for the header's own types.
     """
     text = header.read_text()
     text = text[text.index("// [declarations]") : text.index("// [end of declarations]")]

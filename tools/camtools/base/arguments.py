@@ -176,12 +176,7 @@ def make_parser(
 ) -> Parser:
     """Return the parser of a command whose arguments are a function's parameters.
 
-    Parameters
-    ----------
-    commands : mapping, optional
-        Commands of the command, by name.
-    settings : Any
-        Those of argparse, such as the epilog.
+    commands: commands of the command, by name; settings: those of argparse, such as the epilog.
     """
     settings = {"description": description_of(function), "allow_abbrev": False} | settings
     if "epilog" in settings:
@@ -229,16 +224,9 @@ def command(
 ) -> Callable[..., int]:
     """Return the main function of a command: it takes a command line and gives the exit status.
 
-    Parameters
-    ----------
-    prog : str
-        Name of the command, as people start it.
-    function : callable
-        Carries the command out; raises CamtoolsError or UsageError.
-    kept : str
-        What a signal leaves, for its line.
-    settings : Any
-        Those of `make_parser`.
+    prog: name of the command, as people start it; function: carries the command out; raises
+    CamtoolsError or UsageError; kept: what a signal leaves, for its line; settings: those of
+    `make_parser`.
     """
 
     def main(argv: Sequence[str] | None = None) -> int:

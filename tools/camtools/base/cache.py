@@ -25,10 +25,7 @@ Result = TypeVar("Result")
 class Memory:
     """The newest results by what they were made of; the one not asked for the longest goes first.
 
-    Parameters
-    ----------
-    most : int
-        How many results are kept.
+    most: how many results are kept.
     """
 
     def __init__(self, most: int) -> None:
@@ -62,10 +59,7 @@ def remembering(memory: Memory) -> Iterator[None]:
 def recall(key: Hashable, make: Callable[[], Result]) -> Result:
     """Return what was made for this key; without an open memory make it.
 
-    Parameters
-    ----------
-    key : hashable
-        Everything that the result follows from, and a word that no other use has.
+    key: everything that the result follows from, and a word that no other use has.
     """
     memory = _open.get()
     return make() if memory is None else memory.recall(key, make)

@@ -74,20 +74,10 @@ def _no_signal_is_lost() -> Iterator[None]:
 def run_command(name: str, action: Callable[[], int], *, kept: str = "nothing was written") -> int:
     """Carry a command out; return its exit status.
 
-    Parameters
-    ----------
-    name : str
-        Begins every line on stderr.
-    action : callable
-        Returns the status; may raise CamtoolsError.
-    kept : str
-        What a signal leaves behind, for its line.
-
-    Returns
-    -------
-    int
-        That of the action; 2 on bad input, reported line by line, and where the output cannot be
-        written; 128 + n on signal n, and 141 where nobody reads the output any more.
+    name: begins every line on stderr; action: returns the status; may raise CamtoolsError; kept:
+    what a signal leaves behind, for its line. Returns that of the action; 2 on bad input, reported
+    line by line, and where the output cannot be written; 128 + n on signal n, and 141 where nobody
+    reads the output any more.
     """
     name = shown_name(name)
     stopped: list[int] = []  # a library may turn the exception into one of its own

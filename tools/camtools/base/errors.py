@@ -53,16 +53,9 @@ class CamtoolsError(Exception):
 class InputError(CamtoolsError):
     """One field of one file is wrong.
 
-    Parameters
-    ----------
-    file : str
-        File as the user named it.
-    field : str
-        Dotted path of the field, or "" for the file itself.
-    value : object
-        What was found there, or None when there is nothing to show.
-    problem, remedy : str
-        What is wrong, and what to do about it.
+    file: file as the user named it; field: dotted path of the field, or "" for the file itself;
+    value: what was found there, or None when there is nothing to show; problem, remedy: what is
+    wrong, and what to do about it.
     """
 
     def __init__(self, file: str, field: str, value: object, problem: str, remedy: str) -> None:
@@ -74,12 +67,8 @@ class InputError(CamtoolsError):
 class GeometryError(CamtoolsError):
     """The numbers are each valid, but the shape they make is not.
 
-    Parameters
-    ----------
-    field : str
-        Dotted path of the field to change.
-    problem, remedy : str
-        What is wrong, and what to do about it.
+    field: dotted path of the field to change; problem, remedy: what is wrong, and what to do about
+    it.
     """
 
     def __init__(self, field: str, problem: str, remedy: str) -> None:

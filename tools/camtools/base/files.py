@@ -45,11 +45,8 @@ from camtools.base.errors import CamtoolsError, InputError
 def read_limited(path: Path, most_bytes: int) -> bytes:
     """Return the content of a file.
 
-    Raises
-    ------
-    OSError
-        It cannot be read, is no regular file (a pipe would be waited for, a device may never end),
-        or is larger; `strerror` says which.
+    Raises OSError: it cannot be read, is no regular file (a pipe would be waited for, a device may
+    never end), or is larger; `strerror` says which.
     """
     mode = path.stat().st_mode
     if stat.S_ISDIR(mode):
@@ -66,10 +63,7 @@ def read_limited(path: Path, most_bytes: int) -> bytes:
 def read_text(path: Path, most_bytes: int) -> str:
     """Return the text of a file that a part file names; a mark of spreadsheets is left out.
 
-    Raises
-    ------
-    InputError
-        It cannot be read, is no file or too large (`read_limited`), or is not UTF-8.
+    Raises InputError: it cannot be read, is no file or too large (`read_limited`), or is not UTF-8.
     """
     try:
         return read_limited(path, most_bytes).decode("utf-8-sig")
@@ -82,10 +76,8 @@ def read_text(path: Path, most_bytes: int) -> str:
 def read_whole_table(path: Path, most_bytes: int) -> str:
     """Return the text of a table of measured numbers, as `read_text`.
 
-    Raises
-    ------
-    InputError
-        Its last line does not end: a file that was cut short may stop within a number.
+    Raises InputError: its last line does not end: a file that was cut short may stop within a
+    number.
     """
     text = read_text(path, most_bytes)
     if text and not text.endswith(("\n", "\r")):
@@ -221,19 +213,10 @@ def _rename(finished: Mapping[Path, Path]) -> None:
 def write_all(folder: Path, files: Mapping[str, bytes | Iterable[bytes]]) -> None:
     """Write files into a folder so that either all get their names or none does.
 
-    A name that is a symbolic link stays one: the file that it points to is replaced.
-
-    Parameters
-    ----------
-    files : Mapping
-        Content by name: whole, or in pieces that are asked for one by one, so that a file may
-        be larger than the memory.
-
-    Raises
-    ------
-    CamtoolsError
-        The system refuses, a name belongs to what is no regular file, or a link to another user;
-        older files are as they were.
+    A name that is a symbolic link stays one: the file that it points to is replaced. files: content
+    by name: whole, or in pieces that are asked for one by one, so that a file may be larger than
+    the memory. Raises CamtoolsError: the system refuses, a name belongs to what is no regular file,
+    or a link to another user; older files are as they were.
     """
     finished: dict[Path, Path] = {}
     try:
@@ -270,12 +253,8 @@ class Stage(NamedTuple):
 def staged(output: Path) -> Iterator[Stage]:
     """Give a hidden folder for the results of a run, gone at the end.
 
-    The output folder is made when missing, and removed again when nothing is published.
-
-    Raises
-    ------
-    CamtoolsError
-        On entering and publishing: the output folder cannot be written.
+    The output folder is made when missing, and removed again when nothing is published. Raises
+    CamtoolsError: on entering and publishing: the output folder cannot be written.
     """
     with ExitStack() as stack:
         try:
@@ -290,13 +269,8 @@ def staged(output: Path) -> Iterator[Stage]:
 def growing(path: Path) -> Iterator[TextIO]:
     """Write a text file bit by bit; it gets its name at the end, whatever the end is.
 
-    Until then an older file stays; also when nothing was written. What is no ordinary file, such
-    as a pipe, is written directly; a symbolic link stays one.
-
-    Raises
-    ------
-    OSError
-        The file cannot be made.
+    Until then an older file stays; also when nothing was written. What is no ordinary file, such as
+    a pipe, is written directly; a symbolic link stays one. Raises OSError: the file cannot be made.
     """
     if path.exists() and not path.is_file():
         with path.open("w", newline="", encoding="utf-8") as stream:

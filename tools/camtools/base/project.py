@@ -79,10 +79,7 @@ class Origin(NamedTuple):
 def date_text() -> str:
     """Return now, or the time of SOURCE_DATE_EPOCH, to the minute.
 
-    Raises
-    ------
-    CamtoolsError
-        The variable is no number of seconds.
+    Raises CamtoolsError: the variable is no number of seconds.
     """
     given = os.environ.get("SOURCE_DATE_EPOCH")
     try:
@@ -129,15 +126,8 @@ Prototypes = Mapping[str, tuple[Any, list[Any]]]  # result and arguments by the 
 def loaded(path: Path, prototypes: Prototypes, builder: str) -> ctypes.CDLL:
     """Return a library whose functions have their types.
 
-    Parameters
-    ----------
-    builder : str
-        Program that builds the library, for the message.
-
-    Raises
-    ------
-    CamtoolsError
-        The library is missing or lacks a function.
+    builder: program that builds the library, for the message. Raises CamtoolsError: the library is
+    missing or lacks a function.
     """
     try:
         library = ctypes.CDLL(str(path))

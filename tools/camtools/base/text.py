@@ -89,12 +89,7 @@ def size_text(n_bytes: float) -> str:
 class NumberLines:
     """How the lines of a file are written.
 
-    Attributes
-    ----------
-    separator : str or None
-        None: blanks and tabs.
-    names : list of str
-        Of the columns.
+    separator: none: blanks and tabs; names: of the columns.
     """
 
     def __init__(self, header: str) -> None:
@@ -109,10 +104,7 @@ class NumberLines:
     def numbers(self, line: str, places: Sequence[int] | None = None) -> list[float]:
         """Return the numbers of a line, of all its columns or of some.
 
-        Raises
-        ------
-        ValueError, IndexError
-            A cell is missing or no number.
+        Raises ValueError, IndexError: a cell is missing or no number.
         """
         cells = self.cells(line)
         chosen = cells if places is None else [cells[place] for place in places]
@@ -135,11 +127,8 @@ _LONG_KEY = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{MOST_NAMES}}}"
 def toml_tree(text: str) -> dict[str, Any]:
     """Return the tables of a TOML text.
 
-    Raises
-    ------
-    ValueError
-        It is no TOML (tomllib.TOMLDecodeError), nested too deeply, or has a key of more than
-        MOST_NAMES names.
+    Raises ValueError: it is no TOML (tomllib.TOMLDecodeError), nested too deeply, or has a key of
+    more than MOST_NAMES names.
     """
     if _LONG_KEY.search(STRINGS.sub("s", text)):
         raise ValueError(f"a key of more than {MOST_NAMES} names")

@@ -55,10 +55,7 @@ def lobe_products(
 ) -> tuple[str, dict[str, bytes]]:
     """Return what is printed of a cam, and the content of every file by its name.
 
-    Raises
-    ------
-    CamtoolsError
-        A wish is out of range, or the part impossible.
+    Raises CamtoolsError: a wish is out of range, or the part impossible.
     """
     studies = lobe.study_lobes(part, wishes)
     figures = lobe.lobe_figures(part, studies)
@@ -85,10 +82,7 @@ def skirt_products(
 ) -> tuple[str, dict[str, bytes]]:
     """Return what is printed of a skirt, and the content of every file by its name.
 
-    Raises
-    ------
-    CamtoolsError
-        A wish is out of range, or the part impossible.
+    Raises CamtoolsError: a wish is out of range, or the part impossible.
     """
     found = make_analysis(part, wishes)
     files = _files(found, wishes.nose_mm, with_pictures=with_pictures)

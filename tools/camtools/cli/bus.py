@@ -89,11 +89,8 @@ class BusOptions(Interface):
         """Return the bus, its name for messages, and the controller's node.
 
         Where no bus is named, neither here nor by the environment, it is that of the live lathe.
-
-        Raises
-        ------
-        CamtoolsError
-            It cannot be opened, several live lathes run, or both a bus and a live lathe are named.
+        Raises CamtoolsError: it cannot be opened, several live lathes run, or both a bus and a live
+        lathe are named.
         """
         given = self.words()
         if self.live is not None and given:

@@ -45,12 +45,7 @@ class Control:
     def ask(self, command: str, parameter: int = 0, **value: float) -> Answer:
         """Send a command that must be accepted.
 
-        Raises
-        ------
-        Refused
-            It is not.
-        CamtoolsError
-            The value is outside the range of its signal.
+        Raises Refused: it is not; CamtoolsError: the value is outside the range of its signal.
         """
         return ask_done(self.link, command, parameter, **value)
 
@@ -115,12 +110,7 @@ class RightsOptions:
     def commanding(self, link: Link, node: int) -> Iterator[None]:
         """Let the orders of a block take command where they need it, and give it back after them.
 
-        Raises
-        ------
-        CamtoolsError
-            The secret cannot be read.
-        Refused
-            Another has command.
+        Raises CamtoolsError: the secret cannot be read; Refused: another has command.
         """
         rights, given = link.rights, self.secret or os.environ.get(SECRET)
         rights.sender = sender_of("camctl") if self.sender is None else self.sender
@@ -169,10 +159,7 @@ def _await_key(link: Link, say: Callable[[str], None]) -> None:
 def unlock(control: Control) -> None:
     """Unlock with the secret or the key switch, until control-C or `lock`.
 
-    Raises
-    ------
-    Refused
-        The controller refuses, command is lost, or nobody turns the key.
+    Raises Refused: the controller refuses, command is lost, or nobody turns the key.
     """
     link, say = control.link, control.say
     if link.rights.secret is not None:

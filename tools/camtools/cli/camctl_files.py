@@ -37,10 +37,7 @@ ABOUT = "camturn.recording"
 def names_of(text: str) -> list[str]:
     """Return the signals of a list.
 
-    Raises
-    ------
-    CamtoolsError
-        One is none.
+    Raises CamtoolsError: one is none.
     """
     names = text.split(",")
     scope.mask_of(names)

@@ -54,10 +54,7 @@ _SAME_LINE = "\x1b[K\r"
 def _until_over(link: Link) -> None:
     """Wait until a cut is over.
 
-    Raises
-    ------
-    Refused
-        It ends in a fault, command was lost, or the status stops.
+    Raises Refused: it ends in a fault, command was lost, or the status stops.
     """
     status = link.status
     while status.state not in _OVER:
@@ -74,11 +71,7 @@ def follow_cut(link: Link, out: TextIO) -> str:
     """Show how far a cut is until it is over, and return what came of it; control-C stops it.
 
     It has to stay: without its heartbeats command would be lost, and the cut would end by that.
-
-    Raises
-    ------
-    Refused
-        It was stopped, ended in a fault or off, or command was lost.
+    Raises Refused: it was stopped, ended in a fault or off, or command was lost.
     """
     is_drawn, told, turns, has_end = out.isatty(), "", 0.0, True
     reached = "before the first turn"

@@ -138,10 +138,7 @@ def _finish(
 ) -> None:
     """Write what was read and give the memory back to the black box.
 
-    Parameters
-    ----------
-    number : str
-        What the names of pictures get after their stems, of several.
+    number: what the names of pictures get after their stems, of several.
     """
     say = control.say
     made = _pictures(wanted, recording)
@@ -227,11 +224,7 @@ def scope(
     """Record signals tick by tick, write and plot them.
 
     Interrupted, it writes what is there by then. With `again` it reads the recording that is there.
-
-    Raises
-    ------
-    Refused
-        The controller refuses, or ticks were lost; then their rows are not written.
+    Raises Refused: the controller refuses, or ticks were lost; then their rows are not written.
     """
     link, say = control.link, control.say
     check_name(file)
@@ -297,10 +290,7 @@ def blackbox(
 ) -> None:
     """Show or read the recording from before the last fault.
 
-    Raises
-    ------
-    Refused
-        There is no fault to be read.
+    Raises Refused: there is no fault to be read.
     """
     link = control.link
     if file is not None:

@@ -54,10 +54,7 @@ def _read_wave(path: Path) -> bytes:
 def wave_of(data: bytes, name: str) -> tuple[npt.NDArray[np.int64], excitation.Unit]:
     """Return the samples of a wave file, and their unit by its heading.
 
-    Raises
-    ------
-    CamtoolsError
-        It is none; the line says where.
+    Raises CamtoolsError: it is none; the line says where.
     """
     lines = data.decode("utf-8", "replace").split("\n")
     unit = _UNITS.get(lines[0].strip())

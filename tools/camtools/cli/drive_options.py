@@ -51,15 +51,8 @@ class UOptions(BusOptions):
 def connected_u(options: UOptions, program: str) -> Iterator[tuple[ConnectedU, int]]:
     """Open U of the controller that the options name; give it and the controller's node.
 
-    Parameters
-    ----------
-    program : str
-        name by which it takes command, one that `link.rights` knows
-
-    Raises
-    ------
-    CamtoolsError
-        The bus cannot be opened, or the secret cannot be read.
+    program: name by which it takes command, one that `link.rights` knows. Raises CamtoolsError: the
+    bus cannot be opened, or the secret cannot be read.
     """
     bus, where, node = options.opened()
     try:
@@ -75,10 +68,7 @@ def connected_u(options: UOptions, program: str) -> Iterator[tuple[ConnectedU, i
 def record_text(csv: Path) -> str:
     """Return the text of a recording.
 
-    Raises
-    ------
-    CamtoolsError
-        It cannot be read, or is not UTF-8.
+    Raises CamtoolsError: it cannot be read, or is not UTF-8.
     """
     try:
         return read_given(csv, "--record", MAX_BYTES).decode("utf-8-sig")

@@ -74,11 +74,8 @@ def _check_size(file: Path, size: int, region: Region) -> None:
 def check_firmware(file: Path) -> None:
     """Refuse what cannot be firmware for this board.
 
-    Raises
-    ------
-    CamtoolsError
-        It cannot be read, is too long, or does not begin with a stack in DTCM and a reset vector
-        inside itself.
+    Raises CamtoolsError: it cannot be read, is too long, or does not begin with a stack in DTCM and
+    a reset vector inside itself.
     """
     image = _read(file)
     _check_size(file, len(image), FIRMWARE)
@@ -91,10 +88,7 @@ def check_firmware(file: Path) -> None:
 def check_table(file: Path) -> None:
     """Refuse a table that the firmware would refuse, in its words.
 
-    Raises
-    ------
-    CamtoolsError
-        It does not fit, or the firmware's check, run by camsim, refuses it.
+    Raises CamtoolsError: it does not fit, or the firmware's check, run by camsim, refuses it.
     """
     _check_size(file, len(_read(file)), TABLE)
     build = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host")
@@ -127,15 +121,8 @@ def _st_flash(writes: Sequence[Write]) -> list[list[str]]:
 def command_lines(programmer: str, writes: Sequence[Write]) -> list[list[str]]:
     """Return the command lines that write files and start the firmware.
 
-    Returns
-    -------
-    list of list of str
-        Commands, each as its words, to be run one after the other.
-
-    Raises
-    ------
-    CamtoolsError
-        openocd cannot be given a name with braces or backslashes.
+    Returns commands, each as its words, to be run one after the other. Raises CamtoolsError:
+    openocd cannot be given a name with braces or backslashes.
     """
     if programmer == "st-flash":
         return _st_flash(writes)

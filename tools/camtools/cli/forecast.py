@@ -92,10 +92,7 @@ class Options:
 def _positive(option: str, value: float | None) -> list[str]:
     """Return an option of camsim, nothing when it is not given.
 
-    Raises
-    ------
-    CamtoolsError
-        Not a finite number above 0.
+    Raises CamtoolsError: not a finite number above 0.
     """
     if value is None:
         return []

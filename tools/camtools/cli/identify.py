@@ -63,10 +63,7 @@ answer; 2 wrong usage or bad input."""
 class Options:
     """Which drive is identified, and how.
 
-    Raises
-    ------
-    UsageError
-        Options do not go together.
+    Raises UsageError: options do not go together.
     """
 
     u: UOptions

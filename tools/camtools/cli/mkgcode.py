@@ -75,10 +75,7 @@ def _check_chord(chord_um: float) -> None:
 def make_lobe_job(part: LobePart, wishes: ProgramWishes) -> LobeJob:
     """Return what a program of a cam is made of.
 
-    Raises
-    ------
-    CamtoolsError
-        A chord error out of range, or heights, which a cam does not take.
+    Raises CamtoolsError: a chord error out of range, or heights, which a cam does not take.
     """
     for option, value in (("--from-mm", wishes.from_mm), ("--to-mm", wishes.to_mm)):
         if value is not None:
@@ -99,11 +96,8 @@ def _refuse_passes(part: SkirtPart) -> None:
 def make_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
     """Return what a program is made of.
 
-    Raises
-    ------
-    CamtoolsError
-        Heights beyond the part or not rising, a feed beyond its height, a chord error out of range,
-        an impossible part.
+    Raises CamtoolsError: heights beyond the part or not rising, a feed beyond its height, a chord
+    error out of range, an impossible part.
     """
     _refuse_passes(part)
     check_feed(part)

@@ -87,10 +87,7 @@ def _exported(
 ) -> dict[str, bytes]:
     """Return the files of --export.
 
-    Raises
-    ------
-    CamtoolsError
-        Options without a format, or out of range.
+    Raises CamtoolsError: options without a format, or out of range.
     """
     if form is None:
         if heights_mm or n_points is not None:

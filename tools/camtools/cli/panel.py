@@ -91,10 +91,7 @@ class Options(BusOptions):
 def token_of(path: Path | None) -> str:
     """Return the token of a file, or a new one.
 
-    Raises
-    ------
-    CamtoolsError
-        The file cannot be read, others may read it, or it has no fair token.
+    Raises CamtoolsError: the file cannot be read, others may read it, or it has no fair token.
     """
     if path is None:
         return secrets.token_urlsafe(_TOKEN_BYTES)
@@ -126,10 +123,7 @@ def _open_socket(port: int) -> socket.socket:
 def _check_bus(options: Options) -> None:
     """Raise when the bus that is named cannot be opened; a live lathe may still come.
 
-    Raises
-    ------
-    CamtoolsError
-        As `BusOptions.opened`.
+    Raises CamtoolsError: as `BusOptions.opened`.
     """
     given, named = options.words(), options.live
     is_there = named is not None and any(lathe.name == named for lathe in live_lathes())

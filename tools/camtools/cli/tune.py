@@ -50,10 +50,7 @@ nothing is written or set; 2 wrong usage or bad input."""
 class Options:
     """Whose loop is tuned, and how.
 
-    Raises
-    ------
-    UsageError
-        Options do not go together.
+    Raises UsageError: options do not go together.
     """
 
     u: UOptions

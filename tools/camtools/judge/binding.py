@@ -89,17 +89,9 @@ def _library(path: Path) -> CDLL:
 class Judge:
     """A table on a machine, as the controller judges it.
 
-    Parameters
-    ----------
-    table : bytes or TablePeaks
-        Its image, or what is known before there is one.
-    parameters : mapping
-        Of the controller, by name; each is rounded and limited to its range.
-
-    Raises
-    ------
-    CamtoolsError
-        The controller refuses the image, or the library is missing.
+    table: its image, or what is known before there is one; parameters: of the controller, by name;
+    each is rounded and limited to its range. Raises CamtoolsError: the controller refuses the
+    image, or the library is missing.
     """
 
     def __init__(

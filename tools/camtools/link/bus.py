@@ -92,12 +92,7 @@ class _Socket(GeneralPurposeUdpMulticastBus):
 class LoopbackBus(UdpMulticastBus):
     """Frames in UDP packets that never leave this computer.
 
-    Parameters
-    ----------
-    channel : str
-        group, an IPv4 address 224.0.0.0/4
-    port : int
-        of UDP, which tells one bus from another
+    channel: group, an IPv4 address 224.0.0.0/4; port: of UDP, which tells one bus from another.
     """
 
     def __init__(self, channel: str, port: int) -> None:
@@ -206,15 +201,8 @@ def _opened(asked: Mapping[str, Any], given: Mapping[str, Any]) -> can.BusABC:
 def open_bus(given: Mapping[str, Any]) -> tuple[can.BusABC, str]:
     """Return an open bus, and how to call it in messages.
 
-    Parameters
-    ----------
-    given : Mapping
-        arguments of can.Bus; what is missing comes from the environment or python-can's file
-
-    Raises
-    ------
-    CamtoolsError
-        It cannot be opened.
+    given: arguments of can.Bus; what is missing comes from the environment or python-can's file.
+    Raises CamtoolsError: it cannot be opened.
     """
     asked = configured(given)
     interface = asked.get("interface")

@@ -88,29 +88,13 @@ def _frame(identifier: int, data: bytes) -> can.Message:
 class Link:
     """A bus with one controller.
 
-    Parameters
-    ----------
-    bus : can.BusABC
-        open
-    where : str
-        how the user named the bus, for messages
-    node : int
-        number of the controller, 1 .. 127; identifiers here are those of node 64, as in the DBC
-
-    Attributes
-    ----------
-    status : Status
-        newest that came
-    on_row : callable
-        called with the status whenever a set of its messages is complete
-    on_wait : callable
-        called before each frame is waited for; what it raises ends what runs, as a signal would
-    on_strobe : callable
-        called with the bytes of every message Strobe (link/strobe.py)
-    is_fd : bool
-        whether the bus was opened for frames of CAN FD
-    rights : Rights
-        whether this link commands; its heartbeats are sent while frames are waited for
+    bus: open; where: how the user named the bus, for messages; node: number of the controller, 1 ..
+    127; identifiers here are those of node 64, as in the DBC. status: newest that came; on_row:
+    called with the status whenever a set of its messages is complete; on_wait: called before each
+    frame is waited for; what it raises ends what runs, as a signal would; on_strobe: called with
+    the bytes of every message Strobe (link/strobe.py); is_fd: whether the bus was opened for frames
+    of CAN FD; rights: whether this link commands; its heartbeats are sent while frames are waited
+    for.
     """
 
     def __init__(self, bus: can.BusABC, where: str, node: int = DBC_NODE) -> None:
@@ -226,15 +210,8 @@ class Link:
     def next_answer(self, command: str, timeout_s: float, echo: int | None = None) -> Answer:
         """Return the next answer to a command.
 
-        Parameters
-        ----------
-        echo : int, optional
-            what the answer must have as its parameter; others are those of other senders
-
-        Raises
-        ------
-        Refused
-            None comes in time.
+        echo: what the answer must have as its parameter; others are those of other senders. Raises
+        Refused: none comes in time.
         """
         end_s = time.monotonic() + timeout_s
         while True:
@@ -255,19 +232,10 @@ class Link:
     ) -> Answer:
         """Send a command, again while the controller is busy, and return its answer.
 
-        Where it needs command or the unlocked level, `rights` takes them first, if it may.
-
-        Parameters
-        ----------
-        value : float
-            at most one signal of the message Command, in its unit
-
-        Raises
-        ------
-        CamtoolsError
-            The value is outside the range of its signal.
-        Refused
-            No answer comes, another has command, or it was lost.
+        Where it needs command or the unlocked level, `rights` takes them first, if it may. value:
+        at most one signal of the message Command, in its unit. Raises CamtoolsError: the value is
+        outside the range of its signal; Refused: no answer comes, another has command, or it was
+        lost.
         """
         self.rights.prepare(command)
         for _ in range(MOST_MENDS):
@@ -305,10 +273,8 @@ class Link:
     def listen(self) -> Status:
         """Wait until every message and page of the status came once.
 
-        Raises
-        ------
-        Refused
-            No status comes, or one of an older controller, which lacks messages or pages.
+        Raises Refused: no status comes, or one of an older controller, which lacks messages or
+        pages.
         """
         if not self.wait_in_its_time(lambda: self.status.signals.keys() >= WANTED, ANSWER_S):
             is_heard = time.monotonic() - self.status.at_s < SILENT_S

@@ -28,10 +28,7 @@ _HEADER_BYTES = 128
 def send_block(link: Link, block: bytes) -> None:
     """Send one message by ISO 15765-2.
 
-    Raises
-    ------
-    Refused
-        The controller gives no flow control, or wants none of it.
+    Raises Refused: the controller gives no flow control, or wants none of it.
     """
     problems: list[Exception] = []
 
@@ -80,17 +77,8 @@ def _give(link: Link, image: bytes, at: int, remedy: str) -> int:
 def bring(link: Link, data: bytes, remedy: str, progress: Callable[[int, float], None]) -> None:
     """Bring bytes to the controller, where a download was begun.
 
-    Parameters
-    ----------
-    remedy : str
-        what to do if that fails
-    progress : callable
-        called with [bytes] that are stored and [s] since the begin
-
-    Raises
-    ------
-    Refused
-        The controller refuses, or the bus loses too much.
+    remedy: what to do if that fails; progress: called with [bytes] that are stored and [s] since
+    the begin. Raises Refused: the controller refuses, or the bus loses too much.
     """
     start_s, at = time.monotonic(), 0
     while at < len(data):
@@ -101,10 +89,8 @@ def bring(link: Link, data: bytes, remedy: str, progress: Callable[[int, float],
 def check_image(image: bytes, name: str) -> None:
     """Raise when bytes are no table image, by their length and first letters.
 
-    Raises
-    ------
-    CamtoolsError
-        They are none; what else is wrong the controller tells behind the download.
+    Raises CamtoolsError: they are none; what else is wrong the controller tells behind the
+    download.
     """
     if len(image) < _HEADER_BYTES or not image.startswith(b"CAMTAB"):
         raise CamtoolsError([f"{name}: not a cam table; make one by tools/mktables"])
@@ -113,15 +99,8 @@ def check_image(image: bytes, name: str) -> None:
 def download(link: Link, image: bytes, progress: Callable[[int, float], None]) -> None:
     """Bring an image into the place that is not in use, and have it checked there.
 
-    Parameters
-    ----------
-    progress : callable
-        called with [bytes] that are stored and [s] since the begin
-
-    Raises
-    ------
-    Refused
-        The controller refuses, or the bus loses too much. The old table stays in force.
+    progress: called with [bytes] that are stored and [s] since the begin. Raises Refused: the
+    controller refuses, or the bus loses too much. The old table stays in force.
     """
     begin = link.ask("begin_download", timeout_s=BEGIN_S, size=len(image))
     require(link, begin, "begin download")
@@ -133,10 +112,7 @@ def download(link: Link, image: bytes, progress: Callable[[int, float], None]) -
 def select_table(link: Link) -> None:
     """Take the downloaded table into use, or check the one in its place anew.
 
-    Raises
-    ------
-    Refused
-        The controller refuses; the old table stays in force.
+    Raises Refused: the controller refuses; the old table stays in force.
     """
     require(link, link.ask("select_table", timeout_s=CHECK_S), "select table")
     link.status.signals.clear()

@@ -57,12 +57,8 @@ def download_wave(
 ) -> int:
     """Bring the samples of a period to the controller, one per tick; return how many.
 
-    Raises
-    ------
-    CamtoolsError
-        They are no whole numbers of 32 bits.
-    Refused
-        The controller refuses them, or the bus loses too much.
+    Raises CamtoolsError: they are no whole numbers of 32 bits; Refused: the controller refuses
+    them, or the bus loses too much.
     """
     period = np.asarray(samples)
     rounded = np.rint(period.astype(np.float64))
@@ -111,33 +107,15 @@ def excite(
     """Let U play a wave in the state ready, and return what was recorded meanwhile.
 
     U moves to its place, the amplitude rises, the wave plays, the amplitude falls, and U goes back
-    to where it stood. Whatever ends this function early brings U to rest. A force does not fall:
-    it drops at the end, and at once when this function ends early.
-
-    Parameters
-    ----------
-    samples : array_like
-        [unit] one period, a sample for each tick
-    periods : int
-        how often it plays in full
-    unit : {"nm", "mN"}
-        positions, or forces of a U that takes them, added to those of its loop: each is in the row
-        of the next tick
-    fade_ticks : int
-        [ticks] in which the amplitude rises, and falls; 16 .. 65535
-    place_nm : int
-        [nm] of U, about which the wave plays
-    signals : sequence of str
-        to record in every tick
-    progress : callable
-        called with the bytes of the recording that are there and those in all
-
-    Raises
-    ------
-    CamtoolsError
-        A number or a signal has no place in its message.
-    Refused
-        The controller refuses with its numbers, it was cut short, or ticks were lost.
+    to where it stood. Whatever ends this function early brings U to rest. A force does not fall: it
+    drops at the end, and at once when this function ends early. samples: [unit] one period, a
+    sample for each tick; periods: how often it plays in full; unit: positions, or forces of a U
+    that takes them, added to those of its loop: each is in the row of the next tick; fade_ticks:
+    [ticks] in which the amplitude rises, and falls; 16 .. 65535; place_nm: [nm] of U, about which
+    the wave plays; signals: to record in every tick; progress: called with the bytes of the
+    recording that are there and those in all. Raises CamtoolsError: a number or a signal has no
+    place in its message; Refused: the controller refuses with its numbers, it was cut short, or
+    ticks were lost.
     """
     check_excitation(periods, fade_ticks, place_nm)
     mask_of(signals)

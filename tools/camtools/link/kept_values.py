@@ -138,20 +138,9 @@ def problem_of(name: str, value: object) -> str:
 def parse(data: bytes, name: str, note: Callable[[str], object] = lambda _: None) -> dict[str, int]:
     """Return the parameters of a file, in the order of the controller; groups have no meaning.
 
-    Parameters
-    ----------
-    data : bytes
-        TOML.
-    name : str
-        Of the file, for messages.
-    note : function
-        Gets a line where the file has retired parameters, which are ignored.
-
-    Raises
-    ------
-    CamtoolsError
-        It is no TOML, or a parameter is unknown, twice there, no number or out of its range: a
-        line for each.
+    data: TOML; name: of the file, for messages; note: gets a line where the file has retired
+    parameters, which are ignored. Raises CamtoolsError: it is no TOML, or a parameter is unknown,
+    twice there, no number or out of its range: a line for each.
     """
     try:
         told = toml_tree(data.decode("utf-8"))
@@ -185,15 +174,8 @@ def get_all(link: Link) -> dict[str, int]:
 def set_all(link: Link, values: Mapping[str, int]) -> dict[str, tuple[int, int]]:
     """Bring parameters into force, all of them in the same tick, or none.
 
-    Returns
-    -------
-    dict
-        what was before and what is now, of those that have changed
-
-    Raises
-    ------
-    Refused
-        The controller refuses, or the bus is lost; nothing has changed.
+    Returns what was before and what is now, of those that have changed. Raises Refused: the
+    controller refuses, or the bus is lost; nothing has changed.
     """
     ask_done(link, "begin_parameters")
     before = get_all(link)
@@ -238,10 +220,7 @@ part = "{part}"
 def learned_text(values: Sequence[int], part: str) -> str:
     """Return the values as a TOML file.
 
-    Parameters
-    ----------
-    part : str
-        name of the table that was in use
+    part: name of the table that was in use.
     """
     name = "".join(c if c.isprintable() and c not in '"\\' else "?" for c in part)
     lines, at = [_LEARNED_HEAD.format(part=name)], 0
@@ -254,10 +233,7 @@ def learned_text(values: Sequence[int], part: str) -> str:
 def learned_values(data: bytes, name: str) -> list[int]:
     """Return the values of such a file.
 
-    Raises
-    ------
-    CamtoolsError
-        It is none: the line names the file, the key and the remedy.
+    Raises CamtoolsError: it is none: the line names the file, the key and the remedy.
     """
     try:
         told = toml_tree(data.decode("utf-8"))
@@ -308,10 +284,7 @@ def get_learned(link: Link) -> list[int]:
 def set_learned(link: Link, values: Sequence[int]) -> None:
     """Bring learned values back; when one is refused, those of before come back.
 
-    Raises
-    ------
-    Refused
-        One is refused, or the bus is lost.
+    Raises Refused: one is refused, or the bus is lost.
     """
     before = get_learned(link)
     for index, value in enumerate(values):

@@ -40,10 +40,7 @@ _START_FIELD = 19  # of /proc/PID/stat, behind the name in brackets: when it was
 class LiveLathe:
     """What a live lathe announces.
 
-    Attributes
-    ----------
-    facts : dict
-        all that was announced: `pid` and `start` of the process, and what else it told
+    facts: all that was announced: `pid` and `start` of the process, and what else it told.
     """
 
     name: str  # by which camctl --live finds it
@@ -55,10 +52,7 @@ class LiveLathe:
 def runtime_folder() -> Path:
     """Return the folder of the announcements, made when it is missing.
 
-    Raises
-    ------
-    CamtoolsError
-        It cannot be made, or others may write there.
+    Raises CamtoolsError: it cannot be made, or others may write there.
     """
     given = os.environ.get("XDG_RUNTIME_DIR")
     own = Path(tempfile.gettempdir()) / f"camturn-{os.getuid()}"
@@ -110,10 +104,7 @@ def live_lathes(folder: Path | None = None) -> list[LiveLathe]:
 def only_lathe(name: str | None, folder: Path | None = None) -> LiveLathe | None:
     """Return the live lathe of a name, or the only one there is.
 
-    Raises
-    ------
-    CamtoolsError
-        None has the name, or there are several and no name.
+    Raises CamtoolsError: none has the name, or there are several and no name.
     """
     found = live_lathes(folder)
     names = ", ".join(lathe.name for lathe in found)
@@ -133,15 +124,8 @@ def only_lathe(name: str | None, folder: Path | None = None) -> LiveLathe | None
 def announced(folder: Path, name: str, facts: Mapping[str, Any]) -> Iterator[LiveLathe]:
     """Announce a live lathe of this process, by a free name that begins like the given one.
 
-    Parameters
-    ----------
-    facts : Mapping
-        `bus`, arguments of can.Bus; `node`, number of the controller; whatever else is to be told
-
-    Raises
-    ------
-    CamtoolsError
-        The folder cannot be written.
+    facts: `bus`, arguments of can.Bus; `node`, number of the controller; whatever else is to be
+    told. Raises CamtoolsError: the folder cannot be written.
     """
     whole = dict(facts) | {"pid": os.getpid(), "start": start_of(os.getpid())}
     taken = {lathe.name for lathe in live_lathes(folder)}
@@ -195,22 +179,10 @@ def unpacked(record: bytes) -> can.Message:
 class Bridge:
     """Two threads that carry frames until the controller or the bus is gone.
 
-    A frame with an identifier that the controller sends itself is not carried to it: a bus may
-    hand everybody his own frames.
-
-    Parameters
-    ----------
-    bus : can.BusABC
-        open
-    to_controller, from_controller : int
-        descriptors of the pipes; they stay open
-
-    Attributes
-    ----------
-    spoke : threading.Event
-        the controller has sent its first frame
-    problem : str
-        why frames are carried no more; "" while they are, and when the controller has ended
+    A frame with an identifier that the controller sends itself is not carried to it: a bus may hand
+    everybody his own frames. bus: open; to_controller, from_controller: descriptors of the pipes;
+    they stay open. spoke: the controller has sent its first frame; problem: why frames are carried
+    no more; "" while they are, and when the controller has ended.
     """
 
     def __init__(self, bus: can.BusABC, to_controller: int, from_controller: int) -> None:

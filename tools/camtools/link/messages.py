@@ -70,10 +70,7 @@ class Refused(Exception):  # noqa: N818 - a controller that says no is no error 
 class Answer:
     """What a controller answered.
 
-    Attributes
-    ----------
-    limits : tuple of float or None
-        lowest and highest value, when the value was out of its range
+    limits: lowest and highest value, when the value was out of its range.
     """
 
     command: str
@@ -86,10 +83,7 @@ class Answer:
 def check_range(name: str, value: float, low: float, high: float, unit: str) -> None:
     """Refuse a value outside of its range, in the unit of both.
 
-    Raises
-    ------
-    CamtoolsError
-        It is below or above.
+    Raises CamtoolsError: it is below or above.
     """
     if not low <= value <= high:
         ending = f" {unit}" if unit else ""
@@ -100,10 +94,7 @@ def check_range(name: str, value: float, low: float, high: float, unit: str) -> 
 def _check_signal(name: str, value: float) -> None:
     """Refuse a value that has no place in the message Command.
 
-    Raises
-    ------
-    CamtoolsError
-        It is outside the range that the DBC gives its signal.
+    Raises CamtoolsError: it is outside the range that the DBC gives its signal.
     """
     signal = COMMAND.get_signal_by_name(name)
     low, high = signal.minimum, signal.maximum
@@ -116,17 +107,9 @@ def command_bytes(
 ) -> bytes:
     """Return a command as its frame has it.
 
-    Parameters
-    ----------
-    value : dict
-        at most one signal of the message Command, in its unit
-    sender, session : int
-        who sends it, and the session in which he commands; 0, 0: nobody who commands
-
-    Raises
-    ------
-    CamtoolsError
-        The value is outside the range of its signal.
+    value: at most one signal of the message Command, in its unit; sender, session: who sends it,
+    and the session in which he commands; 0, 0: nobody who commands. Raises CamtoolsError: the value
+    is outside the range of its signal.
     """
     number = NUMBERS["command"][command]
     signals: dict[str, float] = {"command": number, "parameter": parameter}

@@ -60,10 +60,7 @@ def value_of(link: Link, name: str) -> float:
 def _set(link: Link, name: str, value: int, shown: str) -> float:
     """Set a parameter; return the value in force.
 
-    Raises
-    ------
-    Refused
-        It is refused; the text names the setting as shown.
+    Raises Refused: it is refused; the text names the setting as shown.
     """
     answer = link.ask("set_parameter", parameter=NUMBERS["parameter"][name], value=value)
     return require(link, answer, f"set {shown}").value
@@ -81,10 +78,7 @@ def value_text(name: str, value: float) -> str:
 def _set_in_unit(link: Link, name: str, value: float) -> float:
     """Set a parameter in the unit of operators; return the value in force.
 
-    Raises
-    ------
-    CamtoolsError
-        The value is out of the parameter's range.
+    Raises CamtoolsError: the value is out of the parameter's range.
     """
     setting = SETTINGS[name]
     info = INFOS[setting.parameter]
@@ -180,10 +174,7 @@ def usual_mm_per_s(link: Link, axis: str) -> float:
 def end_text(link: Link, axis: str, end: str, what: str) -> str:
     """Return the line of an order that is over.
 
-    Raises
-    ------
-    Refused
-        It did not succeed.
+    Raises Refused: it did not succeed.
     """
     here = f"{axis} {place_mm(link, axis):.6f} mm"
     if end in ("done", "limit"):
@@ -223,17 +214,8 @@ def _orders(link: Link) -> float:
 def carry_out(link: Link, command: str, axis: str, **value: float) -> str:
     """Give an order that ends by itself, keep it alive, and return what came of it.
 
-    Parameters
-    ----------
-    command : str
-        step or home_axis
-    axis : str
-        u, x or z
-
-    Raises
-    ------
-    Refused
-        The controller refused it, or left the state manual.
+    command: step or home_axis; axis: u, x or z. Raises Refused: the controller refused it, or left
+    the state manual.
     """
     before = _orders(link)
     with _braked(link):
@@ -274,20 +256,9 @@ def for_seconds(seconds: float | None) -> Callable[[], bool]:
 def jog(link: Link, axis: str, mm_per_s: float, goes_on: Callable[[], bool]) -> str:
     """Move an axis by repeating the order, until that is wanted no more or it stands at its limit.
 
-    Parameters
-    ----------
-    goes_on : callable
-        whether to move on; asked before each order, and with each frame of the status
-
-    Returns
-    -------
-    str
-        "done" when it was wanted no more, "limit" at the end of the travel; the axis is at rest
-
-    Raises
-    ------
-    Refused
-        The controller refused it, or left the state manual.
+    goes_on: whether to move on; asked before each order, and with each frame of the status. Returns
+    "done" when it was wanted no more, "limit" at the end of the travel; the axis is at rest. Raises
+    Refused: the controller refused it, or left the state manual.
     """
     link.status.signals.pop("hand_end", None)
     end = "done"

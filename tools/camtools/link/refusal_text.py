@@ -247,15 +247,8 @@ def explain(link: Link, answer: Answer) -> str:
 def require(link: Link, answer: Answer, what: str) -> Answer:
     """Return an answer that accepts a command.
 
-    Parameters
-    ----------
-    what : str
-        command and values, for the text of a refusal
-
-    Raises
-    ------
-    Refused
-        It is refused; the text states why, with the numbers.
+    what: command and values, for the text of a refusal. Raises Refused: it is refused; the text
+    states why, with the numbers.
     """
     if answer.result != "done":
         raise Refused(f"{what}: {explain(link, answer)}")
@@ -267,12 +260,8 @@ def ask_done(
 ) -> Answer:
     """Send a command that must be accepted, and return its answer.
 
-    Raises
-    ------
-    Refused
-        It is not; the text tells why, with the numbers.
-    CamtoolsError
-        The value is outside the range of its signal.
+    Raises Refused: it is not; the text tells why, with the numbers; CamtoolsError: the value is
+    outside the range of its signal.
     """
     answer = link.ask(command, timeout_s=timeout_s, parameter=parameter, **value)
     values = "".join(f" = {number:.9g}" for number in value.values())

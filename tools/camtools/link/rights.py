@@ -100,10 +100,7 @@ def proof_of(secret: bytes, challenge: int) -> int:
 def secret_of(path: Path) -> bytes:
     """Return the secret of a file.
 
-    Raises
-    ------
-    CamtoolsError
-        It cannot be read, others may read it, or it is too short or too long.
+    Raises CamtoolsError: it cannot be read, others may read it, or it is too short or too long.
     """
     try:
         data = read_limited(path, 1024)
@@ -121,28 +118,12 @@ def secret_of(path: Path) -> bytes:
 class Rights:
     """Whether this link commands, and how it keeps that.
 
-    Parameters
-    ----------
-    sender : int
-        by which others know it, 1 .. 254
-
-    Attributes
-    ----------
-    may : May
-        whether the first order that needs command takes it
-    secret : bytes or None
-        unlocks what is locked
-    session : int
-        that of the controller in which this link commands; 0: it does not
-    is_joined : bool
-        whether that is the session of another process of this sender
-    on_lost : callable
-        told why command was lost, and who has it now, 0: nobody; by default CommandLost is raised
-        from whatever waits
-    on_change : callable
-        called whenever `session` has changed
-    joined : callable
-        returns the session of another process of this sender; 0: there is none
+    sender: by which others know it, 1 .. 254. may: whether the first order that needs command takes
+    it; secret: unlocks what is locked; session: that of the controller in which this link commands;
+    0: it does not; is_joined: whether that is the session of another process of this sender;
+    on_lost: told why command was lost, and who has it now, 0: nobody; by default CommandLost is
+    raised from whatever waits; on_change: called whenever `session` has changed; joined: returns
+    the session of another process of this sender; 0: there is none.
     """
 
     def __init__(self, link: Link, sender: int) -> None:
@@ -177,10 +158,7 @@ class Rights:
     def confirm(self) -> None:
         """Find out whether this link still commands, which frames that were kept back hide.
 
-        Raises
-        ------
-        CommandLost
-            It does not.
+        Raises CommandLost: it does not.
         """
         if self.session:
             n_heard = self._n_heard
@@ -199,12 +177,7 @@ class Rights:
     def prepare(self, command: str) -> None:
         """Take command before an order that needs it, where this link may take it.
 
-        Raises
-        ------
-        CommandHeld
-            Another has command.
-        Refused
-            The controller refuses.
+        Raises CommandHeld: another has command; Refused: the controller refuses.
         """
         is_free = command in _FREE or command.startswith(("get_", "read_"))
         if not is_free and not self.session and self.may is not May.NEVER:
@@ -213,17 +186,8 @@ class Rights:
     def mend(self, answer: Answer) -> bool:
         """Take command or unlock where an order was refused for want of it.
 
-        Returns
-        -------
-        bool
-            whether to give the order again
-
-        Raises
-        ------
-        CommandHeld
-            Another has command.
-        CommandLost
-            This link had it.
+        Returns whether to give the order again. Raises CommandHeld: another has command;
+        CommandLost: this link had it.
         """
         if answer.result == NOT_COMMANDER:
             return self._mend_command(int(answer.value))
@@ -260,12 +224,8 @@ class Rights:
     def take(self, *, over: bool = False) -> None:
         """Take command, or take it over from whoever has it.
 
-        Raises
-        ------
-        CommandHeld
-            Another has it.
-        Refused
-            The controller refuses, or is older than this program.
+        Raises CommandHeld: another has it; Refused: the controller refuses, or is older than this
+        program.
         """
         self.session = 0
         answer = self._own("take_command", is_take_over=int(over))
@@ -333,10 +293,8 @@ class Rights:
     def unlock(self, secret: bytes | None = None) -> None:
         """Unlock the controller by the secret.
 
-        Raises
-        ------
-        Refused
-            It is not the right one, the port has none, or the controller refuses otherwise.
+        Raises Refused: it is not the right one, the port has none, or the controller refuses
+        otherwise.
         """
         key = self.secret if secret is None else secret
         if key is None:
@@ -367,14 +325,8 @@ def _raise_lost(text: str, _holder: int) -> None:
 class SharedSession:
     """The file of the session of a sender at a controller.
 
-    Parameters
-    ----------
-    where : str
-        how the bus is called in messages
-    node, sender : int
-        of the controller, and of who commands it
-    folder : Path, optional
-        of this user alone; default: that of the live lathes
+    where: how the bus is called in messages; node, sender: of the controller, and of who commands
+    it; folder: of this user alone; default: that of the live lathes.
     """
 
     def __init__(self, where: str, node: int, sender: int, folder: Path | None = None) -> None:

@@ -123,10 +123,7 @@ def mask_of(signals: Sequence[str]) -> int:
 def require(link: Link, what: str, answer: Answer) -> Answer:
     """Return an answer that is done.
 
-    Raises
-    ------
-    Refused
-        It is not; the text says what the limit is, or what to do.
+    Raises Refused: it is not; the text says what the limit is, or what to do.
     """
     if answer.result == "done":
         return answer
@@ -206,12 +203,8 @@ class Reader:
     """Reads a recording piece by piece; after a failure read() goes on where it was.
 
     Over a bus that was opened for CAN FD it asks for long messages, and for classic ones when none
-    of those arrives: the controller's side of the bus may be classic.
-
-    Parameters
-    ----------
-    link : Link
-        may be another one for the same controller after the bus was lost
+    of those arrives: the controller's side of the bus may be classic. link: may be another one for
+    the same controller after the bus was lost.
     """
 
     def __init__(self) -> None:
@@ -221,15 +214,8 @@ class Reader:
     def read(self, link: Link, progress: Callable[[int, int], None] | None = None) -> Recording:
         """Return the recording that is there.
 
-        Parameters
-        ----------
-        progress : callable
-            called with the bytes that are there and those in all
-
-        Raises
-        ------
-        Refused
-            There is none, it still runs, or the bus loses too much.
+        progress: called with the bytes that are there and those in all. Raises Refused: there is
+        none, it still runs, or the bus loses too much.
         """
         if phase(link) != "done":
             raise Refused(f"{link.where}: the recorder is {phase(link)}: no recording is complete")
@@ -306,10 +292,7 @@ def read(link: Link, progress: Callable[[int, int], None] | None = None) -> Reco
 def wait(link: Link, timeout_s: float) -> None:
     """Wait until the recording has ended.
 
-    Raises
-    ------
-    Refused
-        It has not in time.
+    Raises Refused: it has not in time.
     """
     end_s = time.monotonic() + timeout_s
     while phase(link) not in ("done", "idle"):

@@ -102,15 +102,10 @@ _NEEDED = {"has_end", "turns_left", "turns_whole", "pass_speed"}
 class CutProgress:
     """How far a pass is.
 
-    Attributes
-    ----------
-    fraction : float or None
-        share of the turns of the pass that is over, 0 .. 1, its rehearsal included; None: not known
-    left_s : float or None
-        [s] to the end of the pass; of one that is held, if it were resumed at once; in ready, of
-        the next one. What the axes take to approach the start is not in it. None: not known
-    text : str
-        both for people
+    fraction: share of the turns of the pass that is over, 0 .. 1, its rehearsal included; None: not
+    known; left_s: [s] to the end of the pass; of one that is held, if it were resumed at once; in
+    ready, of the next one. What the axes take to approach the start is not in it. None: not known;
+    text: both for people.
     """
 
     fraction: float | None
@@ -133,10 +128,7 @@ def duration_text(seconds: float) -> str:
 def cut_progress(state: str, signals: Mapping[str, float]) -> CutProgress:
     """Return how far the pass is.
 
-    Parameters
-    ----------
-    signals : Mapping
-        of the status; what is missing makes the answer unknown
+    signals: of the status; what is missing makes the answer unknown.
     """
     if state not in (*IN_CUT, "ready"):
         return CutProgress(None, None, "no cut")
@@ -172,10 +164,8 @@ def _text(
 class TickLoad:
     """How long the interrupt takes.
 
-    Attributes
-    ----------
-    longest_us, mean_us : float or None
-        [us] since the start, and over the last quarter of a second; None: the port does not measure
+    longest_us, mean_us: [us] since the start, and over the last quarter of a second; None: the port
+    does not measure.
     """
 
     longest_us: float | None

@@ -55,10 +55,8 @@ SYNCED, SATURATED = 0x10, 0x20  # bits beside the state
 class Samples:
     """Samples of single ticks, the oldest first; all arrays have the shape (n,).
 
-    Attributes
-    ----------
-    angle_turn : ndarray of float
-        angle in the sense of cutting, [0, 1): the drawing's with M3, 1 less the drawing's with M4
+    angle_turn: angle in the sense of cutting, [0, 1): the drawing's with M3, 1 less the drawing's
+    with M4.
     """
 
     tick: Ints  # numbers of the ticks, from that of the first sample since begin() on
@@ -74,17 +72,9 @@ class Samples:
 class Strobe:
     """A subscription to the samples of a controller. All but samples(): in the link's thread.
 
-    Parameters
-    ----------
-    most, most_turns : int
-        samples and whole turns that are kept; older ones are forgotten
-
-    Attributes
-    ----------
-    every : int
-        ticks between samples; 0: nothing was asked for
-    last_s : float
-        when the newest sample came, by time.monotonic(); -1e9 before the first
+    most, most_turns: samples and whole turns that are kept; older ones are forgotten. every: ticks
+    between samples; 0: nothing was asked for; last_s: when the newest sample came, by
+    time.monotonic(); -1e9 before the first.
     """
 
     def __init__(self, link: Link, most: int = MOST_SAMPLES, most_turns: int = MOST_TURNS) -> None:
@@ -100,11 +90,8 @@ class Strobe:
     def begin(self, every: int) -> None:
         """Ask for a sample every so many ticks and forget those that are there.
 
-        Raises
-        ------
-        Refused
-            The controller says no (out of range, with the range), or nothing; or it
-            is older than this command.
+        Raises Refused: the controller says no (out of range, with the range), or nothing; or it is
+        older than this command.
         """
         self.every = 0  # no renewal of the last period comes between
         answer = self._link.ask("strobe", every=every)
@@ -122,12 +109,7 @@ class Strobe:
         """Begin by tick rate and speed of the status, anew where the speed asks for another period.
 
         To be called now and then (10 Hz will do), and renews as well; what is there is kept as long
-        as the period fits.
-
-        Raises
-        ------
-        Refused
-            As begin(); no status comes.
+        as the period fits. Raises Refused: as begin(); no status comes.
         """
         signals = self._link.status.signals
         if not {"tick_rate", "speed"} <= signals.keys():
@@ -155,11 +137,7 @@ class Strobe:
         """Ask again when it is due, without waiting for an answer; to be called at 2 Hz or more.
 
         Every sample that comes does it as well, so that long reads and downloads do not end it.
-
-        Raises
-        ------
-        Refused
-            The bus is gone.
+        Raises Refused: the bus is gone.
         """
         tick_hz = self._link.status.signals.get("tick_rate", 0.0)
         is_old = (self._number - self._asked_at) * self.every > RENEW_S * tick_hz > 0
@@ -221,19 +199,8 @@ class Strobe:
 def best_every(tick_hz: int, rpm: float, most_hz: int = MOST_HZ) -> int:
     """Return the number of ticks between samples whose angles fill the turn best.
 
-    Parameters
-    ----------
-    tick_hz : int
-        [Hz] rate of the ticks
-    rpm : float
-        [r/min] speed of the spindle, of either sign
-    most_hz : int
-        [Hz] samples at most
-
-    Returns
-    -------
-    every : int
-        [ticks] from 1 / most_hz to half as much again
+    tick_hz: [Hz] rate of the ticks; rpm: [r/min] speed of the spindle, of either sign; most_hz:
+    [Hz] samples at most. Returns every: [ticks] from 1 / most_hz to half as much again.
 
     Source: MATHS.md (191) .. (193).
     """
@@ -262,16 +229,10 @@ MOST_LESSONS = 2000
 class Lessons:
     """What was learned, lesson by lesson, the oldest first; all have the length n.
 
-    Attributes
-    ----------
-    turn : ndarray of int64, shape (n,)
-        turns of which was learned, since the rehearsal or the cut began
-    error_um : ndarray of float, shape (n,)
-        rms [um] of the error of that turn in the harmonics that are learned
-    phase : tuple of str
-        what is learned, as in NAMES["learn_phase"]
-    begin_error_um : float or None
-        the same before anything was learned; None: not told
+    turn: shape (n,), turns of which was learned, since the rehearsal or the cut began; error_um:
+    shape (n,), rms [um] of the error of that turn in the harmonics that are learned; phase: what is
+    learned, as in NAMES["learn_phase"]; begin_error_um: the same before anything was learned; None:
+    not told.
     """
 
     turn: npt.NDArray[np.int64]
@@ -284,12 +245,8 @@ class Convergence:
     """Errors of lessons, by their turns; a new rehearsal begins anew.
 
     The status tells turns and error in two pages, of which one may be of the lesson before; the
-    newest pair of each turn stands. Lessons that come faster than the pages are left out.
-
-    Parameters
-    ----------
-    most : int
-        lessons that are kept; older ones are forgotten
+    newest pair of each turn stands. Lessons that come faster than the pages are left out. most:
+    lessons that are kept; older ones are forgotten.
     """
 
     def __init__(self, most: int = MOST_LESSONS) -> None:

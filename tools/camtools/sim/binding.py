@@ -147,18 +147,9 @@ class SimSession:
     def begin(self, words: Sequence[str], machine: str | None = None, name: str = "") -> None:
         """Begin a cut.
 
-        Parameters
-        ----------
-        words : list of str
-            Of `camsim run`, the table included. Options of outputs ask for tables; nothing is
-            written.
-        machine : str or None
-            Text of a machine file; None: that of --machine, or the default machine.
-
-        Raises
-        ------
-        CamtoolsError
-            The simulator refuses; its line says why.
+        words: of `camsim run`, the table included. Options of outputs ask for tables; nothing is
+        written; machine: text of a machine file; None: that of --machine, or the default machine.
+        Raises CamtoolsError: the simulator refuses; its line says why.
         """
         coded = [os.fsencode(word) for word in words]
         array = (c_char_p * len(coded))(*coded)
@@ -194,10 +185,7 @@ class SimSession:
     def finish(self, wall_s: float) -> Ending:
         """Make the results that come at the end; they stay until the next cut, or the end.
 
-        Raises
-        ------
-        CamtoolsError
-            Not enough memory.
+        Raises CamtoolsError: not enough memory.
         """
         status = int(self._library.sim_api_finish(self._session, wall_s))
         message = self.error()

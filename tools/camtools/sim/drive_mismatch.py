@@ -31,10 +31,8 @@ _USUAL_TICK_HZ = 20_000  # of a machine file that gives none
 class Mismatch(NamedTuple):
     """Form errors of a cut on a machine whose drive differs from what is believed.
 
-    Attributes
-    ----------
-    without_um, with_um : float or None
-        Largest form error without learning and with it [um]; none where a fault ended the cut.
+    without_um, with_um: largest form error without learning and with it [um]; none where a fault
+    ended the cut.
     """
 
     without_um: float | None
@@ -92,15 +90,8 @@ def _error_um(result: Result) -> float | None:
 def mismatch(table: Path, machine: str, words: Sequence[str], speed_rpm: float) -> Mismatch:
     """Return what 5 % cost.
 
-    Parameters
-    ----------
-    speed_rpm : float
-        Mean speed; a cut of more than 300 000 ticks ends after so many.
-
-    Raises
-    ------
-    CamtoolsError
-        The simulator refuses such a machine, or its file is no TOML.
+    speed_rpm: mean speed; a cut of more than 300 000 ticks ends after so many. Raises
+    CamtoolsError: the simulator refuses such a machine, or its file is no TOML.
     """
     tree = read_machine(machine, "machine file")
     tick_hz = nominal_of(tree, "machine.tick_hz") or _USUAL_TICK_HZ

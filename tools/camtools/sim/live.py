@@ -40,10 +40,7 @@ def died(status: int) -> str:
 def with_home_switches(text: str, z_last_mm: float) -> str:
     """Return a machine file whose X and Z home by a switch at the end of their travel, U at rest.
 
-    Parameters
-    ----------
-    z_last_mm : float
-        height of the drawing up to which Z feeds
+    z_last_mm: height of the drawing up to which Z feeds.
     """
     tree = read_machine(text, "machine file")
     places_mm = {"x": _X_HOME_MM, "z": z_last_mm + _Z_BEYOND_MM}
@@ -61,10 +58,7 @@ def with_home_switches(text: str, z_last_mm: float) -> str:
 def refuses(program: Path, folder: Path, words: Sequence[str]) -> bool:
     """Return whether camsim refuses table and options; it has said why, once and not twice.
 
-    Raises
-    ------
-    CamtoolsError
-        It cannot be started.
+    Raises CamtoolsError: it cannot be started.
     """
     command = [str(program), "params", *words]
     try:
@@ -94,15 +88,8 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 class LivePair:
     """The two processes, joined by a pair of sockets; both end when this object is closed.
 
-    Attributes
-    ----------
-    controller, lathe : subprocess.Popen
-        CAN frames, and words, on their pipes
-
-    Raises
-    ------
-    CamtoolsError
-        They cannot be started.
+    controller, lathe: CAN frames, and words, on their pipes. Raises CamtoolsError: they cannot be
+    started.
     """
 
     def __init__(self, program: Path, folder: Path, words: Sequence[str]) -> None:

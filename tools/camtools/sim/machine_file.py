@@ -86,15 +86,8 @@ def names() -> list[str]:
 def machine_path(word: str) -> Path:
     """Return the file of a machine.
 
-    Parameters
-    ----------
-    word : str
-        The name of a file of host_sim/machines without its suffix, or the path of any file.
-
-    Raises
-    ------
-    CamtoolsError
-        There is neither a machine of that name nor such a file.
+    word: the name of a file of host_sim/machines without its suffix, or the path of any file.
+    Raises CamtoolsError: there is neither a machine of that name nor such a file.
     """
     if word in names():
         return MACHINES / f"{word}.toml"
@@ -108,10 +101,7 @@ def machine_path(word: str) -> Path:
 def machine_bytes(word: str) -> bytes:
     """Return what the file of a machine holds, for `machine_path`'s word.
 
-    Raises
-    ------
-    CamtoolsError
-        There is no such machine, or its file cannot be read.
+    Raises CamtoolsError: there is no such machine, or its file cannot be read.
     """
     path = machine_path(word)
     try:
@@ -124,10 +114,7 @@ def machine_bytes(word: str) -> bytes:
 def find_machine(word: str | Path) -> Machine:
     """Return a machine by its name or by the path of its file.
 
-    Raises
-    ------
-    CamtoolsError
-        There is neither such a name nor such a file, or it cannot be read.
+    Raises CamtoolsError: there is neither such a name nor such a file, or it cannot be read.
     """
     path = machine_path(str(word))
     return Machine(path.name if str(word) == path.stem else str(word), read_text(path, _MAX_BYTES))
@@ -161,10 +148,7 @@ def machine_text(limits: MachineLimits, wear_um: float = 0.0) -> str:
 def read_machine(text: str, name: str) -> Tree:
     """Return the tree of a machine's text; only the simulator knows which keys exist.
 
-    Raises
-    ------
-    InputError
-        It is no TOML.
+    Raises InputError: it is no TOML.
     """
     try:
         return toml_tree(text)
@@ -204,15 +188,7 @@ def _defaults() -> Tree:
 def nominal_of(tree: Mapping[str, Any], key: str) -> float | None:
     """Return a number as the controller believes it, else that of the machine, else its default.
 
-    Parameters
-    ----------
-    key : str
-        Table and key, such as "u.bandwidth_hz".
-
-    Returns
-    -------
-    float or None
-        None where this is no number.
+    key: table and key, such as "u.bandwidth_hz". Returns none where this is no number.
 
     >>> nominal_of({}, "u.delay_us"), nominal_of({"u": {"delay_us": 80}}, "u.delay_us")
     (75.0, 80.0)

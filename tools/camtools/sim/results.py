@@ -176,10 +176,7 @@ def removal_of(rows: Rows) -> Removal:
 def read_surface(path: Path) -> GaugedSurface:
     """Return the surface that a run has kept; without a point when nothing was cut.
 
-    Raises
-    ------
-    InputError
-        The file is of another version.
+    Raises InputError: the file is of another version.
     """
     with path.open(encoding="ascii") as stream:
         header = stream.readline().strip().split(",")
@@ -244,10 +241,7 @@ class Measured(NamedTuple):
 class Cut(Generic[MadeT]):
     """What is known about the cut of a part of any kind.
 
-    Attributes
-    ----------
-    overview : CutTrace or None
-        One tick of several of the whole cut, where the trace is not complete.
+    overview: one tick of several of the whole cut, where the trace is not complete.
     """
 
     generated: MadeT  # the part and its table

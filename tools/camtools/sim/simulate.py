@@ -50,17 +50,9 @@ _ONE_AT_A_TIME = threading.Lock()  # other threads wait
 class Result:
     """What a cut came to.
 
-    Attributes
-    ----------
-    status : int
-        As of `camsim run`: 0 good; 1 fault, time-out, out of tolerance or not gauged; 2 a command
-        was refused by the controller.
-    message : str
-        Why it is not good, "" when it is.
-    summary_text : str
-        The summary file of `camsim run`.
-    tables : mapping
-        Tables of rows that were asked for, by name.
+    status: as of `camsim run`: 0 good; 1 fault, time-out, out of tolerance or not gauged; 2 a
+    command was refused by the controller; message: why it is not good, "" when it is; summary_text:
+    the summary file of `camsim run`; tables: tables of rows that were asked for, by name.
     """
 
     status: int
@@ -156,10 +148,7 @@ def _words(rpm: float | None, feed: float | None, turns: float | None) -> list[s
 def begun(words: Sequence[str], machine: Machine | None = None) -> Iterator[SimSession]:
     """Begin a cut of the words of `camsim run`, table included; other threads wait for its end.
 
-    Raises
-    ------
-    CamtoolsError
-        The simulator refuses; its line says why.
+    Raises CamtoolsError: the simulator refuses; its line says why.
     """
     name, text = machine or ("", None)
     with _ONE_AT_A_TIME, SimSession() as session:
@@ -177,22 +166,11 @@ def cut(
 ) -> Result:
     """Cut what the words of `camsim run` describe, table included.
 
-    Parameters
-    ----------
-    tables : list of str
-        Of TABLES: those that come back as arrays.
-    files : mapping
-        Files to write, each with its table; .parquet is Parquet, others are CSV. The rows of a
-        table that is not in `tables` are written as they come.
-    progress : callable, optional
-        Is given the share that is done, 0 .. 1, now and then, and 1 at the end.
-
-    Raises
-    ------
-    CamtoolsError
-        What `camsim run` would refuse with exit status 2; a cut that ends in a fault is a result.
-    OSError
-        A file cannot be written.
+    tables: of TABLES: those that come back as arrays; files: files to write, each with its table;
+    .parquet is Parquet, others are CSV. The rows of a table that is not in `tables` are written as
+    they come; progress: is given the share that is done, 0 .. 1, now and then, and 1 at the end.
+    Raises CamtoolsError: what `camsim run` would refuse with exit status 2; a cut that ends in a
+    fault is a result; OSError: a file cannot be written.
     """
     files = files or {}
     asked = dict.fromkeys([*tables, *files.values()])
@@ -242,35 +220,18 @@ def simulate(
 ) -> Result:
     """Cut a part on the simulator and gauge it.
 
-    Parameters
-    ----------
-    table : path
-        NAME.camtab; the gauge compares with NAME.json beside it, or where there is none with the
-        table itself.
-    machine : str, path, Machine, mapping or None
-        Name of a machine of the project ("real"), path of a machine file, its text with a name, or
-        its tables as a mapping: `{"u": {"bandwidth_hz": 270}}`. None is the default machine.
-    rpm, feed : float, optional
-        Speed of the spindle [r/min] and feed [mm per turn]; else those of the table.
-    turns : float, optional
-        End the cut after so many turns of cutting; those in which the feed then falls are gauged,
-        too. The full feed is reached after `feed_ramp_turns`, 60 while learning.
-    set : mapping, optional
-        Parameters of the controller, by their names in `firmware/param/cam_param.h`.
-    trace : bool
-        Keep every tick: 300 bytes each.
-    scallop : bool
-        Map the surface between the tracks; `options` then hold `--nose-mm`.
-    options : list of str
-        Any others of `camsim run --help`, such as `["--inject", "estop@0.5"]`.
-    progress : callable, optional
-        Is given the share that is done, 0 .. 1, now and then.
-
-    Raises
-    ------
-    CamtoolsError
-        What `camsim run` would refuse with exit status 2: a table, machine, option or speed that is
-        no good. A cut that ends in a fault is a result.
+    table: NAME.camtab; the gauge compares with NAME.json beside it, or where there is none with the
+    table itself; machine: name of a machine of the project ("real"), path of a machine file, its
+    text with a name, or its tables as a mapping: `{"u": {"bandwidth_hz": 270}}`. None is the
+    default machine; rpm, feed: speed of the spindle [r/min] and feed [mm per turn]; else those of
+    the table; turns: end the cut after so many turns of cutting; those in which the feed then falls
+    are gauged, too. The full feed is reached after `feed_ramp_turns`, 60 while learning; set:
+    parameters of the controller, by their names in `firmware/param/cam_param.h`; trace: keep every
+    tick: 300 bytes each; scallop: map the surface between the tracks; `options` then hold
+    `--nose-mm`; options: any others of `camsim run --help`, such as `["--inject", "estop@0.5"]`;
+    progress: is given the share that is done, 0 .. 1, now and then. Raises CamtoolsError: what
+    `camsim run` would refuse with exit status 2: a table, machine, option or speed that is no good.
+    A cut that ends in a fault is a result.
     """
     outputs = {f"--{name}" for name in (*TABLES, "summary")}
     for word in options:
