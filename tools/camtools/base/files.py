@@ -13,11 +13,6 @@ Is a directory
 ...         stage.publish()
 ...     sorted(path.name for path in Path(name).iterdir())
 ['a.txt', 'b.txt', 'c.txt']
-
->>> data = parquet_bytes({"t_s": [0.0, 0.5]}, pa.schema([("t_s", pa.float64())]), {"part": "a"})
->>> table = pq.read_table(BytesIO(data))
->>> table["t_s"].to_pylist(), table.schema.metadata[b"part"]
-([0.0, 0.5], b'a')
 """
 
 from __future__ import annotations
@@ -32,12 +27,8 @@ import tempfile
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
-from io import BytesIO
 from pathlib import Path
-from typing import Any, NamedTuple, TextIO
-
-import pyarrow as pa
-import pyarrow.parquet as pq
+from typing import NamedTuple, TextIO
 
 from camtools.base.errors import CamtoolsError, InputError
 
@@ -287,12 +278,3 @@ def growing(path: Path) -> Iterator[TextIO]:
             if part.stat().st_size > 0:
                 with signals_held():
                     part.replace(target)
-
-
-def parquet_bytes(columns: dict[str, Any], schema: Any, about: dict[str, str]) -> bytes:  # noqa: ANN401
-    """Return a table as a Parquet file; `about` goes into its metadata."""
-    coded = {name.encode(): text.encode() for name, text in about.items()}
-    table = pa.table(columns, schema=schema.with_metadata(coded))
-    stream = BytesIO()
-    pq.write_table(table, stream, compression="zstd")
-    return stream.getvalue()

@@ -19,7 +19,8 @@ import pyarrow as pa
 
 from camtools.base.arguments import Option, whole_within
 from camtools.base.errors import CamtoolsError
-from camtools.base.files import parquet_bytes, write_all
+from camtools.base.files import write_all
+from camtools.base.parquet import parquet_bytes
 from camtools.link import scope
 from camtools.link.signals import faults_in, physical
 

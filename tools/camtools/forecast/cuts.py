@@ -33,7 +33,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from camtools.base.errors import CamtoolsError, InputError
-from camtools.base.files import parquet_bytes, write_all
+from camtools.base.files import write_all
+from camtools.base.parquet import parquet_bytes
 from camtools.sim.binding import library_path
 from camtools.sim.machine_file import Machine
 from camtools.sim.simulate import Result, simulate

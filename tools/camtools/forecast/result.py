@@ -18,7 +18,7 @@ import pyarrow as pa
 from scipy import stats
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.files import parquet_bytes
+from camtools.base.parquet import parquet_bytes
 from camtools.base.quantities import Floats
 from camtools.base.text import Json, emit_json
 from camtools.forecast.cuts import SCHEMA, CutOutcome
