@@ -2,7 +2,7 @@
 // Blending the learned values in.
 #include "cam_learning_inner.h"
 #include "cam_doubles.h" // cam_nearest
-#include "cam_fix.h"     // cam_clamp_i32
+#include "cam_fix.h"     // cam_clamp_i64, cam_smaller_i64
 #include <stddef.h>      // NULL
 
 enum {
@@ -50,7 +50,8 @@ static int32_t angle_step(const cam_ilc_t *t, const cam_ilc_setup_t *s)
     }
     const int32_t usual =
         state == cam_state_rehearsing ? rehearsal_angle_step : (int32_t)cut_angle_step;
-    return cam_clamp_i32(cam_clamp_i32(usual, 1, s->angle_step_q23), 1, s->observer_step_q23);
+    const int64_t of_u = cam_smaller_i64(usual, s->angle_step_q23);
+    return (int32_t)cam_smaller_i64(of_u, s->observer_step_q23);
 }
 
 bool cam_ilc_slew(int32_t *value, int64_t target, int64_t most)

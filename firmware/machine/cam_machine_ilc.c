@@ -307,11 +307,6 @@ cam_ilc_status_t cam_machine_learning(const cam_machine_t *m)
     return cam_ilc_status(&m->ilc, &setup, m->tick_hz);
 }
 
-static bool is_in(range_t range, int32_t value)
-{
-    return value >= range.least_q16 && value <= range.most_q16;
-}
-
 cam_err_t cam_machine_set_learned(cam_machine_t *m, uint32_t index, int32_t value)
 {
     const cam_state_t state = cam_machine_status(m).state;
@@ -321,9 +316,12 @@ cam_err_t cam_machine_set_learned(cam_machine_t *m, uint32_t index, int32_t valu
     if (state != cam_state_off && state != cam_state_ready) {
         return cam_err_param_state;
     }
-    if ((index == (uint32_t)cam_ilc_value_k1 && !is_in(k1_range(m), value)) ||
-        (index == (uint32_t)cam_ilc_value_k2 && !is_in(k2_range(m), value))) {
-        return cam_err_param_range;
-    }
-    return cam_ilc_set(&m->ilc, index, value) ? cam_ok : cam_err_param_range;
+    const bool is_k1 = index == (uint32_t)cam_ilc_value_k1;
+    const bool is_k2 = index == (uint32_t)cam_ilc_value_k2;
+    const range_t range = is_k1   ? k1_range(m)
+                          : is_k2 ? k2_range(m)
+                                  : (range_t){INT32_MIN, INT32_MAX};
+    const bool is_good = cam_is_between(value, range.least_q16, range.most_q16) &&
+                         cam_ilc_set(&m->ilc, index, value);
+    return is_good ? cam_ok : cam_err_param_range;
 }

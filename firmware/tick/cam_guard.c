@@ -310,7 +310,7 @@ void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_
     if (want->state == cam_state_off) {
         follow(g, cfg, r, u_nm, m);
     } else if (want->state == cam_state_fault || !accept(g, cfg, r, u_nm, m)) {
-        g->faults |= cam_record_faults(r, m) & ARMED_IN_FAULT;
+        g->faults |= cam_record_faults(r, m) & armed[cam_state_fault];
         retract(g, cfg, r, m);
         keep_set(g, r, home_q6);
     } else {

@@ -132,6 +132,7 @@ static void test_ripple_is_led_by_points(void)
     } cases[] = {
         {cam_state_rehearsing, INT16_MAX, INT16_MAX, 131, 131},
         {cam_state_cutting, INT16_MAX, INT16_MAX, 13, 13},
+        {cam_state_holding, INT16_MAX, INT16_MAX, 13, 13},
         {cam_state_ready, INT16_MAX, INT16_MAX, 600, 400},
         {cam_state_rehearsing, 7, INT16_MAX, 7, 7},
         {cam_state_cutting, 7, INT16_MAX, 7, 7},

@@ -363,17 +363,18 @@ static void test_a_probe_cut_short_is_walked_away_from(void)
     TEST_ASSERT_BITS_HIGH(cam_ilc_blend_correction, t.blending);
 }
 
-/// Each of the three constants is something that is forgotten, and without one nothing walks.
+/// Each single value is something that is forgotten, and without one nothing walks.
 static void test_what_is_forgotten_is_walked_away_from(void)
 {
-    for (int i = 0; i < 4; i++) {
-        t.speed_q32 = i == 1 ? 1 : 0;
-        t.drive.k1_q16 = i == 2 ? 1 : 0;
-        t.drive.k2_q16 = i == 3 ? 1 : 0;
+    int32_t *const values[] = {&t.speed_q32,         &t.drive.k1_q16,   &t.drive.k2_q16,
+                               &t.drive.friction_q6, &t.drive.chip_q32, &t.chip_mean_q32};
+    for (size_t i = 0; i <= sizeof values / sizeof values[0]; i++) {
+        const bool is_none = i == sizeof values / sizeof values[0];
+        *values[is_none ? 0u : i] = is_none ? 0 : 1;
         t.blending = 0;
         cam_ilc_forget(&t);
-        TEST_ASSERT_EQUAL_HEX8(i == 0 ? 0 : cam_ilc_blend_drive | cam_ilc_blend_correction,
+        TEST_ASSERT_EQUAL_HEX8(is_none ? 0 : cam_ilc_blend_drive | cam_ilc_blend_correction,
                                t.blending);
-        TEST_ASSERT_EQUAL_INT32(0, t.speed_q32 | t.drive.k1_q16 | t.drive.k2_q16);
+        TEST_ASSERT_EQUAL_INT32(0, *values[is_none ? 0u : i]);
     }
 }

@@ -432,5 +432,6 @@ static void test_best_error_ages_in_the_cut_alone(void)
         t.correction.last_q6[1] = cases[i].last_q6;
         cam_ilc_update_harmonic(&t, &s);
         TEST_ASSERT_EQUAL_UINT32(cases[i].best_q6, t.correction.best_q6[1]);
+        TEST_ASSERT_EQUAL_HEX8(cam_ilc_blend_correction, t.blending);
     }
 }

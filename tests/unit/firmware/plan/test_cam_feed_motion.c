@@ -285,6 +285,11 @@ static void test_rings_that_have_not_begun_rest_at_once(void)
         const cam_feed_motion_t held = requested(c, next_q32);
         TEST_ASSERT_TRUE(held.is_held);
         TEST_ASSERT_EQUAL_INT64(next_q32, held.end_q32);
+        cfg->feed_rate_q30 = 1 << 30;
+        const cam_feed_motion_t resumed = requested(held, TURNS(11));
+        cfg->feed_rate_q30 = 0;
+        TEST_ASSERT_EQUAL_INT64(TURNS(11), resumed.from_q32);
+        TEST_ASSERT_EQUAL_INT64(TURNS(11), resumed.to_q32);
         TEST_ASSERT_EQUAL_INT64(next_q32, cam_feed_motion_stop_isr(&c, cfg, next_q32));
         TEST_ASSERT_EQUAL_INT64(next_q32, c.end_q32);
     }

@@ -111,6 +111,26 @@ static void test_home_here_is_the_number_that_was_ordered(void)
     TEST_ASSERT_EQUAL_UINT32(3, h.n_found);
 }
 
+/// Its command shifts with the origin, within the words of the guard and of its set-point.
+static void test_command_of_u_shifts_with_its_origin(void)
+{
+    static const struct {
+        int32_t nm, shift_nm, to_nm;
+    } rows[] = {{30 * mm, 7, 30 * mm + 7},
+                {-30 * mm, -7, -30 * mm - 7},
+                {(1 << 25) - 3, 7, (1 << 25) - 1},
+                {3 - (1 << 25), -7, -(1 << 25)}};
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        setUp();
+        m.u.nm = rows[i].nm;
+        m.u.set_q6 = rows[i].nm * 64;
+        cfg.jog.order.home_nm = rows[i].shift_nm;
+        TEST_ASSERT_EQUAL_INT32(rows[i].shift_nm, order(cam_jog_here, hal_axis_u));
+        TEST_ASSERT_EQUAL_INT32(rows[i].to_nm, m.u.nm);
+        TEST_ASSERT_INT32_WITHIN(63, rows[i].to_nm * 64, m.u.set_q6);
+    }
+}
+
 /// Its search begins at the end of its stroke that leaves the whole of it before the axis.
 static void test_search_of_u_has_the_whole_stroke_before_it(void)
 {

@@ -297,6 +297,7 @@ static void test_step_late_tick_with_its_time_stamp_costs_no_angle(void)
         TEST_ASSERT_TRUE(angle.is_off_time);
         TEST_ASSERT_EQUAL_HEX32(shares[i] > 1.5 ? CAM_FAULT_BIT(late_tick) : 0u, faults);
         TEST_ASSERT_EQUAL_UINT32(shares[i] > 1.5 ? 1 : 0, spindle.n_late);
+        TEST_ASSERT_EQUAL_UINT32(fmax(shares[i], 1.0) * 10000, spindle.max_period);
         faults = 0;
         step(41.0, 1.0);
         TEST_ASSERT_TRUE(angle.is_off_time); // its travel still differs
