@@ -28,7 +28,6 @@ enum { cam_ilc_harmonics = 16, cam_ilc_terms = cam_ilc_harmonics + 1 };
 /// friction.
 enum { cam_ilc_most_nm = 30000 };
 
-/// Phase of learning.
 typedef enum {
     cam_ilc_off,      ///< cam_ilc_reason_t says why
     cam_ilc_waiting,  ///< for a rehearsal, or for turns in which nothing moves
@@ -58,7 +57,6 @@ typedef enum {
     cam_ilc_n_reasons
 } cam_ilc_reason_t;
 
-/// Status of learning.
 typedef struct {
     cam_ilc_phase_t phase;
     cam_ilc_reason_t reason;
@@ -91,7 +89,6 @@ typedef struct {
     int32_t chip_q32;    ///< [1] U's deflection at 1/4 mm of feed, as a share of the depth
 } cam_drive_t;
 
-/// State of a harmonic.
 typedef struct {
     cam_complex_t correction_q6; ///< [nm / 64] in force: Re(c e^(jk theta)) is added to the command
     cam_complex_t gain;          ///< response of U to it, as probed; 0: not probed

@@ -54,7 +54,6 @@ typedef enum {
     cam_excited_fault,   ///< stopped by a fault, or refused by the interrupt
 } cam_excited_t;
 
-/// Phase of an excitation.
 typedef enum {
     cam_identify_none,
     cam_identify_offered,   ///< the interrupt has not yet taken the wave
@@ -97,7 +96,6 @@ typedef enum {
     cam_button_waived, ///< waived by the port's builder
 } cam_button_t;
 
-/// Status of the rights and of the button.
 typedef struct {
     uint32_t commander; ///< sender number; 0: none
     uint32_t n_take_overs, n_losses;
@@ -318,7 +316,6 @@ void cam_machine_release_command(cam_machine_t *m);
 /// jog command.
 void cam_machine_keep_alive(cam_machine_t *m);
 
-/// @return status of the rights and of the button
 cam_rights_status_t cam_machine_rights(const cam_machine_t *m, const cam_status_t *status);
 
 /// Jogging: commands of the state manual.
@@ -473,7 +470,6 @@ cam_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint32_t 
 /// @param is_u_moving  the status has no is_u_at_rest
 void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state, bool is_u_moving);
 
-/// @return status of learning
 cam_ilc_status_t cam_machine_learning(const cam_machine_t *m);
 
 /// Restore a value of cam_ilc_get(), in off and ready. The interrupt gets the change in steps.

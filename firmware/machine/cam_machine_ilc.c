@@ -74,7 +74,6 @@ static cam_complex_t eccentricity(const cam_machine_t *m)
     return cam_harmonics_rotated(at_0, 1, 0u - (uint32_t)(uint64_t)phase_q32);
 }
 
-/// Range of a learned change.
 typedef struct {
     int32_t least_q16, most_q16;
 } range_t;
@@ -181,7 +180,6 @@ void cam_machine_unlearn(cam_machine_t *m, cam_param_id_t id)
     }
 }
 
-/// @return whether both hold the same values
 static bool is_same(const cam_learned_t *a, const cam_learned_t *b)
 {
     return a->k1_q16 == b->k1_q16 && a->k2_q16 == b->k2_q16 && a->friction_q6 == b->friction_q6 &&

@@ -76,7 +76,6 @@ CAM_MUST_USE cam_err_t cam_machine_check_drives(const cam_params_t *params,
 CAM_MUST_USE cam_err_t cam_machine_check_acknowledge(const cam_machine_t *m,
                                                      const cam_status_t *status);
 
-/// @return the configuration of the acknowledge button
 cam_acknowledge_config_t cam_machine_acknowledge_config(const cam_machine_t *m);
 
 /// Check whether the axes may follow the loaded table: homed where homing_required is set, and the
@@ -110,18 +109,13 @@ void cam_machine_unlearn(cam_machine_t *m, cam_param_id_t id);
 /// @return [r/min / 1000] speed from which the ripple is learned: f / 32 turns per second
 uint32_t cam_machine_ripple_from_mrpm(const cam_params_t *params);
 
-/// Stop the motion when command is lost. Part of cam_machine_poll().
+/// Parts of cam_machine_poll(): stop the motion when command is lost, apply new homes, carry on an
+/// excitation, and read the trace ring for recording, strobe and black box: at least every
+/// cam_trace_capacity / 2 ticks while one of them is on.
 void cam_machine_rights_poll(cam_machine_t *m, const cam_status_t *status);
-
-/// Part of cam_machine_poll(): apply new homes.
 void cam_machine_jog_poll(cam_machine_t *m);
-
-/// Part of cam_machine_poll(): read the trace ring for a recording or a strobe, and run the black
-/// box. Call at least every cam_trace_capacity / 2 ticks while either is on.
-void cam_machine_scope_poll(cam_machine_t *m);
-
-/// Part of cam_machine_poll(): the sequence of the excitation.
 void cam_machine_identify_poll(cam_machine_t *m);
+void cam_machine_scope_poll(cam_machine_t *m);
 
 /// Offsets: port coordinates to machine coordinates to part coordinates, for X and Z.
 ///
@@ -142,7 +136,6 @@ typedef struct {
     int32_t datum_nm, tool_nm; ///< [nm] datum, and offset of the selected tool
 } cam_offsets_axis_t;
 
-/// @return the parameters of an axis
 cam_offsets_axis_t cam_offsets_axis(const cam_params_t *params, hal_axis_t axis);
 
 /// @return [nm] machine coordinate minus port coordinate; 0 for U

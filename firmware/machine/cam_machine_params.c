@@ -10,7 +10,6 @@
 /// No version of the parameters has this number.
 #define NO_VERSION UINT32_MAX
 
-/// @return whether a parameter may change in a state
 static bool may_change(cam_param_id_t id, cam_state_t state)
 {
     if (state == cam_state_ready || state == cam_state_manual) {
@@ -22,7 +21,6 @@ static bool may_change(cam_param_id_t id, cam_state_t state)
     return state == cam_state_off;
 }
 
-/// @return whether a parameter changes
 static bool is_change(const cam_params_t *from, const cam_params_t *to, cam_param_id_t id)
 {
     return cam_param_get(from, id) != cam_param_get(to, id);

@@ -17,7 +17,6 @@
 /// of a wave. No square root, no division: a step is accepted if the axis can still brake to the
 /// target, MATHS.md (60). Positions are nm / 1024 (q10), speeds nm / 1024 per tick.
 
-/// Limits of an axis.
 typedef struct {
     int32_t speed_q10;        ///< [nm / 1024 per tick] > 0
     int32_t acceleration_q10; ///< [nm / 1024 per tick^2] > 0
@@ -25,7 +24,6 @@ typedef struct {
                               ///< share a change of acceleration
 } cam_motion_limits_t;
 
-/// A moving set-point.
 typedef struct {
     int64_t pos_q10;
     int32_t vel_q10;

@@ -22,7 +22,6 @@ static bool is_input_on(const cam_tick_record_t *r, hal_axis_t axis, uint32_t of
     return (r->in.inputs & (of_u << (uint32_t)axis)) != 0u;
 }
 
-/// @return whether the order has expired
 static bool has_expired(const cam_jog_order_t *o, const cam_tick_record_t *r)
 {
     return cam_wrap_diff(o->until, r->tick) <= 0;
@@ -222,7 +221,6 @@ static int32_t look_for_home(cam_jog_t *h, const cam_jog_config_t *cfg, const ca
     return 0;
 }
 
-/// @return whether U rests
 static bool is_u_at_rest(const cam_motion_t *m)
 {
     const cam_axis_motion_t *u = &m->axis[hal_axis_u];

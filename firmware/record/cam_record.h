@@ -41,7 +41,6 @@ _Static_assert(CAM_FAULT_BIT(estop) == hal_in_estop && CAM_FAULT_BIT(drive) == h
                    CAM_FAULT_BIT(bus) == hal_in_bus_lost,
                "an input is its own fault");
 
-/// @return faults reported by the inputs
 static inline uint32_t cam_sense_faults(const cam_sense_t *in)
 {
     return (in->inputs ^ hal_in_drive_ready) &
@@ -159,7 +158,6 @@ static inline uint32_t cam_record_faults(const cam_tick_record_t *r, const cam_m
     return m->faults | r->angle.faults | cam_sense_faults(&r->in);
 }
 
-/// @return whether the set-point of U rests
 static inline bool cam_record_is_u_at_rest(const cam_tick_record_t *r)
 {
     return r->out[hal_axis_u].vel_q10 == 0 && r->out[hal_axis_u].acc_q10 == 0;

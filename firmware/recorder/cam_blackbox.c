@@ -66,7 +66,6 @@ void cam_blackbox_keep(const cam_scope_t *s)
     hal_scope_keep(begin, (uint32_t)head_words + s->ring.most_rows * s->n_signals);
 }
 
-/// @return whether a head is valid for the words that were kept
 static bool is_head_valid(const head_t *h, const cam_scope_t *s, uint32_t n_kept)
 {
     const uint32_t n_signals = cam_scope_count(CAM_BLACKBOX_SIGNALS);

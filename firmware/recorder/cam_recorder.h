@@ -94,7 +94,6 @@
     X(wave_unit,    true,  0,                               "of the samples of a wave: 0 nm, 1 mN of force")
 // clang-format on
 
-/// Number of a signal.
 typedef enum {
 #define CAM_SCOPE_SIGNAL_ID(name, value, what) cam_scope_##name,
     CAM_SCOPE_SIGNALS(CAM_SCOPE_SIGNAL_ID)
@@ -104,7 +103,6 @@ typedef enum {
 
 _Static_assert(cam_scope_n_signals <= 32, "a set of signals is one word");
 
-/// Number of a field.
 typedef enum {
 #define CAM_SCOPE_FIELD_ID(name, is_set, value, what) cam_scope_field_##name,
     CAM_SCOPE_FIELDS(CAM_SCOPE_FIELD_ID)
@@ -112,7 +110,6 @@ typedef enum {
         cam_scope_n_fields
 } cam_scope_field_t;
 
-/// Phase of the recorder.
 typedef enum {
     cam_scope_idle,
     cam_scope_armed, ///< waiting for the state or the trigger
@@ -129,7 +126,6 @@ typedef enum {
     cam_scope_gap,        ///< a record was lost
 } cam_scope_end_t;
 
-/// Owner of a recording.
 typedef enum {
     cam_scope_nobody,
     cam_scope_user, ///< by command, or of an excitation
@@ -162,7 +158,6 @@ typedef struct {
     int32_t value;
 } cam_trigger_last_t;
 
-/// Settings of a recording.
 typedef struct {
     uint32_t signals;   ///< bit i is signal i
     uint32_t every;     ///< [ticks] from row to row
@@ -172,7 +167,6 @@ typedef struct {
     cam_trigger_t trigger;
 } cam_scope_plan_t;
 
-/// Rows of a recording.
 typedef struct {
     uint32_t most_rows;    ///< that fit
     uint32_t oldest;       ///< index of the first row
@@ -206,7 +200,6 @@ typedef struct {
     uint32_t number;                    ///< of recordings since the start
 } cam_scope_t;
 
-/// Contiguous bytes of a recording.
 typedef struct {
     const uint8_t *bytes;
     uint32_t n;
@@ -316,7 +309,6 @@ enum {
     cam_strobe_capacity = 16, ///< [samples] of the queue, a power of two
 };
 
-/// Sample of one tick.
 typedef struct {
     uint32_t number;      ///< since the subscription began, including lost samples
     uint32_t pos_q16;     ///< [turn / 2^16] master position in the sense of cutting, rounded down

@@ -60,7 +60,6 @@ uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
            (speed_q32 > cfg->overspeed_q32 ? CAM_FAULT_BIT(overspeed) : 0u);
 }
 
-/// Keep the set-point of this tick.
 static void keep_set(cam_guard_t *g, const cam_tick_record_t *r, uint32_t home_q6)
 {
     g->history_q6[r->tick % cam_guard_history] = (int32_t)((uint32_t)r->want.u_set_q6 - home_q6);

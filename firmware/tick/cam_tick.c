@@ -51,7 +51,6 @@ static __attribute__((noinline)) void servo_isr(cam_t *c, const cam_config_t *cf
     c->motion.faults |= cam_force_watch_isr(&c->force, &cfg->force, r, &c->motion);
 }
 
-/// Observe, play, command, guard.
 static void decide_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     r->config = cfg->generation;

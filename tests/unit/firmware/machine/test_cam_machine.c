@@ -200,6 +200,7 @@ static void test_without_a_table_nothing_starts(void)
     fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_INT(cam_err_no_table, cam_machine_enable(m));
     TEST_ASSERT_EQUAL_INT(cam_err_no_table, cam_machine_feasibility(m).err);
+    TEST_ASSERT_EQUAL_INT(cam_n_params, cam_machine_feasibility(m).param);
     TEST_ASSERT_EQUAL_UINT32(0, cam_machine_highest_mrpm(m));
     g_cam.request = 1u << 8 | cam_request_enable;
     fixture_rig_tick(&rig);

@@ -412,6 +412,8 @@ static void test_a_loss_forgets_the_enable_that_waits(void)
     TEST_ASSERT_EQUAL_UINT8(0, m->rights.commander);
     TEST_ASSERT_TRUE(m->is_stop_due);
     const cam_status_t status = fixture_rig_status(&rig);
+    m->rights.n_take_overs = 3;
+    TEST_ASSERT_EQUAL_UINT32(3, cam_machine_rights(m, &status).n_take_overs);
     cam_machine_rights_poll(m, &status);
     TEST_ASSERT_FALSE(m->homes_again);
     TEST_ASSERT_FALSE(m->is_stop_due);

@@ -111,6 +111,9 @@ static void test_before_the_cut_the_whole_of_it_is_left(void)
     bring(cam_state_ready);
     const int32_t due = turns(now().left_q32);
     TEST_ASSERT_EQUAL_INT32(due, turns(now().whole_q32));
+    set(cam_param_feed_override_ppm, 0); // a hold, which counts as the full rate
+    TEST_ASSERT_EQUAL_INT32(due, turns(now().left_q32));
+    set(cam_param_feed_override_ppm, 1000000);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
     until(cam_state_engaging);
     TEST_ASSERT_INT32_WITHIN(1, due, turns(now().left_q32)); // while the axes approach

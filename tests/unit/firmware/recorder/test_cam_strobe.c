@@ -197,4 +197,7 @@ static void test_recorder_and_samples_share_the_records(void)
     TEST_ASSERT_EQUAL_UINT32(now + 11u, rig.machine.scope.ring.first_tick);
     TEST_ASSERT_EQUAL_UINT32(3, rig.machine.strobe.n_in);
     TEST_ASSERT_EQUAL_UINT32(0, rig.machine.strobe.n_lost);
+    rig.machine.strobe.renewed_tick -= 2u * hold_ticks;
+    cam_machine_scope_poll(&rig.machine);
+    TEST_ASSERT_FALSE(cam_strobe_is_on(&rig.machine.strobe));
 }

@@ -102,10 +102,15 @@ static void test_off_there_is_no_force_and_no_fault(void)
 {
     pos_nm = 400000.0;
     r.in.inputs = hal_in_limit_u_low;
+    force = (cam_force_t){.vel_q24 = 5, .still_nm = 6, .n_still = 7, .n_limited = 8};
     for (int i = 0; i < 100; i++) {
         TEST_ASSERT_EQUAL_HEX32(0, tick(0));
         TEST_ASSERT_EQUAL_INT32(0, r.force_q6);
     }
+    TEST_ASSERT_EQUAL_INT64(INT64_C(400000) << 24, force.pos_q24);
+    TEST_ASSERT_EQUAL_INT64(0, force.vel_q24);
+    TEST_ASSERT_EQUAL_INT32(400000, force.still_nm);
+    TEST_ASSERT_EQUAL_UINT32(0, force.n_still | force.n_limited);
 }
 
 static void test_it_follows_the_set_point_within_its_supervision(void)

@@ -17,19 +17,19 @@ void setUp(void)
         .in = {.actual_nm = {[hal_axis_u] = 1003, [hal_axis_x] = 1004, [hal_axis_z] = 1005},
                .inputs = 1006,
                .request = 1007u << 8 | 8u},
-        .angle = {.pos_q32 = INT64_C(1009) << 32, .speed_q32 = 1010, .is_synced = true},
+        .angle = {.pos_q32 = INT64_C(1008) << 32, .speed_q32 = 1009, .is_synced = true},
         .want = {.state = cam_state_cutting,
-                 .z_nm = 1011,
-                 .u_set_q6 = 1012,
+                 .z_nm = 1010,
+                 .u_set_q6 = 1011,
                  .u_due_q6 = 700 * 64 + 63,
-                 .faults = 1013,
-                 .outputs = 1014},
+                 .faults = 1012,
+                 .outputs = 1013},
     };
+    core.spindle.n_late = 1014;
     core.guard.first_faults = 1015;
     core.jog.found_nm[hal_axis_z] = 1016;
-    core.acknowledge.n_plans = 1017;
-    core.spindle.n_late = 1018;
-    core.spindle.max_period = 1019;
+    core.spindle.max_period = 1017;
+    core.acknowledge.n_plans = 1018;
     atomic_store(&core.trace.newest, &record);
     atomic_store(&core.trace.n_begun, 42);
     atomic_store(&core.trace.n_written, 42);
@@ -38,26 +38,20 @@ void setUp(void)
 static void test_words_of_the_record_and_of_the_stages_are_reported(void)
 {
     const cam_status_t s = cam_status_read(&core);
-    TEST_ASSERT_EQUAL_UINT32(1001, s.tick);
-    TEST_ASSERT_EQUAL_UINT32(1002, s.config);
-    TEST_ASSERT_EQUAL_INT32(1003, s.u_actual_nm);
-    TEST_ASSERT_EQUAL_INT32(1004, s.x_actual_nm);
-    TEST_ASSERT_EQUAL_INT32(1005, s.z_actual_nm);
-    TEST_ASSERT_EQUAL_UINT32(1006, s.inputs);
-    TEST_ASSERT_EQUAL_UINT32(1007, s.request);
-    TEST_ASSERT_EQUAL_INT64(INT64_C(1009) << 32, s.pos_q32);
-    TEST_ASSERT_EQUAL_INT32(1010, s.speed_q32);
-    TEST_ASSERT_EQUAL_INT32(1011, s.z_nm);
-    TEST_ASSERT_EQUAL_INT32(1012, s.u_set_q6);
-    TEST_ASSERT_EQUAL_UINT32(1013, s.faults);
-    TEST_ASSERT_EQUAL_UINT32(1014, s.outputs);
+    const int64_t words[] = {s.tick,        s.config,
+                             s.u_actual_nm, s.x_actual_nm,
+                             s.z_actual_nm, s.inputs,
+                             s.request,     s.pos_q32 >> 32,
+                             s.speed_q32,   s.z_nm,
+                             s.u_set_q6,    s.faults,
+                             s.outputs,     s.n_late,
+                             s.first_fault, s.jog.found_nm[hal_axis_z],
+                             s.max_period,  s.acknowledge.n_plans};
+    for (uint32_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        TEST_ASSERT_EQUAL_INT64(1001 + i, words[i]);
+    }
     TEST_ASSERT_EQUAL_INT(cam_state_cutting, s.state);
     TEST_ASSERT_EQUAL_INT32(1003 - 700, s.following_nm);
-    TEST_ASSERT_EQUAL_UINT32(1015, s.first_fault);
-    TEST_ASSERT_EQUAL_MEMORY(&core.jog, &s.jog, sizeof s.jog);
-    TEST_ASSERT_EQUAL_MEMORY(&core.acknowledge, &s.acknowledge, sizeof s.acknowledge);
-    TEST_ASSERT_EQUAL_UINT32(1018, s.n_late);
-    TEST_ASSERT_EQUAL_UINT32(1019, s.max_period);
 }
 
 static void test_each_condition_is_reported_by_itself(void)
