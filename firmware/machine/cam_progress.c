@@ -58,7 +58,6 @@ static void count(cam_progress_t *to, const cam_moment_t *now, const cam_play_co
                        ? at_least_0(now->record.angle.pos_q32 - now->plan.engage_at_q32)
                        : 0;
     if (!cam_state_is_in_work(now->motion.state)) {
-        done = 0;
         to->left_q32 = rehearsal + cut;
     } else if (now->motion.state == cam_state_rehearsing) {
         to->left_q32 = now->motion.is_playing ? laid_q32(now, cfg, ppm) : rehearsal;

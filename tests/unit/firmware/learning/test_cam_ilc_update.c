@@ -174,6 +174,24 @@ static void test_the_floor_follows_from_the_resolution_of_scale_and_encoder(void
     TEST_ASSERT_EQUAL_UINT32(128, t.floor_q6);
 }
 
+/// U stands where it moves by less than 4 nm from one bin to the next.
+static void test_the_sense_is_that_of_a_motion_of_4_nm(void)
+{
+    static cam_turn_bin_t bins[cam_turn_bins_n];
+    for (int32_t by_nm = -4; by_nm <= 4; by_nm++) {
+        settle();
+        for (int32_t i = 0; i < cam_turn_bins_n; i++) {
+            bins[i] = (cam_turn_bin_t){.n = 4, .u_nm = 4 * by_nm * i};
+        }
+        t.bin = bins;
+        t.blending = 0;
+        how.turn++;
+        cam_ilc_update_begin(&t, &s, &how);
+        TEST_ASSERT_TRUE(t.is_counted);
+        TEST_ASSERT_EQUAL_INT32(by_nm / 4 * (1 << 20), bins[64].n);
+    }
+}
+
 /// The corrections may grow until their sum is the bound.
 static void test_room_is_what_the_bound_leaves(void)
 {

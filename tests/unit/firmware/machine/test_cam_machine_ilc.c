@@ -156,6 +156,23 @@ static void test_a_correction_and_a_ripple_are_handed_over(void)
     TEST_ASSERT_EQUAL_INT16(0, offered()->dm[1]);
 }
 
+/// A sin(angle - phase) of the encoder, whose phase is measured in the sense of its counts.
+static void test_eccentricity_is_taken_off_in_the_sense_of_cutting(void)
+{
+    for (int32_t sense = -1; sense <= 1; sense += 2) {
+        part.direction = sense;
+        fixture_rig_init(&rig, &part, 20000);
+        set(cam_param_eccentricity_nturn, 100000);
+        set(cam_param_eccentricity_udeg, 30000000);
+        settle(0, 0);
+        for (int i = 0; i <= cam_learned_points; i += 32) {
+            const double angle = TURN * (i / 256.0 - sense / 12.0);
+            TEST_ASSERT_DOUBLE_WITHIN(1.0, 838.86 * sin(angle), offered()->dm[i]);
+            TEST_ASSERT_EQUAL_INT16(0, offered()->d[i]);
+        }
+    }
+}
+
 static void test_each_reason_to_work_suffices(void)
 {
     static const struct {
@@ -183,6 +200,12 @@ static void test_why_nothing_is_learned_is_known(void)
     m->params.learn_harmonics = 8;
     TEST_ASSERT_EQUAL_INT(cam_ilc_not_measured, cam_machine_learning(m).reason);
     hal_host.slow.measures_u = true;
+    TEST_ASSERT_EQUAL_INT(cam_ilc_all, cam_machine_learning(m).reason);
+    hal_host.slow.force.quantum_un = 20000;
+    set(cam_param_servo_integral_mHz, 0);
+    set(cam_param_servo_crossover_hz, 166); // four times 41.7 turns per second are 166.7
+    TEST_ASSERT_EQUAL_INT(cam_ilc_slow_loop, cam_machine_learning(m).reason);
+    set(cam_param_servo_crossover_hz, 167);
     TEST_ASSERT_EQUAL_INT(cam_ilc_all, cam_machine_learning(m).reason);
     m->table.n_lobes = 2;
     TEST_ASSERT_EQUAL_INT(cam_ilc_lobes, cam_machine_learning(m).reason);
@@ -366,6 +389,28 @@ static void test_mean_force_of_the_chip_has_the_whole_depth(void)
         TEST_ASSERT_NOT_EQUAL_INT32(0, q6);
         before_q6 = i == 0u ? q6 : before_q6;
         TEST_ASSERT_INT32_WITHIN(8, i > 0u ? cases[i - 1u].deeper_nm : 0, q6 - before_q6);
+    }
+}
+
+/// While U plays the table, learned constants and corrections shrink until its command is within
+/// the stroke; out of the work they stay.
+static void test_what_is_learned_fits_into_the_stroke(void)
+{
+    static const struct {
+        cam_state_t state;
+        int32_t k1_ticks; ///< 400 times a power of 7 / 8
+    } cases[] = {
+        {cam_state_rehearsing, 130, 160}, {cam_state_cutting, 130, 160}, {cam_state_ready, 400}};
+    for (int i = 0; i < 3; i++) {
+        begin();
+        play_turns(2, cases[i].state);
+        m->ilc.drive = (cam_drive_t){.k1_q16 = 400 * one_q16};
+        m->ilc.correction.c_q6[0].re = 64 * 30000;
+        m->ilc.blending = cam_ilc_blend_drive;
+        fixture_rig_ticks(&rig, 2);
+        poll(cases[i].state);
+        TEST_ASSERT_EQUAL_INT32(cases[i].k1_ticks, m->ilc.drive.k1_q16 / one_q16);
+        TEST_ASSERT_EQUAL(i < 2, m->ilc.is_limited);
     }
 }
 

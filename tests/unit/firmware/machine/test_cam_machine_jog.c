@@ -123,6 +123,33 @@ static void test_refusals_carry_the_limit(void)
     expect_jog(cam_err_hand_axis, hal_axis_z, 100);
 }
 
+/// U presses on its stop by the force for it, but no more than its motor has when it is hot.
+static void test_search_of_a_stop_presses_by_what_the_motor_has(void)
+{
+    static const struct {
+        int32_t method, home_mn, continuous_mn, limit_mn, press_mn;
+    } rows[] = {
+        {4, 1000, 2000, 3000, 1000}, {5, 3000, 2000, 4000, 2000}, {5, 3000, 2500, 900, 900}};
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        setUp();
+        to_manual();
+        hal_host.slow.force.quantum_un = 20000;
+        cam_params_t *p = &machine()->params;
+        p->u_home = rows[i].method;
+        p->u_home_force_mn = rows[i].home_mn;
+        p->servo_continuous_mn = rows[i].continuous_mn;
+        p->servo_force_limit_mn = rows[i].limit_mn;
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_u));
+        const cam_jog_config_t *jog = &cam_machine_newest_config(machine())->play.jog;
+        const cam_jog_order_t *o = &jog->order;
+        TEST_ASSERT_EQUAL_INT32(64 * rows[i].press_mn, o->press_q6);
+        TEST_ASSERT_EQUAL(rows[i].method == 5, o->has_index);
+        TEST_ASSERT_EQUAL_UINT32(50, o->still_plans); // 20 ms
+        TEST_ASSERT_EQUAL_INT64(jog->u_end_q10, o->high_q10);
+        TEST_ASSERT_EQUAL_INT64(-jog->u_end_q10, o->low_q10);
+    }
+}
+
 /// To the end itself U may go, and not a nanometre further.
 static void test_step_reaches_the_end_of_the_travel(void)
 {

@@ -55,6 +55,7 @@ static void test_commit_that_is_refused_leaves_all_as_they_were(void)
     TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_machine_stage(m, cam_param_lead_ns, -1));
     TEST_ASSERT_EQUAL_INT(cam_err_param_state, cam_machine_stage_commit(m));
     TEST_ASSERT_EQUAL_INT(cam_param_encoder_sign, m->refusal.param);
+    TEST_ASSERT_EQUAL_INT64(0, m->refusal.needed | m->refusal.limit);
     stage(cam_param_encoder_sign, 1);
     stage(cam_param_spindle_limit_mrpm, 1000000);
     TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, cam_machine_stage_commit(m));

@@ -110,7 +110,7 @@ static void test_before_the_cut_the_whole_of_it_is_left(void)
 {
     bring(cam_state_ready);
     const int32_t due = turns(now().left_q32);
-    TEST_ASSERT_EQUAL_INT32(due, turns(now().whole_q32));
+    TEST_ASSERT_EQUAL_INT64(now().left_q32, now().whole_q32);
     set(cam_param_feed_override_ppm, 0); // a hold, which counts as the full rate
     TEST_ASSERT_EQUAL_INT32(due, turns(now().left_q32));
     set(cam_param_feed_override_ppm, 1000000);
