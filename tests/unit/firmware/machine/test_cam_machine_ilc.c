@@ -399,8 +399,7 @@ static void test_what_is_learned_fits_into_the_stroke(void)
     static const struct {
         cam_state_t state;
         int32_t k1_ticks; ///< 400 times a power of 7 / 8
-    } cases[] = {
-        {cam_state_rehearsing, 130, 160}, {cam_state_cutting, 130, 160}, {cam_state_ready, 400}};
+    } cases[] = {{cam_state_rehearsing, 205}, {cam_state_cutting, 205}, {cam_state_ready, 400}};
     for (int i = 0; i < 3; i++) {
         begin();
         play_turns(2, cases[i].state);
