@@ -36,10 +36,7 @@ _MESSAGES = f"""# CAN messages
 For those who write a tool for the bus: the signals of every message and the names of their values,
 as [camturn.dbc](camturn.dbc) has them. [README.md](README.md) describes how they are used.
 {_NOTE}"""
-_TITLES = {
-    "axis_u": "Axis U",
-    "axes_x_z": "Axes X and Z",
-}
+_TITLES = {"axis_u": "Axis U", "axes_x_z": "Axes X and Z"}
 
 
 def table(rows: Iterable[Sequence[str]]) -> str:

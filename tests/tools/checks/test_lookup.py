@@ -31,10 +31,7 @@ def test_lists_of_the_dbc_are_written_anew(monkeypatch: pytest.MonkeyPatch) -> N
     """New parameters, errors and faults come in; a list without a place is refused."""
     more = (
         dbc.headers()
-        .replace(
-            " X(counts_per_turn,",
-            ' X(new_nm, 0, 0, 1, 0, "x") \\\n    X(counts_per_turn,',
-        )
+        .replace(" X(counts_per_turn,", ' X(new_nm, 0, 0, 1, 0, "x") \\\n    X(counts_per_turn,')
         .replace(" X(image_size, ", ' X(new_error, -99, "new") \\\n X(image_size, ')
         .replace(" X(estop, ", ' X(new_fault, "a new fault") X(estop, ')
     )

@@ -20,11 +20,7 @@ def started(root: Path, *words: str, **scripts: str) -> subprocess.Popen[str]:
     folder = root / "tools" / "steps"
     folder.mkdir(parents=True)
     (root / "build").mkdir()
-    lines = [
-        "cmake_minimum_required(VERSION 3.25)",
-        "project(s NONE)",
-        "enable_testing()",
-    ]
+    lines = ["cmake_minimum_required(VERSION 3.25)", "project(s NONE)", "enable_testing()"]
     for name, script in scripts.items():
         file = root / f"{name}.sh"
         file.write_text(script)
@@ -121,9 +117,7 @@ def test_signal_stops_all_steps(tmp_path: Path) -> None:
     assert not any(map(is_running, left))
 
 
-def test_step_without_progress_is_ended_and_what_it_waits_for_is_named(
-    tmp_path: Path,
-) -> None:
+def test_step_without_progress_is_ended_and_what_it_waits_for_is_named(tmp_path: Path) -> None:
     """One that computes goes on, however long it takes; so does one whose only child hung."""
     runner = started(
         tmp_path,
@@ -151,30 +145,14 @@ def test_hangs_too():
 """
 
 
-def test_only_the_hanging_tests_fail_and_name_what_they_wait_for(
-    tmp_path: Path,
-) -> None:
+def test_only_the_hanging_tests_fail_and_name_what_they_wait_for(tmp_path: Path) -> None:
     """In a pytest of its own, whose watch is impatient."""
     (tmp_path / "test_some.py").write_text(HANGING)
-    words = (
-        "-m",
-        "pytest",
-        "-q",
-        "-p",
-        "no:cacheprovider",
-        "-p",
-        "tests.hang",
-        str(tmp_path),
-    )
+    words = ("-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "tests.hang", str(tmp_path))
     paths = f"{TOOLS}{os.pathsep}{TOOLS.parent}"
     env = os.environ | {"PYTHONPATH": paths, "CAMTURN_STALL_S": "1", SLOWNESS: "2"}
     said = subprocess.run(
-        [sys.executable, *words],
-        env=env,
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
+        [sys.executable, *words], env=env, cwd=tmp_path, capture_output=True, text=True, check=False
     ).stdout
     assert "2 failed, 1 passed" in said
     assert "'sleep 600' waits in " in said and "threading.Event().wait()" in said

@@ -121,10 +121,7 @@ def lose_commands(bench: Bench, _link: Link) -> None:
 
 @pytest.mark.parametrize(
     ("act", "said"),
-    [
-        (lambda bench, _: order(bench, "stop"), "cut short: stopped"),
-        (lose_commands, ""),
-    ],
+    [(lambda bench, _: order(bench, "stop"), "cut short: stopped"), (lose_commands, "")],
 )
 def test_what_ends_an_excitation(
     bench: Bench, link: Link, act: Callable[[Bench, Link], None], said: str

@@ -77,10 +77,7 @@ def test_lost_frames_are_repeated(bench: Bench, other: Path) -> None:
 
 
 def test_a_download_that_cannot_go_on_leaves_the_old_table(
-    bench: Bench,
-    other: Path,
-    refusal: Refusal,
-    monkeypatch: pytest.MonkeyPatch,
+    bench: Bench, other: Path, refusal: Refusal, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The line says that nothing is lost; a damaged table is refused by the controller."""
     monkeypatch.setattr("camtools.link.download.MOST_REPEATS", 1)

@@ -178,16 +178,10 @@ def test_lobes_follow_each_other(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("changes", "told"),
-    [
-        ({"spindle_rpm": "299"}, "swing_acceleration_deg_s2"),
-        ({"u_stroke_mm": "15"}, "u_stroke_mm"),
-    ],
+    [({"spindle_rpm": "299"}, "swing_acceleration_deg_s2"), ({"u_stroke_mm": "15"}, "u_stroke_mm")],
 )
 def test_what_cannot_be_is_refused(
-    tmp_path: Path,
-    changes: dict[str, str],
-    told: str,
-    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path, changes: dict[str, str], told: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """File, what is wrong and what helps; status 2, no program."""
     with pytest.raises(AssertionError):

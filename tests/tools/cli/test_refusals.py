@@ -76,10 +76,7 @@ REFUSALS = {
         ("{parts}/perkins240.toml -o /proc/none", "/proc/none: cannot write"),
     ],
     "identify": [
-        (
-            "--machine default --form-error-um 1",
-            "--form-error-um: needs a part: add PART",
-        ),
+        ("--machine default --form-error-um 1", "--form-error-um: needs a part: add PART"),
         ("", "identify: one of the arguments --machine --bus --record is required"),
         ("--machine nowhere", "--machine nowhere: no such machine; give one of analog_position, c"),
         ("--machine default --apply", "identify: --apply: needs a folder for the machine file"),

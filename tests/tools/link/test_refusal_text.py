@@ -17,10 +17,7 @@ class _Refusing:
         """Answer a question about a number, or about the parameter that is the limit."""
         if command == "get_parameter":
             return Answer(
-                command,
-                "done",
-                float(self.numbers.get("stroke", self.numbers["limit"])),
-                parameter,
+                command, "done", float(self.numbers.get("stroke", self.numbers["limit"])), parameter
             )
         assert command == "get_refusal"
         return Answer(command, "done", float(self.numbers.get(REFUSALS[parameter], 0)), 0)

@@ -73,9 +73,7 @@ def test_jump_beyond_the_derived_window_is_seen_in_its_tick(oval: Path) -> None:
         assert f"fault {fault}:" in cut(oval, *words, machine=lathe, status=1).message
 
 
-def test_observer_that_is_too_fast_for_the_tick_is_refused_with_what_would_do(
-    oval: Path,
-) -> None:
+def test_observer_that_is_too_fast_for_the_tick_is_refused_with_what_would_do(oval: Path) -> None:
     """The line names rate and limit, and the limit is taken."""
     lathe, words = machine(1000, 10_000), ("--rpm", 1500, *QUICK)
     line = refusal(oval, *words, "--set", "observer_bandwidth_mHz=200000", machine=lathe)

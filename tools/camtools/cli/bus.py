@@ -43,8 +43,7 @@ class Interface:
     """The options that name a bus."""
 
     interface: Annotated[
-        str | None,
-        Option("CAN interface of python-can: socketcan, pcan, slcan, ...", short="-i"),
+        str | None, Option("CAN interface of python-can: socketcan, pcan, slcan, ...", short="-i")
     ] = None
     channel: Annotated[
         str | None, Option("channel of the CAN interface, for example can0", short="-c")

@@ -236,12 +236,10 @@ def zero(
     axis: Annotated[str, Word("axis to set", choices=("x", "z"))],
     *,
     diameter: Annotated[
-        float | None,
-        Option("diameter that the tool tip touches, for x", "MM", read=not_negative),
+        float | None, Option("diameter that the tool tip touches, for x", "MM", read=not_negative)
     ] = None,
     height: Annotated[
-        float | None,
-        Option("height on the drawing that the tip touches, for z", "MM", read=finite),
+        float | None, Option("height on the drawing that the tip touches, for z", "MM", read=finite)
     ] = None,
 ) -> None:
     """Set the position of an axis to a known value; nothing moves."""

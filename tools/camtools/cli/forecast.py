@@ -59,16 +59,14 @@ class Options:
         tuple[str, ...], Option("value of a controller parameter; repeatable", "P=V")
     ] = ()
     workers: Annotated[
-        int | None,
-        Option("parallel processes on this computer (default: one per core)", "N"),
+        int | None, Option("parallel processes on this computer (default: one per core)", "N")
     ] = None
     scheduler: Annotated[
         str | None,
         Option("Dask cluster that runs the cuts (default: this computer)", "tcp://HOST:PORT"),
     ] = None
     output: Annotated[
-        Path | None,
-        Option("folder for the results (default: build/forecast/NAME)", "DIR", "-o"),
+        Path | None, Option("folder for the results (default: build/forecast/NAME)", "DIR", "-o")
     ] = None
 
     def question(self) -> Question:

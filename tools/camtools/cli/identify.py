@@ -69,8 +69,7 @@ class Options:
     u: UOptions
     part: Annotated[Path | None, Word("part whose form error is predicted", "PART.toml")] = None
     machine: Annotated[
-        str | None,
-        Option("simulated machine: a name or a machine file", "M", one_of="where!"),
+        str | None, Option("simulated machine: a name or a machine file", "M", one_of="where!")
     ] = None
     bus: Annotated[bool, Option("real controller over CAN, in state ready", one_of="where!")] = (
         False
@@ -84,8 +83,7 @@ class Options:
         ),
     ] = None
     rpm: Annotated[
-        float | None,
-        Option("spindle speed in r/min (default: the part's)", "N", read=positive),
+        float | None, Option("spindle speed in r/min (default: the part's)", "N", read=positive)
     ] = None
     rms_um: Annotated[
         float | None,

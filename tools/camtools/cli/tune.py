@@ -65,8 +65,7 @@ class Options:
         ),
     ] = None
     machine: Annotated[
-        str | None,
-        Option("simulated machine, excited for the constants", "M", one_of="where"),
+        str | None, Option("simulated machine, excited for the constants", "M", one_of="where")
     ] = None
     bus: Annotated[
         bool,
@@ -98,11 +97,7 @@ class Options:
     ] = False
     out: Annotated[
         Path | None,
-        Option(
-            "folder for picture, text and parameters (default: none are written)",
-            "DIR",
-            "-o",
-        ),
+        Option("folder for picture, text and parameters (default: none are written)", "DIR", "-o"),
     ] = None
 
     def __post_init__(self) -> None:

@@ -83,10 +83,7 @@ _NEEDED_STATE = {  # of commands that one state takes only
     **dict.fromkeys(("jog", "step", "home_axis", "zero_x", "zero_z"), _MANUAL),
     "reset": "fault",
 }
-_FROM_OFF = {
-    _READY: "home first",
-    _MANUAL: "give manual first",
-}
+_FROM_OFF = {_READY: "home first", _MANUAL: "give manual first"}
 _TO_OFF = {  # before what is given from off
     _READY: "disable",
     _MANUAL: "disable",
