@@ -84,10 +84,7 @@ class Kernel:
         )
 
     def play(self, scenario: str, setup: dict[str, Any]) -> Result:
-        """Play a scenario of scenarios.py by its name.
-
-        `setup` is that of inside.Session; its `out` is the folder for everything.
-        """
+        """Play a scenario with the `setup` of inside.Session, whose `out` is for everything."""
         out = Path(setup["out"])
         (out / "setup.json").write_text(json.dumps(setup))
         words = [sys.executable, "-m", "tests.linux.scenarios", scenario, str(out / "setup.json")]
@@ -111,15 +108,7 @@ def uml(*words: str, root: Path = ROOT) -> subprocess.CompletedProcess[str]:
 
 
 def find_kernel() -> Kernel:
-    """Return the kernel to be used, booted once; where CAMTURN_KERNEL is `build`, it is built.
-
-    Raises
-    ------
-    NoKernelError
-        There is none.
-    BrokenKernelError
-        It does not boot.
-    """
+    """Return the kernel to be used, booted once; where CAMTURN_KERNEL is `build`, it is built."""
     if is_direct_possible():
         return Kernel(is_own=False)
     found = uml("build" if os.environ.get("CAMTURN_KERNEL") == "build" else "path")

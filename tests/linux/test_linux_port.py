@@ -227,10 +227,7 @@ def test_nothing_is_sent_while_it_listens(nodes: Nodes, start: Start) -> None:
 def test_signal_ends_it_with_the_drives_let_go(
     nodes: Nodes, start: Start, by: signal.Signals
 ) -> None:
-    """The tool leaves the work, the drives stop and lose their voltage, the status is 0.
-
-    A terminal that is closed sends SIGHUP, and its shell another signal.
-    """
+    """The tool leaves the work, the drives lose their voltage, the status is 0; also by SIGHUP."""
     controller = start()
     enable(controller, nodes)
     assert controller.command(START) == OK

@@ -59,10 +59,7 @@ class Halbox:
     folder: Path
 
     def run(self, *words: str, to: str = "said.txt", **more: str) -> int:
-        """Run a program; what it and the threads say goes to one file, since these live on.
-
-        `more` is added to its environment.
-        """
+        """Run a program, `more` in its environment; what it and the threads say is a file."""
         env = {
             "PATH": os.environ["PATH"],
             "HOME": str(self.folder),

@@ -2,7 +2,6 @@
 
 import re
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +10,10 @@ import pytest
 from checks.patience import limit_s
 from tests.linuxcnc.halbox import Halbox
 from tests.linuxcnc.replays import COMMANDED, Cut, Whole, cut, replay
-from tests.tools.cases.part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT, TableOf
 
 pytest_plugins = ["tests.linuxcnc.halrun_fixtures"]
 
-TableOf = Callable[[str], Path]
 HERE = ROOT / "hal" / "linuxcnc"
 IN_HAL = r"camturn\.(?!comp\b|so\b)([a-z][a-z0-9-]*)"
 LOAD = "loadrt camturn table={} tick_hz=1000\n"

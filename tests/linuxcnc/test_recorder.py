@@ -11,10 +11,10 @@ import pytest
 from checks.patience import limit_s
 from tests.linuxcnc.halbox import Halbox
 from tests.linuxcnc.replays import Whole, cut, replay
+from tests.tools.cases.part_cases import TableOf
 
 pytest_plugins = ["tests.linuxcnc.halrun_fixtures"]
 
-TableOf = Callable[[str], Path]
 FAULT, AFTER_MS, TICK_HZ = 2, 20, 1000
 LOAD = """loadrt camturn table=./part.camtab tick_hz=1000 {}
 loadrt threads name1=servo period1=1000000

@@ -93,10 +93,7 @@ def _values(start: str, names: Mapping[int, str]) -> tuple[str, str]:
 
 
 def dbc_text(text: str) -> str:
-    """Return the text of camturn.dbc with the names and faults of the sources.
-
-    Raises CamtoolsError: the file has no place for some of them.
-    """
+    """Return the text of camturn.dbc with the names and faults of the sources."""
     results = {0: "done"} | {int(number): name for number, name, _ in errors(text)}
     faults = re.findall(r'X\((\w+), "([^"]*)"', _body(text, "CAM_FAULTS"))
     bits = "".join(
@@ -123,10 +120,7 @@ def dbc_text(text: str) -> str:
 
 
 def c_sources(database: Database) -> dict[str, str]:
-    """Return C functions in integers that pack and unpack the messages, by their paths.
-
-    The same messages give the same bytes: version and day of cantools are left out.
-    """
+    """Return C that packs and unpacks the messages, by path, without cantools' version and day."""
     header, source, _, _ = c_source.generate(
         database, "camturn", "camturn.h", "camturn.c", "", floating_point_numbers=False
     )

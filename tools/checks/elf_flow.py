@@ -80,10 +80,7 @@ def _go(flow: Flow, code: Code, one: ImageInstruction, after: list[int]) -> list
 
 
 def make_flow(code: Code, function: Function) -> Flow:
-    """Return the graph of a function.
-
-    code: all functions of the image; function: one of them.
-    """
+    """Return the graph of a function of an image."""
     flow = Flow(function)
     addresses = [one.address for one in function.instructions]
     for one, after in zip(function.instructions, [*addresses[1:], None], strict=True):

@@ -98,10 +98,7 @@ def _start(code: Code, address: int, name: str) -> Function:
 
 
 def parse_code(text: str) -> Code:
-    """Return the functions of a disassembly by address.
-
-    text: of `objdump -d -z --no-show-raw-insn`.
-    """
+    """Return the functions of `objdump -d -z --no-show-raw-insn` by address."""
     code: Code = {}
     function: Function | None = None
     in_block = 0  # instructions left of an IT block
@@ -131,10 +128,7 @@ class Image:
     prefix: str = PREFIX
 
     def ask(self, tool: str, *words: str, given: str | None = None) -> str:
-        """Return what one of the binary utilities prints.
-
-        Raises CamtoolsError: it is not there, or refuses.
-        """
+        """Return what one of the binary utilities prints."""
         command = [self.prefix + tool, *words]
         try:
             done = subprocess.run(command, input=given, capture_output=True, text=True, check=False)
@@ -151,10 +145,7 @@ class Image:
         return parse_code(self.ask("objdump", "-d", "-z", "--no-show-raw-insn", str(self.path)))
 
     def function(self, name: str) -> Function:
-        """Return the one function of a name.
-
-        Raises CamtoolsError: there is none, or several.
-        """
+        """Return the one function of a name; it is an error when there is none, or several."""
         found = [one for one in self.code.values() if one.name == name]
         if len(found) != 1:
             remedy = "name another root" if found else "is it linked in?"
@@ -168,10 +159,7 @@ class Image:
         return _parse_places(text.splitlines())
 
     def frames(self) -> dict[int, int | None]:
-        """Return the deepest stack by the compiler's call frames, by address of the code.
-
-        None: its size is not constant, since it is relative to another register than sp.
-        """
+        """Return the deepest stack by the call frames, by address; None: it is not constant."""
         deepest: dict[int, int | None] = {}
         start = -1
         text = self.ask("readelf", "--debug-dump=frames-interp", str(self.path))

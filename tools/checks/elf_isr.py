@@ -48,10 +48,7 @@ class IsrReport:
 
 
 def load_bounds(path: Path) -> Bounds:
-    """Return the reason why the loops of a source function end, by function.
-
-    Raises InputError: the file is not readable or no such table.
-    """
+    """Return the reason why the loops of a source function end, by function."""
     remedy = 'give FUNCTION = "why its loops end" below [loops]'
     try:
         bounds = tomllib.loads(path.read_text("utf-8"))["loops"]

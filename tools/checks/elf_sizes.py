@@ -76,11 +76,7 @@ def _code_bytes(image: Image, begin: int, end: int) -> dict[int, int]:
 
 
 def measure(image: Image, sources: Iterable[str]) -> Sizes:
-    """Return the sizes of the modules whose sources lie in the given folders.
-
-    image: with debug information; sources: folders as they stand in the paths of the debug
-    information.
-    """
+    """Return the sizes of the modules whose sources lie in folders of the debug information."""
     total: dict[str, dict[str, int]] = defaultdict(lambda: defaultdict(int))
     sources, n_bytes = tuple(sources), dict[int, int]()
     for line in image.ask("nm", "-S", "-l", str(image.path)).splitlines():
@@ -111,10 +107,7 @@ def compare(measured: Sizes, recorded: Mapping[str, Size]) -> list[Change]:
 
 
 def parse_sizes(file: str, text: str) -> dict[str, Sizes]:
-    """Return the recorded sizes by name of the build, then by module.
-
-    Raises InputError: the text is no such record.
-    """
+    """Return the recorded sizes by name of the build, then by module."""
     try:
         builds = tomllib.loads(text)
         return {

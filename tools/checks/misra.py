@@ -77,10 +77,7 @@ def _quoted(cell: str) -> tuple[str, ...]:
 
 
 def parse_deviations(file: str, text: str) -> list[Deviation]:
-    """Return the deviations of a Markdown table.
-
-    Raises InputError: a row is not understood, or its number is not the next one.
-    """
+    """Return the deviations of a Markdown table, whose numbers have no gap."""
     found: list[Deviation] = []
     for line in text.splitlines():
         if not line.startswith("| D"):
@@ -156,10 +153,7 @@ def _findings(root: Path, sources: list[Path], macros: list[str]) -> list[Findin
 def judge(
     findings: Iterable[Finding], deviations: list[Deviation], texts: Mapping[str, list[str]]
 ) -> tuple[list[Finding], Counter[str]]:
-    """Return the findings that no deviation covers, and how many each covers.
-
-    deviations: the first that covers a finding has it.
-    """
+    """Return the findings that no deviation covers, and how many each covers as the first."""
     left, covered = list[Finding](), Counter[str]()
     for finding in findings:
         lines = texts[finding.file]

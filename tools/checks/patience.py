@@ -22,10 +22,7 @@ _LIMIT_S = 300.0  # on such a core: long, since other programs may begin during 
 
 
 def measure() -> float:
-    """Return how many times slower than an idle reference machine this one is, 1 to 20.
-
-    It times a small computation for long enough that other programs get their turns.
-    """
+    """Return how many times slower than an idle reference machine this one is, 1 to 20."""
     begin_s, x = time.perf_counter(), 1
     for _ in range(_N_STEPS):
         x = x * 69069 & 0xFFFFFFFF
@@ -45,10 +42,7 @@ def limit_s(seconds: float = _LIMIT_S) -> float:
 
 
 def until(condition: Callable[[], T], what: str, seconds: float = _LIMIT_S) -> T:
-    """Wait until a condition holds; return its value.
-
-    Raises AssertionError: the limit passed; names the event.
-    """
+    """Wait until a condition holds; return its value. An assertion names what did not come."""
     end_s = time.monotonic() + limit_s(seconds)
     while not (found := condition()):
         assert time.monotonic() < end_s, f"{what}: not within {limit_s(seconds):.0f} s"

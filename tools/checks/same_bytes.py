@@ -64,10 +64,7 @@ def _run(*words: str, folder: Path) -> None:
 
 
 def build(preset: str, target: str, folder: Path) -> bytes:
-    """Return the image of a target, built from the sources in a folder.
-
-    Raises CamtoolsError: the build fails, or gives not one program of that name.
-    """
+    """Return the image of a target, built from the sources in a folder."""
     _run("cmake", "--preset", preset, folder=folder)
     _run("cmake", "--build", "--preset", preset, "-j2", "--target", target, folder=folder)
     images = [path for path in (folder / "build" / preset).rglob(target) if path.is_file()]

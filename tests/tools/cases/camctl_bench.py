@@ -166,10 +166,7 @@ class Bench:
 
     @contextmanager
     def cutting(self, state: str = "") -> Iterator[Link]:
-        """Cut a part beside the block, as camctl start does in another terminal.
-
-        state: waited for before the block begins.
-        """
+        """Cut a part beside the block, as camctl start does elsewhere, from a state on."""
         bus = can.Bus(interface="virtual", channel=self.channel)
         link = Link(bus, f"virtual {self.channel}", self.node)
 

@@ -23,7 +23,7 @@ from camtools.pipeline.job import RunJob
 from camtools.pipeline.run import run
 from camtools.report import kind_report, sheet_page
 from tests.tools.cases.camsim_cases import BUILD
-from tests.tools.cases.part_cases import environment
+from tests.tools.cases.part_cases import Capture, environment
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -78,9 +78,7 @@ def fresh_command(
     )
 
 
-def complaint(
-    main: Callable[[list[str]], int], words: list[str], capture: pytest.CaptureFixture[str]
-) -> str:
+def complaint(main: Callable[[list[str]], int], words: list[str], capture: Capture) -> str:
     """Run a command in this process, which must end with status 2; return its only line."""
     try:
         status = main(words)

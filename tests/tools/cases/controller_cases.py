@@ -20,10 +20,7 @@ def until(is_true: Callable[[], object], what: str = "the condition in the trace
 
 
 class Seat:
-    """A service, a visitor who commands, and another.
-
-    service, commander, log: of the panel; is_bus_there: whether the bus can be opened.
-    """
+    """A service of the panel, a visitor who commands, and another."""
 
     def __init__(self, channel: str) -> None:
         self.channel, self.is_bus_there = channel, True

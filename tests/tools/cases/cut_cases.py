@@ -1,6 +1,6 @@
 """Tables of parts and their cuts: each part of the repository is made once in a process."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
@@ -87,6 +87,3 @@ def cut_made(
     tolerance, machine = made.kind.form_error_um(part), made.kind.machine(part)
     words = ("--tolerance-um", str(tolerance), *words)
     return cut(table, *words, status=status, tables=tables, machine=machine)
-
-
-TableOf = Callable[[str], Path]

@@ -101,10 +101,7 @@ def _is_complete(root: Path) -> bool:
 
 
 def tools() -> Path:
-    """Return the folder with LinuxCNC's programs, modules, headers and halcompile: "/" or unpacked.
-
-    Raises NotHereError: neither installed with its -dev package nor to be had.
-    """
+    """Return LinuxCNC's folder of programs, modules, headers, halcompile: "/" or unpacked."""
     root = Path("/") if _is_complete(Path("/")) else UNPACKED
     if not _is_complete(root):
         _unpack()
@@ -112,10 +109,7 @@ def tools() -> Path:
 
 
 def interpreter() -> Interpreter:
-    """Return the interpreter, tried.
-
-    Raises NotHereError: neither installed nor to be had, or it does not start.
-    """
+    """Return the interpreter, tried; NotHereError where there is none."""
     is_installed = Path("/usr/bin/rs274").exists()
     if not is_installed and not UNPACKED.exists():
         _unpack()

@@ -13,6 +13,17 @@ from typing import Any
 MM_PER_INCH = 25.4
 REFUSED = 3  # exit status
 LINEAR = (0, 1, 2, 6, 7, 8)
+# What the interpreter asks of a machine: all nine axes, whether lines with a slash count, user
+# units, a tool without offsets, whether somebody asks to stop.
+ANSWERS = {
+    "get_axis_mask": 0x1FF,
+    "get_block_delete": False,
+    "get_external_length_units": 1.0,
+    "get_external_angular_units": 1.0,
+    "get_tool": (-1, *(0.0,) * 12, 0),
+    "check_abort": False,
+}
+MOVES = {"straight_traverse": 0.0, "straight_feed": 1.0}
 
 
 class Canon:
@@ -22,45 +33,15 @@ class Canon:
         self.parameter_file = variables
         self.points = array("d")
 
-    def __getattr__(self, name: str) -> Callable[..., None]:
-        """Accept every call that is no move."""
-        return lambda *_: None
-
-    def get_axis_mask(self) -> int:
-        """Return all axes."""
-        return 0x1FF
-
-    def get_block_delete(self) -> bool:
-        """Return that lines with a slash count."""
-        return False
-
-    def get_external_length_units(self) -> float:
-        """Return user units per mm."""
-        return 1.0
-
-    def get_external_angular_units(self) -> float:
-        """Return user units per degree."""
-        return 1.0
-
-    def get_tool(self, _pocket: int) -> tuple[float, ...]:
-        """Return a tool without offsets."""
-        return (-1, *(0.0,) * 12, 0)
-
-    def check_abort(self) -> bool:
-        """Return that nobody asks to stop."""
-        return False
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        """Write moves down, answer what is asked, accept every other call."""
+        if name in MOVES:
+            return lambda *axes: self._went(MOVES[name], axes)
+        return lambda *_: ANSWERS.get(name)
 
     def _went(self, kind: float, inches: tuple[float, ...]) -> None:
         axes = [v * MM_PER_INCH if i in LINEAR else v for i, v in enumerate(inches)]
         self.points.extend([kind, *axes])
-
-    def straight_traverse(self, *axes: float) -> None:
-        """Write a rapid move down."""
-        self._went(0.0, axes)
-
-    def straight_feed(self, *axes: float) -> None:
-        """Write a feed move down."""
-        self._went(1.0, axes)
 
 
 def main() -> int:

@@ -14,10 +14,7 @@ from tests.tools.cases.background import Background, background, python
 
 
 class LiveCase:
-    """A live lathe, and a link to it.
-
-    lathe: tools/live, to which faults are typed; link: to its controller.
-    """
+    """A live lathe, to which faults are typed, and a link to its controller."""
 
     def __init__(self, lathe: Background, link: Link) -> None:
         self.lathe, self.link = lathe, link
@@ -46,10 +43,7 @@ class LiveCase:
 
 @contextmanager
 def live_case(folder: Path, *words: str | Path) -> Iterator[LiveCase]:
-    """Run tools/live with some words.
-
-    folder: empty; this lathe and no other announces itself there.
-    """
+    """Run tools/live with some words; no other lathe announces itself in the empty folder."""
     live = python("camtools.cli.live", *words)
     with background(*live, XDG_RUNTIME_DIR=str(folder)) as lathe:
         lathe.wait_for("control-C ends")

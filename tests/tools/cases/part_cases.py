@@ -5,6 +5,8 @@ import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
 from camtools.pipeline.load import load_for, parse_for
 from camtools.skirt.part.part_file import SkirtPart
 from tests.tools.cases.camsim_cases import BUILD
@@ -13,6 +15,8 @@ ROOT = Path(__file__).resolve().parents[3]
 PERKINS = ROOT / "tools" / "parts" / "perkins240.toml"
 
 Command = Callable[..., subprocess.CompletedProcess[str]]
+Capture = pytest.CaptureFixture[str]
+TableOf = Callable[[str], Path]
 
 
 def environment() -> dict[str, str]:

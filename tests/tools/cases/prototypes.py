@@ -25,10 +25,7 @@ Named = dict[str, tuple[str, list[str]]]
 
 
 def declared_in(header: Path, words: dict[str, str]) -> Named:
-    """Return result and arguments of every function between the marks of a header.
-
-    words: names of ctypes for the header's own types.
-    """
+    """Return result and arguments of the functions of a header; `words` name its own types."""
     text = header.read_text()
     text = text[text.index("// [declarations]") : text.index("// [end of declarations]")]
     code = re.sub(r"//.*", "", text)

@@ -196,9 +196,7 @@ FLOWS = [
 
 @needs_gcc
 @pytest.mark.parametrize(("source", "problem", "bounded"), FLOWS)
-def test_calls_jumps_and_loops_are_followed(
-    tmp_path: Path, source: str, problem: str, bounded: str
-) -> None:
+def test_what_leads_where(tmp_path: Path, source: str, problem: str, bounded: str) -> None:
     """What cannot be followed, or has no bound, is refused."""
     image = link(tmp_path, source)
     if problem:

@@ -9,6 +9,7 @@ from checks.elf_isr import load_bounds
 from checks.elf_sizes import Size, compare, emit_sizes, measure, parse_sizes
 from checks.elfcheck import main
 from tests.tools.cases.elf_cases import LOOP, link, needs_gcc
+from tests.tools.cases.part_cases import Capture
 
 SIZED = """
     static const int squares[16] = {1, 4, 9, 16, 25, 36, 49, 64, 81, 100, 121, 144, 169, 196, 225};
@@ -30,7 +31,7 @@ def isr(folder: Path, *words: str) -> int:
 
 
 @needs_gcc
-def test_limit_of_the_stack(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_limit_of_the_stack(tmp_path: Path, capsys: Capture) -> None:
     """36 bytes of entry and none besides."""
     link(tmp_path, LOOP)
     words = ("--loops", str(loops_file(tmp_path)), "--stack-limit")
@@ -42,7 +43,7 @@ def test_limit_of_the_stack(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
 
 
 @needs_gcc
-def test_bounds_from_several_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_bounds_from_several_files(tmp_path: Path, capsys: Capture) -> None:
     """A loop that nobody bounded fails; a bound without a loop may be needed on another core."""
     link(tmp_path, LOOP)
     (tmp_path / "port").mkdir()
@@ -56,7 +57,7 @@ def test_bounds_from_several_files(tmp_path: Path, capsys: pytest.CaptureFixture
 
 
 @needs_gcc
-def test_bad_input_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_bad_input_is_one_line(tmp_path: Path, capsys: Capture) -> None:
     """A missing symbol, image or table of loops: status 2."""
     link(tmp_path, LOOP)
     assert main(["isr", str(tmp_path / "tiny.elf"), "--root", "nobody"]) == 2
@@ -90,7 +91,7 @@ def test_sizes_by_source_file(tmp_path: Path) -> None:
 
 
 @needs_gcc
-def test_record_of_sizes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_record_of_sizes(tmp_path: Path, capsys: Capture) -> None:
     """What was recorded passes; code that grew does not, and the remedy is told."""
     record = tmp_path / "sizes.toml"
     words = [str(tmp_path / "tiny.elf"), "--source", tmp_path.name, "--recorded", str(record)]

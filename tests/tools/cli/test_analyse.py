@@ -12,7 +12,7 @@ from camtools.cli.analyse import main, skirt_products
 from camtools.papers.section import AnalysisWishes, make_analysis, notes, summary
 from camtools.skirt.part.part_file import SkirtPart
 from tests.tools.cases.maths_tables import TABLE_1, TABLE_4
-from tests.tools.cases.part_cases import PERKINS, ROOT, load_part
+from tests.tools.cases.part_cases import PERKINS, ROOT, Capture, load_part
 
 WEICHAI = ROOT / "tools" / "parts" / "weichai3a.toml"
 
@@ -97,7 +97,7 @@ def test_corner_is_studied_too() -> None:
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_pictures_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_pictures_are_written(tmp_path: Path, capsys: Capture) -> None:
     """The command writes tables and pictures and tells the essentials."""
     assert main([str(PERKINS), "-o", str(tmp_path / "out")]) == 0
     names = {path.name for path in (tmp_path / "out").iterdir()}
@@ -129,7 +129,7 @@ def test_uniform_part_is_not_judged_by_equal_parts(perkins: SkirtPart) -> None:
     assert "30 equal parts: no number of parts is possible" in none
 
 
-def test_part_without_depth_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_part_without_depth_is_refused(tmp_path: Path, capsys: Capture) -> None:
     """At depth 0 nothing is cut at the long axis."""
     path = tmp_path / "p.toml"
     path.write_text(PERKINS.read_text().replace("depth_mm = 0.1", "depth_mm = 0"))

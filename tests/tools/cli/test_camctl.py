@@ -10,12 +10,14 @@ import time
 from pathlib import Path
 
 import pytest
+from pytest import MonkeyPatch
 
 from camtools.cli.camctl import main
 from camtools.link.messages import COMMAND, NAMES
 from camtools.link.status_text import COLUMNS
 from checks.patience import until
 from tests.tools.cases.camctl_bench import Bench, Refusal
+from tests.tools.cases.part_cases import Capture
 
 
 def interrupt() -> None:
@@ -165,9 +167,7 @@ def test_an_interrupt_ends_a_record_whole(bench: Bench, tmp_path: Path) -> None:
     assert all(line.count(",") == len(COLUMNS) - 1 for line in lines)
 
 
-def test_a_record_of_nobody_leaves_the_old_one(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_record_of_nobody_leaves_the_old_one(tmp_path: Path, capsys: Capture) -> None:
     """No controller: status 1, the file of before is there, and nothing beside it."""
     file = tmp_path / "cut.csv"
     file.write_text("an older cut\n")
@@ -203,22 +203,15 @@ def test_a_record_into_no_file_is_written_at_once(bench: Bench, tmp_path: Path) 
     assert bench.run("record", tmp_path, "--seconds", "0.2")[0] == 2
 
 
-class Terminal(io.StringIO):
-    """A stream that says it can be drawn on."""
-
-    def isatty(self) -> bool:
-        """Yes."""
-        return True
-
-
-def test_watch_prints_lines_or_draws(bench: Bench) -> None:
+def test_watch_prints_lines_or_draws(bench: Bench, monkeypatch: MonkeyPatch) -> None:
     """Without a terminal a line at a time; with one a page that is drawn over."""
     bench.do("home")
     seconds, every = "0.5", "0.1"
     lines = bench.do("watch", "--seconds", seconds, "--every", every).splitlines()
     assert 1 <= len(lines) <= 6
     assert all(line.startswith("ready") and "following error" in line for line in lines)
-    screen = Terminal()
+    screen = io.StringIO()
+    monkeypatch.setattr(screen, "isatty", lambda: True)
     words = ["-i", "virtual", "-c", bench.channel, "watch", "--seconds", seconds]
     bench.estop(True)
     assert main(words, screen) == 0
@@ -228,7 +221,7 @@ def test_watch_prints_lines_or_draws(bench: Bench) -> None:
     assert "short skirt   state: FAULT" in text
 
 
-def test_no_controller_is_told_with_what_to_check(capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_controller_is_told_with_what_to_check(capsys: Capture) -> None:
     """An empty bus: status 1 and one line for both a command and the status."""
     for command in ("enable", "status"):
         assert main(["-i", "virtual", "-c", "nobody", command]) == 1
@@ -243,9 +236,7 @@ def test_an_answer_that_does_not_come_is_told_from_silence(bench: Bench, refusal
     assert "no answer, though status comes" in refusal(bench, 1, "stop")
 
 
-def test_a_bus_that_cannot_be_opened_is_bad_input(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_bus_that_cannot_open(capsys: Capture, monkeypatch: MonkeyPatch, tmp_path: Path) -> None:
     """Unknown interface, none at all: status 2 and the remedy; the environment gives defaults."""
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
@@ -272,7 +263,7 @@ def test_a_bus_that_cannot_be_opened_is_bad_input(
         ["zero", "u", "--height", "1"],
     ],
 )
-def test_wrong_usage_is_status_2(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_usage_is_status_2(words: list[str], capsys: Capture) -> None:
     """One line that names the help."""
     with pytest.raises(SystemExit) as stop:
         main(words)

@@ -6,9 +6,7 @@ from pathlib import Path
 from tests.tools.cases.camctl_bench import Bench, Refusal
 
 
-def test_feed_is_overridden_held_and_goes_on(
-    bench: Bench, refusal: Refusal, tmp_path: Path
-) -> None:
+def test_feed_is_overridden_and_held(bench: Bench, refusal: Refusal, tmp_path: Path) -> None:
     """The state shows the hold; the part ends whole and is counted; the speed stays."""
     bench.do("home")
     assert bench.do("parts", "7") == "parts = 7\n"

@@ -74,9 +74,7 @@ def test_a_force_is_chosen_by_the_heading(bench: Bench, tmp_path: Path, refusal:
     assert max(map(abs, map(int, columns(record)["u_force_q6"][-20:]))) <= 2
 
 
-def test_an_excitation_needs_ready_and_room(
-    bench: Bench, wave: Path, tmp_path: Path, refusal: Refusal
-) -> None:
+def test_excitation_needs_ready(bench: Bench, wave: Path, tmp_path: Path, refusal: Refusal) -> None:
     """Refused in off; beyond the limits with the numbers; nothing is written."""
     record = tmp_path / "record.csv"
     assert "must be ready" in refusal(bench, 1, f"excite {wave} {record}")

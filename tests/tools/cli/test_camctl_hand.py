@@ -85,10 +85,7 @@ def test_a_home_that_is_not_found_says_why(bench: Bench, refusal: Refusal) -> No
 
 
 def test_zero_and_tools_move_the_part(bench: Bench, refusal: Refusal) -> None:
-    """The datum follows from a diameter and a height; a tool adds its offsets; nothing moves.
-
-    What is out of range is refused with the range, of the datum or the parameter.
-    """
+    """A datum follows from diameter and height, a tool adds its offsets, within their ranges."""
     before = places(bench)
     assert "datum -19.994000 mm" in bench.do("zero", "x", "--diameter", "80.012")
     assert "datum 12.000000 mm" in bench.do("zero", "z", "--height", "12")

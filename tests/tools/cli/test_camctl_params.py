@@ -3,11 +3,10 @@
 import tomllib
 from pathlib import Path
 
-import pytest
-
 from camtools.link.kept_values import INFOS
 from camtools.link.messages import NAMES
 from tests.tools.cases.camctl_bench import Bench, Refusal
+from tests.tools.cases.part_cases import Capture
 
 
 def test_parameters_are_those_of_the_dbc() -> None:
@@ -16,9 +15,7 @@ def test_parameters_are_those_of_the_dbc() -> None:
     assert all(info.low <= info.default <= info.high and info.what for info in INFOS.values())
 
 
-def test_a_file_is_saved_compared_and_loaded(
-    bench: Bench, refusal: Refusal, tmp_path: Path
-) -> None:
+def test_a_file_is_saved_and_loaded(bench: Bench, refusal: Refusal, tmp_path: Path) -> None:
     """A saved file is equal; after a change it differs by one line, and load brings it back."""
     file = tmp_path / "machine.toml"
     assert f"{len(INFOS)} parameters, version 1" in bench.do("params", "save", file)
@@ -48,9 +45,7 @@ def test_a_file_of_an_older_version_names_what_is_retired(bench: Bench, tmp_path
     assert last == f"{file}: 1 of 1 parameters changed"
 
 
-def test_a_file_with_errors_changes_nothing(
-    bench: Bench, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_a_file_with_errors_changes_nothing(bench: Bench, capsys: Capture, tmp_path: Path) -> None:
     """Every wrong line is told before the controller is asked."""
     file = tmp_path / "bad.toml"
     file.write_text(
@@ -71,9 +66,7 @@ def test_a_file_with_errors_changes_nothing(
     assert bench.run("params", "load", tmp_path / "none.toml")[0] == 2
 
 
-def test_a_load_that_is_refused_half_way_changes_nothing(
-    bench: Bench, refusal: Refusal, tmp_path: Path
-) -> None:
+def test_a_refused_load_changes_nothing(bench: Bench, refusal: Refusal, tmp_path: Path) -> None:
     """One parameter of the encoder in ready: the trims in front of it do not change either."""
     file = tmp_path / "mixed.toml"
     file.write_text("x_trim_nm = 2000\nk1_ns = 30\ncounts_per_turn = 20000\n")
@@ -88,9 +81,7 @@ def test_a_load_that_is_refused_half_way_changes_nothing(
     assert "parameters are not in the file" in bench.do("params", "diff", file)
 
 
-def test_what_is_kept_is_told_and_brought_back(
-    bench: Bench, refusal: Refusal, tmp_path: Path
-) -> None:
+def test_what_is_kept_is_brought_back(bench: Bench, refusal: Refusal, tmp_path: Path) -> None:
     """Keep, change, revert, defaults; in ready nothing is kept."""
     assert "not kept: a restart uses the defaults" in bench.do("status")
     assert "no" in refusal(bench, 1, "params revert")

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import can
 import pytest
+from pytest import MonkeyPatch
 
 from camtools.cli import camctl_control
 from camtools.cli.camctl import main as camctl_main
@@ -63,9 +64,7 @@ def test_reading_needs_no_command_and_orders_give_it_back(bench: Bench, other: L
         assert commander(bench) == "sender 7 commands"
 
 
-def test_an_order_is_refused_while_another_commands(
-    bench: Bench, other: Link, refusal: Refusal
-) -> None:
+def test_an_order_is_refused_to_others(bench: Bench, other: Link, refusal: Refusal) -> None:
     """By his name, with the remedy; stop is obeyed all the same, and he who has it is obeyed."""
     bench.do("set", "engage_turns", "100")
     ask_done(other, "home")
@@ -132,7 +131,7 @@ def test_who_may_not_take_command_is_refused(other: Link) -> None:
 
 
 def test_the_secret_unlocks_by_itself_and_until_it_is_locked(
-    strict: Bench, secret: Path, refusal: Refusal, monkeypatch: pytest.MonkeyPatch
+    strict: Bench, secret: Path, refusal: Refusal, monkeypatch: MonkeyPatch
 ) -> None:
     """For one order, by the environment, and for those of a while; a wrong one is told."""
     strict.turn_key(False)
@@ -156,9 +155,7 @@ def test_the_secret_unlocks_by_itself_and_until_it_is_locked(
     assert "nobody turned the key switch; give --secret FILE" in refusal(strict, 1, "unlock")
 
 
-def test_unlock_without_a_secret_waits_for_the_key(
-    bench: Bench, secret: Path, refusal: Refusal
-) -> None:
+def test_unlock_without_secret_awaits_the_key(bench: Bench, secret: Path, refusal: Refusal) -> None:
     """Which counts for the commander in whose time it is turned, and for what he does meanwhile."""
     bench.turn_key(False)
     assert "refused: locked; turn the key switch" in refusal(bench, 1, "set u_stroke_nm 1000000")
@@ -182,9 +179,7 @@ def test_enable_waits_for_the_button(strict: Bench, refusal: Refusal) -> None:
 
 
 @pytest.mark.long
-def test_a_camctl_that_is_stopped_loses_the_cut(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_camctl_that_is_stopped_loses_the_cut(tmp_path: Path, monkeypatch: MonkeyPatch) -> None:
     """As by SIGSTOP of its process: the cut ends as by stop, and it says so when it goes on.
 
     Before, orders of a program are not refused first: the controller reports who takes and gives

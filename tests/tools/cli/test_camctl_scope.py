@@ -8,6 +8,7 @@ import can
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from pytest import MonkeyPatch
 
 from camtools.cli.camctl_files import ABOUT
 from camtools.link import excitation, scope
@@ -31,7 +32,7 @@ def test_signals_of_ticks_are_recorded(bench: Bench, tmp_path: Path) -> None:
     assert again.read_bytes() == record.read_bytes()
 
 
-def home_when_armed(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+def home_when_armed(bench: Bench, monkeypatch: MonkeyPatch) -> None:
     """Order home once the recorder runs and has recorded for a tenth of a second."""
     start = scope.start
 
@@ -43,9 +44,7 @@ def home_when_armed(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(scope, "start", start_then_home)
 
 
-def test_a_recording_waits_for_its_state(
-    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_recording_waits_for_state(bench: Bench, tmp_path: Path, monkeypatch: MonkeyPatch) -> None:
     """From the first tick of homing to its last."""
     record = tmp_path / "record.csv"
     home_when_armed(bench, monkeypatch)
@@ -76,9 +75,7 @@ def test_bad_recordings_are_refused(bench: Bench, tmp_path: Path, refusal: Refus
     assert not record.exists()
 
 
-def test_a_trigger_has_rows_before_it(
-    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_trigger_has_rows_before_it(bench: Bench, tmp_path: Path, monkeypatch: MonkeyPatch) -> None:
     """The state's trigger is in the row of time 0; Parquet and CSV hold the same numbers."""
     record, other = tmp_path / "record.csv", tmp_path / "record.parquet"
     home_when_armed(bench, monkeypatch)
@@ -116,9 +113,7 @@ def test_turns_are_drawn_over_each_other(bench: Bench, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("is_fd", [False, True])
-def test_pieces_come_by_the_longest_frames_of_the_bus(
-    bench: Bench, link: Link, *, is_fd: bool
-) -> None:
+def test_pieces_come_by_the_longest_frames(bench: Bench, link: Link, *, is_fd: bool) -> None:
     """Long frames where the bus carries them; a classic controller behind it is found out."""
     sound = record_some(link)
     bench.is_fd, link.is_fd = is_fd, True
@@ -160,7 +155,7 @@ def test_the_black_box_keeps_what_was_before_a_fault(
 
 
 def test_a_recording_that_fails_gives_the_black_box_back(
-    bench: Bench, tmp_path: Path, refusal: Refusal, monkeypatch: pytest.MonkeyPatch
+    bench: Bench, tmp_path: Path, refusal: Refusal, monkeypatch: MonkeyPatch
 ) -> None:
     """One with lost ticks is dropped; one that cannot be read waits, and the message says so."""
     record = tmp_path / "record.csv"

@@ -94,9 +94,7 @@ def test_a_download_that_cannot_go_on_leaves_the_old_table(
         assert "begin download: refused: state" in refusal(bench, 1, f"table download {other}")
 
 
-def test_files_that_are_no_tables_are_bad_input(
-    bench: Bench, tmp_path: Path, refusal: Refusal
-) -> None:
+def test_what_is_no_table_is_bad_input(bench: Bench, tmp_path: Path, refusal: Refusal) -> None:
     """Neither a missing file nor a text is sent."""
     assert "check the path" in refusal(bench, 2, f"table download {tmp_path / 'none'}")
     text = tmp_path / "text"

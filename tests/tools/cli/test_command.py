@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from camtools.base.command import run_command
+from tests.tools.cases.part_cases import Capture
 
 
 def _reads() -> int:
@@ -26,7 +27,7 @@ def _reads() -> int:
     return 0
 
 
-def test_a_signal_within_numpy_is_a_signal(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_signal_within_numpy_is_a_signal(capsys: Capture) -> None:
     """One line and 128 + 15, no trace back."""
     assert run_command("demo", _reads) == 128 + signal.SIGTERM
     assert capsys.readouterr().err == "demo: interrupted; nothing was written\n"
@@ -45,7 +46,7 @@ def _removes_one() -> int:
     return 0
 
 
-def test_a_signal_within_a_finaliser_is_a_signal(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_signal_within_a_finaliser_is_a_signal(capsys: Capture) -> None:
     """It comes again, a moment later."""
     assert run_command("demo", _removes_one) == 128 + signal.SIGINT
     assert capsys.readouterr().err == "demo: interrupted; nothing was written\n"

@@ -103,9 +103,7 @@ def test_dry_run_starts_nothing(flash: Flash, tmp_path: Path, table: Path, progr
     assert notes.exists()
 
 
-def test_damaged_table_is_refused_in_the_words_of_the_check(
-    flash: Flash, tmp_path: Path, table: Path
-) -> None:
+def test_damaged_table_is_refused_by_the_check(flash: Flash, tmp_path: Path, table: Path) -> None:
     """A flipped bit stops everything, firmware included, before a programmer starts."""
     notes = install(tmp_path, "openocd")
     image = bytearray(table.read_bytes())

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pytest import MonkeyPatch
 
 from camtools.cli.identify import main
 from camtools.identify import drives
@@ -22,7 +23,7 @@ from checks.patience import until
 from tests.tools.cases.camctl_bench import Bench, ready
 from tests.tools.cases.camsim_cases import cut
 from tests.tools.cases.drive_plant import Plant, faded, played
-from tests.tools.cases.part_cases import PERKINS
+from tests.tools.cases.part_cases import PERKINS, Capture, TableOf
 
 MACHINE = """\
 [u]
@@ -74,7 +75,7 @@ def test_constants_are_found_and_applied(machine: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.long
-def test_form_error_is_that_of_a_cut(table_of: Callable[[str], Path], tmp_path: Path) -> None:
+def test_form_error_is_that_of_a_cut(table_of: TableOf, tmp_path: Path) -> None:
     """What is expected with the believed constants is what the simulator gauges."""
     machine = tmp_path / "m.toml"
     machine.write_text(MACHINE.format(more="").replace("friction_m_per_s2 = 5", ""), "ascii")
@@ -99,10 +100,7 @@ def off_inverse(settings: dict[str, float], hz: float) -> float:
 
 @pytest.mark.long
 def test_drive_that_rings_is_fitted_beside_its_mode(tmp_path: Path) -> None:
-    """The fit without a mode is 10 % off; what is set suits harmonic 2 of 3000 r/min, or a part.
-
-    Friction is set as without a mode.
-    """
+    """Without a mode the fit is 10 % off; with it harmonic 2 of 3000 r/min or a part decides."""
     rings = tmp_path / "rings.toml"
     rings.write_text(MACHINE.format(more=MODE), "ascii")
     words = ["--machine", str(rings), "-o", str(tmp_path), "--apply"]
@@ -122,7 +120,7 @@ def test_drive_that_rings_is_fitted_beside_its_mode(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_part_may_decide(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_part_may_decide(tmp_path: Path, capsys: Capture) -> None:
     """Known too little, but good enough for the part; else status 1, one line and no file."""
     machine = tmp_path / "coarse.toml"
     machine.write_text(MACHINE.format(more="quantum_nm = 2000"), "ascii")
@@ -141,9 +139,7 @@ def test_part_may_decide(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> 
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_recording_of_another_instrument(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_recording_of_another_instrument(tmp_path: Path, capsys: Capture) -> None:
     """Text and JSON have each constant with its deviation; a file that cannot be used is named."""
     noise = np.random.default_rng(1).normal(0, 20_000.0, 8_020)
     u_nm = np.convolve(noise, np.hanning(21), "valid")[:8_000]
@@ -166,9 +162,7 @@ def test_recording_of_another_instrument(
     assert "line 1: needs one column of the position" in capsys.readouterr().err
 
 
-def test_part_that_the_machine_cannot_cut_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_part_that_the_machine_cannot_cut_is_refused(tmp_path: Path, capsys: Capture) -> None:
     """Before anything moves; a drive that is too slow for its own feed-forward is one, too."""
     machine = tmp_path / "slow.toml"
     refusals = {
@@ -209,9 +203,7 @@ def excited_plant(plant: Plant) -> Callable[..., Recording]:
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_settings_reach_the_controller(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_settings_reach_controller(bench: Bench, monkeypatch: MonkeyPatch, tmp_path: Path) -> None:
     """The drives go off, the parameters are set, and read back by camctl."""
     ready(bench)
     monkeypatch.setattr(drives, "excite", excited_plant(Plant(friction_m_s2=5)))
@@ -224,7 +216,7 @@ def test_settings_reach_the_controller(
     assert (tmp_path / "node64_bode.png").exists()
 
 
-def test_state_must_be_ready(bench: Bench, capsys: pytest.CaptureFixture[str]) -> None:
+def test_state_must_be_ready(bench: Bench, capsys: Capture) -> None:
     """Off: told with the order of things."""
     assert run(*bus_words(bench))[0] == 1
     said = capsys.readouterr().err
@@ -233,7 +225,7 @@ def test_state_must_be_ready(bench: Bench, capsys: pytest.CaptureFixture[str]) -
 
 @pytest.mark.long
 @pytest.mark.usefixtures("undrawn")
-def test_excitation_over_the_bus(bench: Bench, capsys: pytest.CaptureFixture[str]) -> None:
+def test_excitation_over_the_bus(bench: Bench, capsys: Capture) -> None:
     """U of the bench does at once what it is told: excited and recorded, but no drive to be set."""
     ready(bench)
     before = bench.do("get", "k1_ns", "k2_us2", "lead_ns")
@@ -245,9 +237,7 @@ def test_excitation_over_the_bus(bench: Bench, capsys: pytest.CaptureFixture[str
     assert "ready" in bench.do("status").splitlines()[0]
 
 
-def test_interrupt_over_the_bus_brings_u_to_rest(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_interrupt_lets_u_rest(bench: Bench, monkeypatch: MonkeyPatch, capsys: Capture) -> None:
     """Ctrl-C while U is excited: the state goes back to ready, nothing is set."""
     ready(bench)
     before = bench.do("get", "k1_ns", "k2_us2", "lead_ns")

@@ -5,7 +5,7 @@ import json
 import os
 import re
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from camtools.link.live_lathes import LiveLathe, live_lathes, only_lathe
 from checks.patience import until
 from tests.tools.cases.background import Background, background, python
 from tests.tools.cases.command_cases import complaint
-from tests.tools.cases.part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT, Capture, TableOf
 
 PART = ROOT / "tools" / "parts" / "perkins240.toml"
 
@@ -107,13 +107,8 @@ def look_at_ticks(folder: Path) -> None:
 
 
 @pytest.mark.long
-def test_a_session_as_an_operator_has_it(
-    live: Live, tmp_path: Path, table_of: Callable[[str], Path]
-) -> None:
-    """From the download to a fault and its reset, all by camctl without an option.
-
-    The feed is so slow that no cut is done before somebody has looked at it.
-    """
+def test_a_session_as_an_operator_has_it(live: Live, tmp_path: Path, table_of: TableOf) -> None:
+    """From the download to a fault and its reset by camctl without an option, at a slow feed."""
     assert "state             off" in do("status")
     assert "generation 2" in do("table", "download", table_of("perkins240"), "--select")
     assert do("home") == "home: ready\n"
@@ -142,7 +137,7 @@ def test_a_session_as_an_operator_has_it(
 
 
 @pytest.mark.long
-def test_two_live_lathes_and_their_deaths(live: Live, capsys: pytest.CaptureFixture[str]) -> None:
+def test_two_live_lathes_and_their_deaths(live: Live, capsys: Capture) -> None:
     """Without a name camctl says which there are; each bus is its own.
 
     A lathe that is killed is a fault of drives and bus, and the controller continues. When a
@@ -183,7 +178,7 @@ def test_what_a_killed_one_left_behind_is_not_believed(folder: Path) -> None:
     assert live_lathes() == []
 
 
-def test_a_folder_of_others_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_folder_of_others_is_refused(folder: Path, capsys: Capture) -> None:
     """An announcement tells programs where to send commands: others must not write one."""
     folder.mkdir(mode=0o755)
     folder.chmod(0o755)
@@ -200,17 +195,13 @@ def test_a_folder_of_others_is_refused(folder: Path, capsys: pytest.CaptureFixtu
         (["--speed-up", "1000"], "live: argument --speed-up: 1000: give 0.01 .. 100; see "),
     ],
 )
-def test_what_is_wrong_is_one_line_and_nothing_is_left(
-    words: list[str], said: str, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_what_is_wrong_leaves_nothing(words: list[str], said: str, capfd: Capture) -> None:
     """Status 2, and no process was kept."""
     line = complaint(live_main, [str(PART), *words], capfd)
     assert line.startswith(said), line
 
 
-def test_without_bus_and_lathe_camctl_tells_what_there_is(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_without_bus_and_lathe_camctl_tells_what_there_is(capsys: Capture) -> None:
     """One line with the remedy."""
     assert run("status")[0] == 2
     assert capsys.readouterr().err == (

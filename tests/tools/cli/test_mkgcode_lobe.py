@@ -12,7 +12,7 @@ from camtools.ngc.gcode_words import CLEARANCE_MM, ENGAGE_TURNS
 from tests.tools.cases.linuxcnc import AXES, Interpreter
 from tests.tools.cases.lobe_tables import DISC, POLY345
 from tests.tools.cases.ngc_cases import moves
-from tests.tools.cases.part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT, Capture
 
 PARTS = ROOT / "tools" / "parts"
 
@@ -30,10 +30,7 @@ def made(folder: Path, name: str, *words: str, **changes: str) -> Path:
 
 
 def disc_mm(c_rad: Floats) -> Floats:
-    """Return the exact distance of the wheel's centre from the axis: disc of 25, 5 off, wheel 200.
-
-    The nose, the largest radius, is at C 0.
-    """
+    """Return the exact distance of a wheel of 200 from the axis of a disc of 25, 5 off."""
     exact = 5 * np.cos(c_rad) + np.sqrt(225**2 - (5 * np.sin(c_rad)) ** 2)
     return np.asarray(exact, dtype=np.float64)
 
@@ -180,8 +177,8 @@ def test_lobes_follow_each_other(tmp_path: Path) -> None:
     ("changes", "told"),
     [({"spindle_rpm": "299"}, "swing_acceleration_deg_s2"), ({"u_stroke_mm": "15"}, "u_stroke_mm")],
 )
-def test_what_cannot_be_is_refused(
-    tmp_path: Path, changes: dict[str, str], told: str, capsys: pytest.CaptureFixture[str]
+def test_what_cannot_be(
+    tmp_path: Path, changes: dict[str, str], told: str, capsys: Capture
 ) -> None:
     """File, what is wrong and what helps; status 2, no program."""
     with pytest.raises(AssertionError):

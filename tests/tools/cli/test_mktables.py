@@ -36,13 +36,8 @@ def test_all_files_are_written(mktables: Command, tmp_path: Path) -> None:
     assert run.stdout.startswith("perkins240: table of 3456 bytes\n")
 
 
-def test_script_runs_from_anywhere_and_gives_the_same(
-    generated: GeneratedSkirt, tmp_path: Path
-) -> None:
-    """tools/mktables works through a symbolic link, from another folder, with spaces.
-
-    Every file has the bytes that are made in this process.
-    """
+def test_script_gives_the_same_from_anywhere(generated: GeneratedSkirt, tmp_path: Path) -> None:
+    """Through a symbolic link, from another folder, with spaces: the bytes made in this process."""
     if not (ROOT / "build" / "venv" / "bin" / "python").exists():
         pytest.skip("build/venv is not set up")
     (tmp_path / "my tables").symlink_to(ROOT / "tools" / "mktables")

@@ -11,7 +11,7 @@ from camtools.cli.mktables import main
 from camtools.cli.run import main as run_part
 from tests.tools.cases.command_cases import job_of
 from tests.tools.cases.gauged_cases import ENDS, Floats, error_um, traces
-from tests.tools.cases.part_cases import PERKINS
+from tests.tools.cases.part_cases import PERKINS, Capture
 
 HEADER = "angle_deg,height_mm,deviation_um"
 
@@ -38,7 +38,7 @@ def correct(*words: str | Path) -> int:
     return main([str(PERKINS), *map(str, words)])
 
 
-def refusal(capsys: pytest.CaptureFixture[str], *words: str | Path) -> str:
+def refusal(capsys: Capture, *words: str | Path) -> str:
     """Return the one line of a run that was refused."""
     capsys.readouterr()
     assert correct(*words) == 2
@@ -47,7 +47,7 @@ def refusal(capsys: pytest.CaptureFixture[str], *words: str | Path) -> str:
     return lines[0]
 
 
-def test_round_is_reported(first: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_round_is_reported(first: Path, tmp_path: Path, capsys: Capture) -> None:
     """The drawing stays, the target moves, and text and NAME.json say what was done."""
     assert correct("-o", tmp_path, "--measured", first / "surface.csv") == 0
     text = capsys.readouterr().out
@@ -63,9 +63,7 @@ def test_round_is_reported(first: Path, tmp_path: Path, capsys: pytest.CaptureFi
     assert about["expected_um"]["max"] == pytest.approx(0.3 * about["gauged_um"]["max"], rel=0.1)
 
 
-def test_same_surface_is_not_taken_twice(
-    first: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_same_surface_is_not_taken_twice(first: Path, tmp_path: Path, capsys: Capture) -> None:
     """Neither into the folder of the table that cut it, nor by the report of the next one."""
     surface = first / "surface.csv"
     line = refusal(capsys, "-o", first, "--measured", surface)
@@ -103,7 +101,7 @@ def test_corrections_add_up(first: Path, tmp_path: Path) -> None:
     ],
 )
 def test_options_out_of_range(
-    first: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], message: str
+    first: Path, tmp_path: Path, capsys: Capture, words: list[str], message: str
 ) -> None:
     """Each option is named with its range or what it needs."""
     surface = first / "surface.csv"
@@ -112,18 +110,14 @@ def test_options_out_of_range(
 
 
 @pytest.mark.parametrize("words", [["--gain", "0.5"], ["--keep-harmonics", "4"], ["--centred"]])
-def test_options_without_a_surface(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str]
-) -> None:
+def test_options_without_a_surface(tmp_path: Path, capsys: Capture, words: list[str]) -> None:
     """An option that says how to correct wants a surface."""
     assert "has no effect without --measured; add --measured" in refusal(
         capsys, "-o", tmp_path, *words
     )
 
 
-def test_surface_of_another_part(
-    first: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_surface_of_another_part(first: Path, tmp_path: Path, capsys: Capture) -> None:
     """Heights, radii, name, drawing or table show that a surface is not of this part."""
     turn, z_mm = traces(np.linspace(*ENDS, 9), 120)
     alone = write_surface(tmp_path / "alone.csv", turn, z_mm, error_um(turn, z_mm))
@@ -163,7 +157,7 @@ def test_surface_of_another_part(
     ],
 )
 def test_too_large_an_error(
-    first: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], error: object, message: str
+    first: Path, tmp_path: Path, capsys: Capture, error: object, message: str
 ) -> None:
     """What no machine does that cuts this part is refused with the limit."""
     assert callable(error)
@@ -173,9 +167,7 @@ def test_too_large_an_error(
     assert message in refusal(capsys, "-o", tmp_path / "x", *words)
 
 
-def test_changed_speed_is_cautioned(
-    first: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_changed_speed_is_cautioned(first: Path, tmp_path: Path, capsys: Capture) -> None:
     """A correction is for the speed at which the part was cut; another one is said."""
     slow = tmp_path / "slow.toml"
     slow.write_text(PERKINS.read_text().replace("spindle_rpm = 2500", "spindle_rpm = 2000"))
@@ -187,9 +179,7 @@ def test_changed_speed_is_cautioned(
     )
 
 
-def test_drive_that_cannot_follow(
-    first: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_drive_that_cannot_follow(first: Path, tmp_path: Path, capsys: Capture) -> None:
     """A high wave that takes more acceleration than U has is refused as in any table."""
     turn, z_mm = traces(np.linspace(*ENDS, 9), 360)
     error = 12 * np.cos(60 * np.pi * turn)
@@ -200,9 +190,7 @@ def test_drive_that_cannot_follow(
     assert line.endswith("or leave the high waves of the correction out by --keep-harmonics")
 
 
-def test_other_kinds_are_refused(
-    first: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_other_kinds_are_refused(first: Path, tmp_path: Path, capsys: Capture) -> None:
     """A cam has no correction, whatever its surface."""
     cam = PERKINS.with_name("cam-disc.toml")
     words = ["-o", str(tmp_path / "x"), "--measured", str(first / "surface.csv")]
@@ -210,7 +198,7 @@ def test_other_kinds_are_refused(
     assert "tables of cams are not corrected by gauged parts" in capsys.readouterr().err
 
 
-def test_run_takes_the_same_options(first: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_run_takes_the_same_options(first: Path, capsys: Capture) -> None:
     """A round of tools/run has a folder of its own, and may not take that of the one before."""
     words = [str(PERKINS), "--measured", str(first / "surface.csv")]
     job = job_of(*words)

@@ -13,6 +13,7 @@ from camtools.cli.panel import main
 from camtools.link.live_lathes import announced
 from tests.tools.cases.background import background, python
 from tests.tools.cases.command_cases import complaint
+from tests.tools.cases.part_cases import Capture
 from tests.tools.cases.raw_page import ask, hear_until, open_page
 
 
@@ -28,7 +29,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     assert not list(runtime.glob("camturn/*"))
 
 
-def refused(capsys: pytest.CaptureFixture[str], folder: Path, *words: str | Path) -> str:
+def refused(capsys: Capture, folder: Path, *words: str | Path) -> str:
     """Return the one line of what must be refused."""
     first = ["--port", "0", "--log", str(folder / "a.jsonl")]
     line = complaint(main, [*first, *map(str, words)], capsys)
@@ -50,9 +51,7 @@ def refused(capsys: pytest.CaptureFixture[str], folder: Path, *words: str | Path
         (["--token-file", "/"], "--token-file /: Is a directory"),
     ],
 )
-def test_what_is_wrong_is_one_line(
-    folder: Path, words: list[str], said: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_is_wrong_is_told(folder: Path, words: list[str], said: str, capsys: Capture) -> None:
     """It names the option and the remedy; nothing was started."""
     assert said in refused(capsys, folder, *words)
 
@@ -68,7 +67,7 @@ def test_what_is_wrong_is_one_line(
     ],
 )
 def test_a_token_file_that_protects_nothing_is_refused(
-    folder: Path, mode: int, text: str, said: str, capsys: pytest.CaptureFixture[str]
+    folder: Path, mode: int, text: str, said: str, capsys: Capture
 ) -> None:
     """The token itself is not printed."""
     path = folder / "token"
@@ -78,7 +77,7 @@ def test_a_token_file_that_protects_nothing_is_refused(
     assert said in line and text not in line
 
 
-def test_a_port_in_use_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_port_in_use_is_told(folder: Path, capsys: Capture) -> None:
     """With the remedy."""
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
@@ -86,9 +85,7 @@ def test_a_port_in_use_is_told(folder: Path, capsys: pytest.CaptureFixture[str])
     assert line == f"127.0.0.1 port {port}: Address already in use; give another --port"
 
 
-def test_of_two_live_lathes_one_must_be_named(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_of_two_live_lathes_one_must_be_named(folder: Path, capsys: Capture) -> None:
     """As for camctl."""
     runtime = folder / "run" / "camturn"
     runtime.mkdir(mode=0o700)

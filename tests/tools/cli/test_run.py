@@ -24,24 +24,18 @@ from camtools.sim.table_file import Numbers, ParquetFile
 from tests.tools.cases.camsim_cases import BUILD
 from tests.tools.cases.command_cases import command, job_of
 from tests.tools.cases.page_cases import PageReader, map_of
-from tests.tools.cases.part_cases import PERKINS, ROOT, Command, listing
+from tests.tools.cases.part_cases import PERKINS, ROOT, Capture, Command, listing
 
 WALL_CLOCK = ("wall_time_s", "ticks_per_s", "run_wall_time_s")
 DAY = "1700000000"  # SOURCE_DATE_EPOCH
+DRAWN = (
+    *("compare", "following", "height", "learning", "map", "motion", "overview", "profiles"),
+    *("sections", "sequence", *(f"sheet{number}" for number in range(1, 6)), "skirt"),
+)
 RESULTS = [
-    *(f"cut_{key}.png" for key in ("compare", "following", "height", "learning", "map", "motion")),
-    "cut_overview.png",
-    *(
-        "cut_profiles.png",
-        "cut_sections.png",
-        "cut_sequence.png",
-        *(f"cut_sheet{number}.png" for number in range(1, 6)),
-        "cut_skirt.png",
-        "perkins240.camtab",
-        "perkins240.json",
-    ),
-    *("perkins240_machine.toml", "perkins240_table.c", "perkins240_table.h", "report.html"),
-    *("sections.csv", "sheets.json", "summary.json", "surface.csv", "trace.parquet"),
+    *(f"cut_{key}.png" for key in DRAWN),
+    *(f"perkins240{end}" for end in (".camtab", ".json", "_machine.toml", "_table.c", "_table.h")),
+    *("report.html", "sections.csv", "sheets.json", "summary.json", "surface.csv", "trace.parquet"),
 ]
 
 
@@ -200,9 +194,7 @@ def test_incomplete_part_is_status_1(run: Command, tmp_path: Path) -> None:
         (["--keep", "2"], "run: --keep: applies only to build/run; leave out -o or --keep\n"),
     ],
 )
-def test_wrong_usage_is_one_line(
-    run: Command, tmp_path: Path, words: list[str], named: str
-) -> None:
+def test_wrong_usage_is_told(run: Command, tmp_path: Path, words: list[str], named: str) -> None:
     """Bad input gives exit status 2, one line that names it, and no file."""
     (tmp_path / "older").write_text("older, not a folder\n")
     output = [] if "-o" in words else ["-o", "out"]
@@ -214,9 +206,7 @@ def test_wrong_usage_is_one_line(
 
 
 @pytest.mark.parametrize("kind", ["piston", "cam"])
-def test_feed_beyond_the_part_is_refused_first(
-    kind: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_feed_beyond_the_part_is_refused_first(kind: str, tmp_path: Path, capfd: Capture) -> None:
     """One line tells the largest feed that would do; no table is made before."""
     name, heights, shorter = {
         "piston": ("perkins240", "[0, 10, 20, 30, 40, 50, 62]", "[0, 1, 2, 3, 4, 6, 8]"),
@@ -277,9 +267,7 @@ def test_comparison_tells_a_cut_that_ended_early() -> None:
 
 
 @pytest.mark.long
-def test_machine_that_is_believed_wrong_learns_and_the_report_shows_it(
-    run: Command, tmp_path: Path
-) -> None:
+def test_report_shows_what_a_machine_learns(run: Command, tmp_path: Path) -> None:
     """The report of the machine `real` says what was learned, draws it, and what it is worth."""
     done = run("--machine", "real", "--feed", "1", "-o", "out", draws=False)
     assert done.returncode in (0, 1), done.stderr

@@ -1,7 +1,6 @@
 """The ring-helix on the simulator: Z against its path, the surface between tracks."""
 
 import csv as csv_module
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,7 @@ from camtools.papers.paths import PathCut, PathStudy, cut_paths
 from camtools.part.common import MachineLimits
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from tests.tools.cases.camsim_cases import camsim, cut, only_error, while_in
-from tests.tools.cases.part_cases import ROOT, load_part
+from tests.tools.cases.part_cases import ROOT, Capture, TableOf, load_part
 
 PART = ROOT / "tools" / "parts" / "perkins240_ring_helix.toml"
 NOSE_MM = 0.8
@@ -42,11 +41,8 @@ def planned_error_um(rpm: float, path: ToolPath) -> float:
 
 
 @pytest.mark.parametrize("rpm", [500.0, 2500.0])
-def test_z_follows_the_path(rpm: float, table_of: Callable[[str], Path]) -> None:
-    """Set-point and true Z over the turns are those of path.py, within derived bounds.
-
-    In the middle of every ring Z stands at the drawing's height, at 500 r/min to 0.1 um.
-    """
+def test_z_follows_the_path(rpm: float, table_of: TableOf) -> None:
+    """Z is that of path.py within derived bounds; amid a ring, at 500 r/min, to 0.1 um."""
     words = ("--rpm", rpm, "--turns-limit", 6, "--no-learning")
     trace = while_in(cut(table_of(PART.stem), *words, tables=["trace"]).trace, "cutting")
     turn, true_z, set_z = (trace[name] for name in ("turn", "true_z_mm", "out_z_nm"))
@@ -123,7 +119,7 @@ def test_ring_helix_leaves_nearly_four_times_the_scallop_of_a_helix(measured: Me
 
 
 @pytest.mark.long
-def test_map_is_that_of_the_exact_tracks(table_of: Callable[[str], Path]) -> None:
+def test_map_is_that_of_the_exact_tracks(table_of: TableOf) -> None:
     """Circles on the exact tracks of a helix, cut out of the exact surface, to 0.03 um."""
     words = ("--rpm", 500, "--nose-mm", 2)
     first = cut(table_of("perkins240"), *words, tables=["scallop"]).scallop[:401]
@@ -139,7 +135,7 @@ def test_map_is_that_of_the_exact_tracks(table_of: Callable[[str], Path]) -> Non
     np.testing.assert_allclose(proud_um, (left - geometry.radius_mm(z_mm)) * 1000, atol=0.03)
 
 
-def test_summary_tells_the_scallop(table_of: Callable[[str], Path]) -> None:
+def test_summary_tells_the_scallop(table_of: TableOf) -> None:
     """Only with a nose; the path stands there, too."""
     words = (table_of(PART.stem), "--rpm", 900, "--feed", 2, "--set", "z_margin_nm=1000000")
     found = cut(*words).summary
@@ -163,22 +159,15 @@ def test_summary_tells_the_scallop(table_of: Callable[[str], Path]) -> None:
         (("--nose-mm", "1", "--scallop", "x.csv", "--trace", "x.csv"), "named for two purposes"),
     ],
 )
-def test_bad_options_are_refused(
-    words: tuple[str, ...], told: str, table_of: Callable[[str], Path]
-) -> None:
+def test_bad_options_are_refused(words: tuple[str, ...], told: str, table_of: TableOf) -> None:
     """One line with the option and the remedy, and nothing written."""
     assert told in only_error(camsim("run", table_of("perkins240"), *words))
     assert not Path("x.csv").exists()
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_command_writes_table_and_picture(
-    short: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Both appear together; the text has a line per path.
-
-    A ring-helix of m rings takes 2 m - 1 turns, a helix its feeds and its ramp.
-    """
+def test_command_writes_table_and_picture(short: Path, tmp_path: Path, capsys: Capture) -> None:
+    """A line per path: a ring-helix of m rings takes 2 m - 1 turns, a helix its feeds and ramp."""
     words = ["--nose-mm", "1.6", "--rpm", "2000"]  # a quarter of the time of its own 500
     assert main([str(short), "-o", str(tmp_path / "out"), *words]) == 0
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [

@@ -16,18 +16,11 @@ from camtools.lobe.kind import KIND
 from camtools.lobe.lift import Poly345
 from camtools.pipeline.load import Made
 from camtools.sim.binding import Rows
-from tests.tools.cases.camsim_cases import (
-    ROOT,
-    camsim,
-    cut,
-    only_error,
-    plain,
-    refusal,
-    while_in,
-)
-from tests.tools.cases.cut_cases import PARTS, TableOf, evaluated, made_of, written
+from tests.tools.cases.camsim_cases import ROOT, camsim, cut, only_error, plain, refusal, while_in
+from tests.tools.cases.cut_cases import PARTS, evaluated, made_of, written
 from tests.tools.cases.lobe_cases import MACHINE, QUICK
 from tests.tools.cases.lobe_cases import cam as cam_of
+from tests.tools.cases.part_cases import TableOf
 
 SHORT = ("--feed", "2", *QUICK)
 GROUND = (ROOT / "tools" / "parts" / "cam-345-ground.toml").read_text()

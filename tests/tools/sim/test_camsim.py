@@ -1,21 +1,27 @@
 """The commands of camsim: results, determinism, and everything that must be refused."""
 
-import csv
 import json
 import os
 import resource
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from camtools.base.quantities import Floats
 from camtools.link.messages import NUMBERS
 from camtools.skirt.geometry.skirt_geometry import Geometry
-from tests.tools.cases.camsim_cases import CAMSIM, ROOT, camsim, first_difference, only_error
+from tests.tools.cases.camsim_cases import (
+    CAMSIM,
+    ROOT,
+    camsim,
+    cut,
+    first_difference,
+    form_um,
+    only_error,
+)
+from tests.tools.cases.part_cases import TableOf
 
 CUT = ("--rpm", "2500", "--feed", "1")
 HEADER = "turn,z_mm"
@@ -23,25 +29,17 @@ COLUMNS = "turn,z_mm,u_nm,u1_nm_per_rad,u2_nm_per_rad2,x_nm,speed_ratio,clamped"
 NM_PER_MM = 1e6
 
 
-def summary_of(table: Path, path: Path, *words: str) -> dict[str, Any]:
-    """Return the summary of a cut, whatever its end."""
-    assert camsim("run", table, *words, "--summary", path).returncode in (0, 1)
-    loaded: dict[str, Any] = json.loads(path.read_text())
-    return loaded
-
-
-def test_run_without_feed_forward_shows_what_the_drive_costs(table: Path, tmp_path: Path) -> None:
+def test_run_without_feed_forward_shows_what_the_drive_costs(table: Path) -> None:
     """Expect what a 300 Hz drive misses of a 150 um sweep at 83 Hz: |1 - H| with its dead time."""
     omega, natural, damping = 2 * 2500 / 60 * 6.283185307, 300 * 6.283185307, 0.7
     s = 1j * omega
     drive = natural**2 / (s * s + 2 * damping * natural * s + natural**2)
     swing_um = 75.0  # amplitude of U at G = 0.3 mm
     bare = abs(1 - drive) * swing_um
-    summary = summary_of(table, tmp_path / "s.json", *CUT, "--no-learning", "--no-feed-forward")
-    assert summary["form_error_um"]["max"] == pytest.approx(bare, rel=0.05)
     late = swing_um * omega * 100e-6
-    summary = summary_of(table, tmp_path / "t.json", *CUT, "--no-learning", "--no-lead")
-    assert summary["form_error_um"]["max"] == pytest.approx(late, rel=0.05)
+    for word, error_um in (("--no-feed-forward", bare), ("--no-lead", late)):
+        found = cut(table, *CUT, "--no-learning", word, status=None)
+        assert form_um(found) == pytest.approx(error_um, rel=0.05)
 
 
 def test_cut_that_nothing_gauged_is_not_good(table: Path, tmp_path: Path) -> None:
@@ -119,7 +117,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("command", "words", "told"), REFUSED)
-def test_bad_words_are_refused(
+def test_bad_words_refused(
     command: str, words: str, told: str, table: Path, tmp_path: Path
 ) -> None:
     """One line names the option or the numbers; nothing is written."""
@@ -149,12 +147,9 @@ def test_table_and_help() -> None:
     ],
 )
 def test_run_refuses_rings_nearer_than_the_firmware_cuts(
-    table_of: Callable[[str], Path], words: tuple[str, ...], field: str
+    table_of: TableOf, words: tuple[str, ...], field: str
 ) -> None:
-    """Below 4 nm it would cut other turns than planned; a Z that others lead has no rings.
-
-    A part as long as this one has too many turns then in any case.
-    """
+    """Below 4 nm it would cut other turns than planned; a Z that others lead has no rings."""
     rings = table_of("perkins240_ring_helix")
     told = f"{field}: rings of a ring-helix are at least 0.000004 mm apart; give at least "
     line = only_error(camsim("run", rings, "--rpm", "900", *words))
@@ -165,9 +160,7 @@ def test_run_refuses_rings_nearer_than_the_firmware_cuts(
 
 
 @pytest.mark.parametrize("more", [(), ("--set", "z_is_measured=1")])
-def test_run_cuts_rings_that_are_far_enough(
-    table_of: Callable[[str], Path], more: tuple[str, ...]
-) -> None:
+def test_run_cuts_rings_that_are_far_enough(table_of: TableOf, more: tuple[str, ...]) -> None:
     """At 70 nm the part has as many turns as the firmware counts."""
     words = ("--rpm", "900", "--turns-limit", "1", "--feed", "0.00007", *more)
     assert camsim("run", table_of("perkins240_ring_helix"), *words).returncode == 0
@@ -237,39 +230,30 @@ def test_run_without_a_report_says_what_it_gauges_against(table: Path, tmp_path:
     assert json.loads((tmp_path / "s.json").read_text())["gauge"]["reference"] == "table"
 
 
-def test_run_measures_what_is_removed(table: Path, tmp_path: Path) -> None:
+def test_run_measures_what_is_removed(table: Path) -> None:
     """Slices hold volume, rate, power and both forces; the summary their spread and ripple."""
-    slices, words = tmp_path / "r.csv", ("--rpm", "600", "--feed", "1", "--no-learning")
-    summary = summary_of(
-        table, tmp_path / "s.json", *words, "--kc-n-mm2", "800", "--removal", str(slices)
-    )
-    with slices.open() as stream:
-        rows = list(csv.DictReader(stream))
-    assert len(rows) == pytest.approx(120 * summary["cut"]["turns"], rel=0.01)
-    total = sum(float(row["volume_mm3"]) for row in rows)
-    assert total == pytest.approx(summary["removal"]["volume_mm3"], rel=1e-3)
-    assert summary["removal"]["slice_s"] == pytest.approx(0.1 / 120)
-    for row in rows[1000:1010]:
-        rate, volume = float(row["rate_mm3_s"]), float(row["volume_mm3"])
-        assert float(row["power_w"]) == pytest.approx(0.8 * rate, abs=1e-5)
-        assert float(row["rate_force_n"]) == pytest.approx(800 * volume, abs=1e-3)
-    ripple = summary["removal"]["rate_ripple"]
+    words = ("--rpm", 600, "--feed", 1, "--no-learning", "--kc-n-mm2", 800)
+    found = cut(table, *words, status=None, tables=["removal"])
+    rows, told = found.removal, found.summary["removal"]
+    assert len(rows) == pytest.approx(120 * found.summary["cut"]["turns"], rel=0.01)
+    assert rows["volume_mm3"].sum() == pytest.approx(told["volume_mm3"], rel=1e-3)
+    assert told["slice_s"] == pytest.approx(0.1 / 120)
+    some = rows[1000:1010]
+    np.testing.assert_allclose(some["power_w"], 0.8 * some["rate_mm3_s"], atol=1e-5)
+    np.testing.assert_allclose(some["rate_force_n"], 800 * some["volume_mm3"], atol=1e-3)
+    ripple = told["rate_ripple"]
     assert 0.4 < ripple["min"] <= ripple["mean"] <= ripple["max"] < 0.75
-    assert summary["removal"]["turns"] == pytest.approx(58, abs=3)
+    assert told["turns"] == pytest.approx(58, abs=3)
 
 
-def test_run_takes_other_slices(table: Path, tmp_path: Path) -> None:
+def test_run_takes_other_slices(table: Path) -> None:
     """Longer slices are fewer."""
-    slices = tmp_path / "r.csv"
-    summary_of(table, tmp_path / "s.json", *CUT, "--slice-us", "2000", "--removal", str(slices))
-    t_s = [float(line.split(",")[0]) for line in slices.read_text().splitlines()[1:]]
-    assert t_s[1] - t_s[0] == pytest.approx(0.002, abs=1e-9)
+    found = cut(table, *CUT, "--slice-us", 2000, status=None, tables=["removal"])
+    assert np.diff(found.removal["t_s"])[0] == pytest.approx(0.002, abs=1e-9)
 
 
 @pytest.mark.parametrize("option", ["--trace", "--surface", "--summary", "--removal"])
-def test_run_refuses_an_unwritable_output_before_the_cut(
-    table: Path, tmp_path: Path, option: str
-) -> None:
+def test_run_refuses_an_unwritable_output(table: Path, tmp_path: Path, option: str) -> None:
     """Refuse a folder that does not exist, and a folder in place of a file."""
     assert option in only_error(camsim("run", table, *CUT, option, tmp_path / "no" / "file"))
     assert option in only_error(camsim("run", table, *CUT, option, tmp_path))
@@ -331,9 +315,7 @@ def test_loop_of_any_slide_fits_the_controller(table: Path, tmp_path: Path, mass
     assert done.returncode == 0, done.stderr
 
 
-def evaluate(
-    table: Path, turn: NDArray[np.float64], z_mm: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def evaluate(table: Path, turn: Floats, z_mm: Floats) -> Floats:
     """Return the rows that camsim eval gives for some points, shape (n, 8)."""
     rows = "".join(f"{t!r},{z!r}\n" for t, z in zip(turn.tolist(), z_mm.tolist(), strict=True))
     done = camsim("eval", table, stdin=f"{HEADER}\n{rows}")

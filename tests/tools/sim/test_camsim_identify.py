@@ -78,9 +78,7 @@ def test_the_drive_answers_as_its_machine_file_says(table: Path, tmp_path: Path)
         (["--inject", "u-block@t0.1"], "a fault"),  # 0.3 mm from where the wave is played
     ],
 )
-def test_what_is_cut_short_is_not_written(
-    table: Path, tmp_path: Path, more: list[str], why: str
-) -> None:
+def test_what_is_cut_short_is_lost(table: Path, tmp_path: Path, more: list[str], why: str) -> None:
     """Status 1, the reason, no file."""
     samples = np.tile(tones((4, 50_000.0)), 5)
     record = tmp_path / "record.csv"

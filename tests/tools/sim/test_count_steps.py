@@ -1,6 +1,5 @@
 """Encoder counts in step with the ticks, and the orientation of a part: MATHS.md (231)."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +8,7 @@ import pytest
 from camtools.sim.simulate import Result
 from tests.tools.cases.camsim_cases import ROOT, plain
 from tests.tools.cases.camsim_cases import cut as camsim_cut
+from tests.tools.cases.part_cases import TableOf
 
 MACHINES = ROOT / "tests" / "learn" / "machines"
 
@@ -19,7 +19,7 @@ def cut(table: Path, machine: str, rpm: float, *words: str) -> Result:
     return camsim_cut(table, *options, *words)
 
 
-def test_the_better_speed_is_better(table_of: Callable[[str], Path]) -> None:
+def test_the_better_speed_is_better(table_of: TableOf) -> None:
     """It is reported where edges have no time stamps, and at least halves the error."""
     bad = cut(table_of("oval30"), "coarse", 3000).summary
     assert bad["better_rpm"] == 2990
@@ -32,10 +32,7 @@ TICK_HZ, OBSERVER_HZ, DRIVE_HZ = 20_000, 100.0, 300.0
 
 
 def missed_counts(counts: int, rpm: float) -> float:
-    """Return the rms in counts of what the observer (52) and a drive make of whole counts.
-
-    The spindle has a ripple of 0.2 % twice per turn.
-    """
+    """Return the rms [counts] that observer (52) and drive make of counts, at a ripple of 0.2 %."""
     w, t = 2 * np.pi * OBSERVER_HZ / TICK_HZ, np.arange(60_000) / TICK_HZ
     true = rpm / 60 * t + 0.002 / (4 * np.pi) * np.sin(4 * np.pi * rpm / 60 * t) + 0.3 / counts
     off = (np.floor(true * counts) + 0.5) / counts - true
@@ -65,7 +62,7 @@ def missed_counts(counts: int, rpm: float) -> float:
     ],
 )
 def test_named_speeds_are_those_of_quantised_counts(
-    table_of: Callable[[str], Path], counts: int, rpm: float, is_named: bool
+    table_of: TableOf, counts: int, rpm: float, is_named: bool
 ) -> None:
     """A named speed leaves more than twice as much as the proposed one, others leave as little."""
     coarse = (MACHINES / "coarse.toml").read_text()
@@ -79,13 +76,13 @@ def test_named_speeds_are_those_of_quantised_counts(
         assert missed_counts(counts, rpm) > 2 * missed_counts(counts, better_rpm)
 
 
-def test_stamped_edges_need_no_other_speed(table_of: Callable[[str], Path]) -> None:
+def test_stamped_edges_need_no_other_speed(table_of: TableOf) -> None:
     """Their counts have no steps."""
     summary = cut(table_of("oval30"), "stamps", 3000, "--turns-limit", "3").summary
     assert "better_rpm" not in summary
 
 
-def test_a_lead_that_is_wrong_turns_the_part(table_of: Callable[[str], Path]) -> None:
+def test_a_lead_that_is_wrong_turns_the_part(table_of: TableOf) -> None:
     """10 us more at 3000 r/min turn it by 3142 urad, which is nearly all of the error."""
     words = ("--turns-limit", "20", "--set", "learn_harmonics=0", "--set", "rehearse_turns=0")
     cuts = [

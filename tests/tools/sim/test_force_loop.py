@@ -4,7 +4,6 @@ The limits are those of the plant: a step F of the force moves it by about F / (
 crossover w, whatever controls it. They were found by an independent simulation of the loop.
 """
 
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from camtools.tune.drive import Drive
 from camtools.tune.parameters import parameters_of
 from tests.tools.cases.camsim_cases import cut, refusal, while_in
 from tests.tools.cases.drive_plant import designed
+from tests.tools.cases.part_cases import TableOf
 
 MASS_KG = 1.5
 PUSH_N = 10.0
@@ -74,7 +74,7 @@ def machine(
     ("amplifier_hz", "delay_us", "share", "most_um"), [(1500, 25, -0.2, 2.2), (1500, 75, 1.0, 6.0)]
 )
 def test_step_of_force_in_the_cut(
-    table_of: Callable[[str], Path],
+    table_of: TableOf,
     amplifier_hz: float, delay_us: float, share: float, most_um: float,
 ) -> None:  # fmt: skip
     """10 N from one tick to the next: peak, 0.1 um after 20 ms; the cut itself learns nothing."""

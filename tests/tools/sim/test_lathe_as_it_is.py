@@ -74,10 +74,7 @@ def test_mode_on_the_scale_is_measured(oval30: Path) -> None:
 
 
 def test_tool_bends_under_the_chip(oval30: Path) -> None:
-    """1.1 mm deep at the short axis, 0.1 mm per turn: 23.1 N of 700 N/mm2 and 0.3, 1.155 um.
-
-    U is held by a mass too large to be pushed.
-    """
+    """1.1 mm deep, 0.1 mm per turn: 23.1 N of 700 N/mm2 and 0.3 bend it by 1.155 um; U is held."""
     cutting: dict[str, float | str] = {
         "kc_n_per_mm2": 700,
         "radial_share": 0.3,
@@ -96,9 +93,7 @@ def test_chip_pushes_u(oval30: Path) -> None:
     assert form_um(summary) == pytest.approx(wanted_um, rel=0.05)
 
 
-def test_latency_of_the_scale_is_seen_as_an_error_and_its_parameter_takes_it_away(
-    oval30: Path,
-) -> None:
+def test_latency_of_the_scale_is_seen_and_its_parameter_takes_it_away(oval30: Path) -> None:
     """10 us at 314 mm/s are 3.1 um of following error, none of form."""
     blind: dict[str, float | str] = {"scale_latency_us": 10}
     told = cut(oval30, u=blind)

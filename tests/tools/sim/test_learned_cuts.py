@@ -5,7 +5,6 @@ MATHS.md (230) is the steady start, (232) the learning of slow cams.
 """
 
 import re
-from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,11 +15,11 @@ import pytest
 from camtools.sim.binding import Rows
 from camtools.sim.results import STATES
 from tests.tools.cases.camsim_cases import ROOT, cut, refusal, while_in
+from tests.tools.cases.part_cases import TableOf
 
 LEARN = ROOT / "tests" / "learn"
 MACHINES = LEARN / "machines"
 REAL = ROOT / "host_sim" / "machines" / "real.toml"
-TableOf = Callable[[str], Path]
 
 PARTS = {"oval30", "oval_doubles", "perkins240", "twist80"}
 
@@ -291,9 +290,7 @@ def test_first_turns_are_right_while_the_spindle_settles(table_of: TableOf) -> N
 
 
 @pytest.mark.parametrize("rpm", ["500", "1000"])
-def test_first_turns_without_rehearsal_have_the_ripple_in_force(
-    table_of: TableOf, rpm: str
-) -> None:
+def test_first_turns_without_rehearsal_have_the_ripple(table_of: TableOf, rpm: str) -> None:
     """A learned ripple of 1 % is never worse: it left 0.44 and 0.6 um instead of 0.14 and 0.39."""
     place = ("--machine", MACHINES / "ripple.toml", "--rpm", rpm, "--turns-limit", "20")
     options = ("--set", "rehearse_turns=0", "--tolerance-um", "9")

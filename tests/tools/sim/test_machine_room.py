@@ -9,7 +9,9 @@ import pytest
 
 from camtools.cli.mktables import main as mktables
 from camtools.part.passes import FeedLaw
-from tests.tools.cases.camsim_cases import camsim, columns_of
+from camtools.sim.results import CUTTING
+from tests.tools.cases.camsim_cases import cut as played
+from tests.tools.cases.camsim_cases import refusal, while_in
 
 MACHINES = Path(__file__).parents[3] / "host_sim" / "machines"
 PART = """
@@ -62,11 +64,7 @@ def mean(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def cut(table: Path, *words: str | Path) -> dict[str, Any]:
     """Return the summary of a cut."""
-    path = table.with_name("s.json")
-    done = camsim("run", table, "--no-learning", *words, "--summary", path)
-    assert done.returncode in (0, 1), done.stderr
-    loaded: dict[str, Any] = json.loads(path.read_text())
-    return loaded
+    return played(table, "--no-learning", *words, status=None).summary
 
 
 def test_part_of_045_mm_is_cut_on_a_stroke_of_08_mm(mean: Path, machine: Path) -> None:
@@ -79,9 +77,7 @@ def test_part_of_045_mm_is_cut_on_a_stroke_of_08_mm(mean: Path, machine: Path) -
 
 
 @pytest.mark.parametrize("n_stops", [14, pytest.param(35, marks=pytest.mark.long)])
-def test_tool_is_never_in_the_part_whatever_fails_when(
-    mean: Path, machine: Path, n_stops: int
-) -> None:
+def test_tool_is_never_in_the_part(mean: Path, machine: Path, n_stops: int) -> None:
     """Emergency stops all over the approach, engaging, the cut, disengaging.
 
     With and without clearance of X, and at a stroke that leaves U 0.03 mm to retract, half of
@@ -89,15 +85,8 @@ def test_tool_is_never_in_the_part_whatever_fails_when(
     """
     rng = np.random.default_rng(11)
     for clearance_nm, stroke_nm in ((0, 800_000), (1_000_000, 800_000), (10**6, 510_000)):
-        words: list[str | Path] = [
-            "--machine",
-            machine,
-            "--rpm",
-            "1800",
-            "--set",
-            f"u_stroke_nm={stroke_nm}",
-        ]
-        words += ["--set", f"x_clearance_nm={clearance_nm}"]
+        sets = (f"u_stroke_nm={stroke_nm}", f"x_clearance_nm={clearance_nm}")
+        words = ("--machine", machine, "--rpm", "1800", "--set", sets[0], "--set", sets[1])
         whole_s = cut(mean, *words)["machine_time_s"]
         found = set()
         for at_s in np.sort(rng.uniform(0.2, whole_s, n_stops)):
@@ -111,22 +100,21 @@ def test_tool_runs_in_and_out_through_the_air(tmp_path: Path, machine: Path) -> 
     """The part is gauged from end to end and only there, the first turns included."""
     run = 'u_zero = "mean"\nrun_in_mm = 3\nrun_out_mm = 2'
     table = table_of(tmp_path, "run", run)
-    surface = tmp_path / "surface.csv"
-    summary = cut(table, "--machine", machine, "--surface", surface)
+    found = played(table, "--no-learning", "--machine", machine)
+    summary, heights = found.summary, found.surface["z_mm"]
     assert summary["is_good"]
     assert summary["form_error_um"]["max"] < GOUGE_UM
     assert summary["cut"]["gouge_um"] < GOUGE_UM
-    heights = columns_of(surface)["z_mm"]
     assert 0 <= heights.min() < 0.06
     assert 29.94 < heights.max() <= 30
     design = json.loads((tmp_path / "run.json").read_text())["design"]
     assert design["gauge_mm"] == [0, 30]
     # 35 mm at 0.5 mm and the two halves of the feed ramps
     assert summary["cut"]["planned_turns"] == pytest.approx(72)
-    trace = tmp_path / "trace.csv"
-    cut(table, "--machine", machine, "--trace", trace, "--rpm", "1200", "--feed", "2")
-    state, z = columns_of(trace, "state", "z_mm").values()
-    assert set(state[(z >= 0) & (z < 2)]) == {"cutting"}, "full amplitude over the whole part"
+    words = ("--no-learning", "--machine", machine, "--rpm", 1200, "--feed", 2)
+    trace = played(table, *words, status=None, tables=["trace"]).trace
+    state, z = trace["state"], trace["z_mm"]
+    assert set(state[(z >= 0) & (z < 2)]) == {CUTTING}, "full amplitude over the whole part"
 
 
 def test_ring_helix_has_rings_in_the_air(tmp_path: Path, machine: Path) -> None:
@@ -207,25 +195,21 @@ def test_overruled_feed_and_speed_hold_for_all_passes(tmp_path: Path, machine: P
     summary = cut(table, "--machine", machine, "--rpm", "700", "--feed", "0.8")
     assert [one["feed_mm"] for one in summary["passes"]] == [0.8, 0.8]
     assert [one["spindle_rpm"] for one in summary["passes"]] == [700, 700]
-    done = camsim("run", table, "--machine", machine, "--rpm", "3500")
-    assert done.returncode == 2
-    assert "pass 1: --rpm 3500: infeasible" in done.stderr
+    assert "pass 1: --rpm 3500: infeasible" in refusal(table, "--machine", machine, "--rpm", 3500)
 
 
 @pytest.mark.long
 def test_feed_follows_its_law_over_the_height(tmp_path: Path, machine: Path) -> None:
     """Z per turn in the trace is the feed at that height, within what the law changes in a turn."""
     law = "[process.feed_law]\nheight_mm = [0, 10, 30]\nfeed_mm = [0.2, 0.6, 0.3]"
-    words = f'u_zero = "mean"\n{law}'
-    toml = tmp_path / "law.toml"
-    text = PART.format(name="law", process=words, stroke=0.8).replace("feed_mm = 0.5\n", "", 1)
+    toml, process = tmp_path / "law.toml", f'u_zero = "mean"\n{law}'
+    text = PART.format(name="law", process=process, stroke=0.8).replace("feed_mm = 0.5\n", "", 1)
     toml.write_text(text)
     assert mktables([str(toml), "-o", str(tmp_path)]) == 0
-    trace = tmp_path / "trace.csv"
-    summary = cut(tmp_path / "law.camtab", "--machine", machine, "--rpm", "2400", "--trace", trace)
-    assert summary["is_good"]
-    state, turn, z = columns_of(trace, "state", "turn", "z_mm").values()
-    turn, z = turn[state == "cutting"], z[state == "cutting"]
+    words = ("--no-learning", "--machine", machine, "--rpm", 2400)
+    found = played(tmp_path / "law.camtab", *words, tables=["trace"])
+    assert found.summary["is_good"]
+    turn, z = (while_in(found.trace, "cutting")[name] for name in ("turn", "z_mm"))
     whole = np.unwrap(turn, period=1.0)
     at = np.arange(whole[0] + 4, whole[-1] - 4, 0.5)
     feed = np.interp(at + 0.5, whole, z) - np.interp(at - 0.5, whole, z)

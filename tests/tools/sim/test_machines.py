@@ -3,12 +3,14 @@
 from pathlib import Path
 
 import pytest
+from pytest import MonkeyPatch
 
 from camtools.base.errors import CamtoolsError
 from camtools.cli.run import main
 from camtools.sim.machine_file import MACHINES, machine_bytes, machine_path, names
 from tests.tools.cases.camsim_cases import camsim
 from tests.tools.cases.command_cases import job_of
+from tests.tools.cases.part_cases import Capture
 
 LEARN = Path(__file__).parents[2] / "learn" / "machines"
 
@@ -33,9 +35,7 @@ def test_any_file_is_a_machine(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("word", ["nosuch", "", "tools", "no/such.toml"])
-def test_unknown_machine_is_refused_in_one_line(
-    word: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_unknown_machine_is_refused_in_one_line(word: str, capsys: Capture) -> None:
     """The message names the word and every machine there is."""
     assert main(["--machine", word]) == 2
     told = capsys.readouterr().err.strip()
@@ -45,9 +45,7 @@ def test_unknown_machine_is_refused_in_one_line(
     assert "\n" not in told
 
 
-def test_machine_that_cannot_be_read_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_machine_that_cannot_be_read_is_refused(tmp_path: Path, monkeypatch: MonkeyPatch) -> None:
     """The reason of the system is told."""
     path = tmp_path / "mine.toml"
     path.touch()

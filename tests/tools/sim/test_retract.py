@@ -2,7 +2,6 @@
 
 import math
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +10,7 @@ import pytest
 from camtools.sim.results import STATES
 from camtools.sim.simulate import simulate
 from tests.tools.cases.camsim_cases import ROOT
+from tests.tools.cases.part_cases import TableOf
 
 STEP_LIMIT_NM = 20_000  # 400 mm/s at 20 kHz
 RETRACT_NM = -500_000
@@ -42,7 +42,7 @@ def retract(table: Path, at: str, feed_mm: float = 0.1, state: str = "") -> dict
     [(60, 0.793, 10**6, None), (500, 0.76, 2 * 10**9, 1000), (500, 1.424, 10**6, 0)],
 )
 def test_slow_tick_retracts_within_the_stroke_by_single_steps(
-    table_of: Callable[[str], Path], rpm: int, at_s: float, jerk: int, k2_us2: int | None
+    table_of: TableOf, rpm: int, at_s: float, jerk: int, k2_us2: int | None
 ) -> None:
     """With a window of one tick U brakes in the coarsest steps, and no second fault is raised."""
     settings = {"u_jerk_m_per_s3": jerk} | ({} if k2_us2 is None else {"k2_us2": k2_us2})

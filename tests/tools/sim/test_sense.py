@@ -6,7 +6,6 @@ the table nor NAME.json takes part in the judgement, except where the gauge itse
 
 import csv
 import json
-import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,7 +17,8 @@ from camtools.cli.mkgcode import main as mkgcode
 from camtools.cli.mktables import main as mktables
 from camtools.table.channel import in_sense
 from camtools.table.image import pack, unpack
-from tests.tools.cases.camsim_cases import ROOT, camsim, columns_of
+from tests.tools.cases.camsim_cases import ROOT, camsim, cut, form_um, plain
+from tests.tools.cases.ngc_cases import moves
 
 SENSES = (1, -1)
 RADIUS_MM, LAST_MM = 45.0, 12.0
@@ -111,20 +111,12 @@ def skirt(folder: Path, direction: int, mode: str = "uniform", rpm: float = 600)
     return made(folder, SKIRT.format(**values, mode=mode, rpm=rpm), "mark")
 
 
-def surface(table: Path, *words: str, status: int = 0) -> tuple[Floats, Floats, Floats]:
-    """Cut a part; return turn, height and radius of its surface."""
-    path, summary = table.with_name("s.csv"), table.with_name("s.json")
-    done = camsim("run", table, "--no-learning", "--surface", path, "--summary", summary, *words)
-    assert done.returncode == status, done.stderr
-    turn, z_mm, radius_mm, *_ = columns_of(path).values()
-    return turn, z_mm, radius_mm
-
-
 @pytest.mark.parametrize("direction", SENSES)
 @pytest.mark.parametrize("more", [(), ("--set", "phase_udeg=25000000")])
 def test_marked_skirt_is_the_drawing(tmp_path: Path, direction: int, more: tuple[str, ...]) -> None:
     """The mark lies at 30 degrees, not at 330, on a part that was turned by M3 or by M4."""
-    turn, _, radius_mm = surface(skirt(tmp_path, direction), *more)
+    found = cut(skirt(tmp_path, direction), "--no-learning", *more)
+    turn, _, radius_mm = plain(found.surface)[:3]
     assert turn.size > 10_000
     off_um = 1e3 * (radius_mm - RADIUS_MM + reduction_mm(360 * turn))
     assert np.abs(off_um).max() < 0.3
@@ -147,27 +139,14 @@ def test_eval_takes_and_gives_the_drawings_angle(tmp_path: Path, direction: int)
 def test_gauge_sees_a_mirror_image(tmp_path: Path) -> None:
     """A table that was not mirrored for M4 is out of tolerance against the design."""
     table = skirt(tmp_path, -1)
-    assert camsim("run", table).returncode == 0
+    cut(table)
     image = unpack(table.read_bytes())
     wrong = replace(image, channels=tuple(in_sense(one, -1) for one in image.channels))
     table.write_bytes(pack(wrong))
     report = json.loads(table.with_suffix(".json").read_text())
     report["table_crc32"] = int.from_bytes(table.read_bytes()[20:24], "little")
     table.with_suffix(".json").write_text(json.dumps(report))
-    summary = table.with_name("s.json")
-    done = camsim("run", table, "--design", table.with_suffix(".json"), "--summary", summary)
-    assert done.returncode == 1, done.stderr
-    assert json.loads(summary.read_text())["form_error_um"]["max"] > 15
-
-
-def words_of(program: Path, axes: str) -> Floats:
-    """Return the words of all moves of a program."""
-    rows = [
-        dict(re.findall(r"([A-Z])(-?[0-9.]+)", line.partition(" ")[2]))
-        for line in program.read_text().splitlines()
-        if line.startswith("G1 C")
-    ]
-    return np.array([[float(row[axis]) for axis in axes] for row in rows])
+    assert form_um(cut(table, "--design", table.with_suffix(".json"), status=1)) > 15
 
 
 @pytest.mark.parametrize(
@@ -186,10 +165,10 @@ def test_program_cuts_the_drawing(tmp_path: Path, direction: int, mode: str) -> 
     program = tmp_path / "part.ngc"
     words = [str(part), "-o", str(program), "--axes", "cxzu", "--to-mm", "2"]
     assert mkgcode(words) == 0
-    c, x, u = words_of(program, "CXU").T
+    c, x, u = moves(program, "G1", "CXU").T
     assert (np.sign(np.diff(c)) == direction).all()
-    cut = (direction * c >= 0) & (direction * c <= 4 * 360)
-    off_mm = x[cut] - u[cut] - RADIUS_MM + reduction_mm(c[cut])
+    inside = (direction * c >= 0) & (direction * c <= 4 * 360)
+    off_mm = (x - u - RADIUS_MM + reduction_mm(c))[inside]
     assert np.abs(off_mm).max() < 1e-5
     if mode == "equal-volume":
         at = c[(direction * c >= 720) & (direction * c <= 1080.00001)]
@@ -208,17 +187,17 @@ def test_two_lobes_at_their_phases(tmp_path: Path, direction: int, operation: st
     """Both discs stand at 40 and -110 degrees; the tool keeps its rake whatever the sense."""
     table = made(tmp_path, CAM.format(direction=direction, operation=operation), "two")
     machine = ROOT / "host_sim" / "machines" / "cam.toml"
-    words = ("--machine", str(machine), "--design", str(table.with_suffix(".json")), "--rpm", "23")
-    turn, z_mm, radius_mm = surface(table, *words)
+    words = ("--machine", machine, "--design", table.with_suffix(".json"), "--rpm", 23)
+    found = cut(table, "--no-learning", *words)
+    turn, z_mm, radius_mm = plain(found.surface)[:3]
     for low_mm, high_mm, phase_deg, disc_mm, off_mm in ((0, 1, 40, 24, 4), (2, 3, -110, 23, 3)):
         here = (z_mm > low_mm) & (z_mm < high_mm)
         psi = 2 * np.pi * turn[here] - np.radians(phase_deg)
         exact_mm = off_mm * np.cos(psi) + np.sqrt(disc_mm**2 - off_mm**2 * np.sin(psi) ** 2)
         assert here.sum() > 1000
         assert np.abs(radius_mm[here] - exact_mm).max() < 2e-4
-    cam = json.loads(table.with_name("s.json").read_text())["cam"]
     if operation == "turning":
-        rake = cam["rake_deg"]
+        rake = found.summary["cam"]["rake_deg"]
         assert max(abs(rake["min"]), abs(rake["max"])) < 0.05
 
 
@@ -246,27 +225,18 @@ def test_even_volume_is_as_even_with_m4(tmp_path: Path) -> None:
     found = []
     for direction in SENSES:
         table = skirt(tmp_path, direction, "equal-volume", 120)
-        surface(table, "--set", "stopped_mrpm=3000")
-        found.append(json.loads((tmp_path / "s.json").read_text())["removal"]["rate_ripple"])
+        even = cut(table, "--no-learning", "--set", "stopped_mrpm=3000")
+        found.append(even.summary["removal"]["rate_ripple"])
     assert found[1]["mean"] == pytest.approx(found[0]["mean"], rel=0.2)
     assert max(one["mean"] for one in found) < 0.02
-
-
-def columns(path: Path) -> dict[str, Floats]:
-    """Return the columns of numbers of a CSV file."""
-    found = columns_of(path)
-    return {name: column for name, column in found.items() if column.dtype.kind in "if"}
 
 
 @pytest.mark.parametrize("direction", SENSES)
 def test_files_count_by_the_drawing(tmp_path: Path, direction: int) -> None:
     """Turns of trace and removal rise with M3 and fall with M4; the observer's is the true one."""
     table = skirt(tmp_path, direction)
-    trace, removal = tmp_path / "t.csv", tmp_path / "r.csv"
-    for words in (("--turns-limit", "4", "--trace", trace), ("--removal", removal)):
-        done = camsim("run", table, "--no-learning", *words)
-        assert done.returncode == 0, done.stderr
-    ticks, slices = columns(trace), columns(removal)
+    ticks = cut(table, "--no-learning", "--turns-limit", 4, tables=["trace"]).trace
+    slices = cut(table, "--no-learning", tables=["removal"]).removal
     # two degrees: the trace has the observer's angle, the truth is sampled with the next tick
     found = (ticks["pos_q32"] > 2**32) & (ticks["z_mm"] > 0.5)
     off = ticks["turn"][found] - ticks["true_turn"][found]
@@ -286,11 +256,9 @@ def test_surface_between_tracks_is_the_same_with_m4(tmp_path: Path) -> None:
     """A nose leaves the same scallops at the same angles of the drawing, whatever the sense."""
     found = []
     for direction in SENSES:
-        table, path = skirt(tmp_path, direction), tmp_path / "scallop.csv"
-        words = ("--nose-mm", "0.8", "--scallop-mm", "4:6", "--scallop", path)
-        done = camsim("run", table, "--no-learning", *words)
-        assert done.returncode == 0, done.stderr
-        turn, _, proud_um = columns_of(path).values()
+        words = ("--no-learning", "--nose-mm", 0.8, "--scallop-mm", "4:6")
+        scallop = cut(skirt(tmp_path, direction), *words, tables=["scallop"]).scallop
+        turn, _, proud_um = plain(scallop)
         rows = proud_um.reshape(240, -1)
         assert turn.reshape(240, -1)[1, 0] == pytest.approx(1 / 240)
         found.append(np.ptp(rows, axis=1))

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pytest import MonkeyPatch
 
 from camtools.base.errors import CamtoolsError
 from camtools.sim.binding import PROTOTYPES, SimSession, library_path
@@ -117,9 +118,7 @@ def test_refusals_are_those_of_the_program(
         ({"options": ["--rpm", "-1"]}, "--rpm -1: out of range"),
     ],
 )
-def test_what_is_wrong_has_the_name_of_its_argument(
-    table: Path, given: dict[str, Any], told: str
-) -> None:
+def test_what_is_wrong_names_its_argument(table: Path, given: dict[str, Any], told: str) -> None:
     """A caller of simulate knows no options of camsim but those given."""
     with pytest.raises(CamtoolsError) as refusal:
         simulate(table, **given)
@@ -166,9 +165,7 @@ def test_prototypes_are_those_of_the_header() -> None:
     assert declared_in(HEADER, {}) == named(PROTOTYPES)
 
 
-def test_library_that_is_missing_is_one_line(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_library_that_is_missing_is_one_line(monkeypatch: MonkeyPatch, tmp_path: Path) -> None:
     """The line names the file and who builds it."""
     monkeypatch.setenv("CAMTURN_BUILD", str(tmp_path))
     assert not library_path().exists()

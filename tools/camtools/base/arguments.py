@@ -174,10 +174,7 @@ def make_parser(
     commands: Commands | None = None,
     **settings: Any,  # noqa: ANN401
 ) -> Parser:
-    """Return the parser of a command whose arguments are a function's parameters.
-
-    commands: commands of the command, by name; settings: those of argparse, such as the epilog.
-    """
+    """Return the parser of a command whose arguments are a function's parameters."""
     settings = {"description": description_of(function), "allow_abbrev": False} | settings
     if "epilog" in settings:
         settings["description"] = fill(description_of(function))

@@ -23,10 +23,7 @@ Result = TypeVar("Result")
 
 
 class Memory:
-    """The newest results by what they were made of; the one not asked for the longest goes first.
-
-    most: how many results are kept.
-    """
+    """The newest `most` results by what they were made of; the longest not asked for goes first."""
 
     def __init__(self, most: int) -> None:
         self._most = most
@@ -57,10 +54,7 @@ def remembering(memory: Memory) -> Iterator[None]:
 
 
 def recall(key: Hashable, make: Callable[[], Result]) -> Result:
-    """Return what was made for this key; without an open memory make it.
-
-    key: everything that the result follows from, and a word that no other use has.
-    """
+    """Return what was made for a key, all it follows from and a word; without a memory make it."""
     memory = _open.get()
     return make() if memory is None else memory.recall(key, make)
 

@@ -65,11 +65,7 @@ class InputError(CamtoolsError):
 
 
 class GeometryError(CamtoolsError):
-    """The numbers are each valid, but the shape they make is not.
-
-    field: dotted path of the field to change; problem, remedy: what is wrong, and what to do about
-    it.
-    """
+    """The numbers are each valid, but the shape is not; `field` is the dotted path to change."""
 
     def __init__(self, field: str, problem: str, remedy: str) -> None:
         self.field = field

@@ -51,6 +51,25 @@ def read_limited(path: Path, most_bytes: int) -> bytes:
     return data
 
 
+@contextmanager
+def path_errors(name: object) -> Iterator[None]:
+    """Report what the system refuses about a path, named as the user gave it, in one line."""
+    try:
+        yield
+    except OSError as error:
+        raise CamtoolsError([f"{name}: {error.strerror}; check the path"]) from error
+
+
+def read_private(path: Path, option: str) -> bytes:
+    """Return what the small file of an option holds, which only its owner can read."""
+    with path_errors(f"{option} {path}"):
+        data = read_limited(path, 1024)
+        is_private = not path.stat().st_mode & 0o077
+    if not is_private:
+        raise CamtoolsError([f"{option} {path}: others may read it; chmod 600 {path}"])
+    return data
+
+
 def read_text(path: Path, most_bytes: int) -> str:
     """Return the text of a file that a part file names; a mark of spreadsheets is left out.
 

@@ -77,10 +77,7 @@ class Origin(NamedTuple):
 
 
 def date_text() -> str:
-    """Return now, or the time of SOURCE_DATE_EPOCH, to the minute.
-
-    Raises CamtoolsError: the variable is no number of seconds.
-    """
+    """Return now, or the time of SOURCE_DATE_EPOCH, to the minute."""
     given = os.environ.get("SOURCE_DATE_EPOCH")
     try:
         when = datetime.now(UTC) if given is None else datetime.fromtimestamp(int(given), UTC)
@@ -124,11 +121,7 @@ Prototypes = Mapping[str, tuple[Any, list[Any]]]  # result and arguments by the 
 
 
 def loaded(path: Path, prototypes: Prototypes, builder: str) -> ctypes.CDLL:
-    """Return a library whose functions have their types.
-
-    builder: program that builds the library, for the message. Raises CamtoolsError: the library is
-    missing or lacks a function.
-    """
+    """Return a library, made by the program `builder`, whose functions have their types."""
     try:
         library = ctypes.CDLL(str(path))
         for name, (result, arguments) in prototypes.items():

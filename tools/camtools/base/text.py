@@ -87,10 +87,7 @@ def size_text(n_bytes: float) -> str:
 
 
 class NumberLines:
-    """How the lines of a file are written.
-
-    separator: none: blanks and tabs; names: of the columns.
-    """
+    """How the lines of a file are written: separator (None: blanks and tabs), names of columns."""
 
     def __init__(self, header: str) -> None:
         self.separator = next((one for one in (";", ",") if one in header), None)
@@ -102,10 +99,7 @@ class NumberLines:
         return text.split(self.separator)
 
     def numbers(self, line: str, places: Sequence[int] | None = None) -> list[float]:
-        """Return the numbers of a line, of all its columns or of some.
-
-        Raises ValueError, IndexError: a cell is missing or no number.
-        """
+        """Return numbers of a line, of all columns or some (ValueError, IndexError: none there)."""
         cells = self.cells(line)
         chosen = cells if places is None else [cells[place] for place in places]
         return [float(cell) for cell in chosen]

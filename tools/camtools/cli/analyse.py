@@ -53,10 +53,7 @@ def _drawn(drawers: Drawers) -> dict[str, bytes]:
 def lobe_products(
     part: LobePart, wishes: LobeWishes, *, with_pictures: bool = True
 ) -> tuple[str, dict[str, bytes]]:
-    """Return what is printed of a cam, and the content of every file by its name.
-
-    Raises CamtoolsError: a wish is out of range, or the part impossible.
-    """
+    """Return what is printed of a cam, and the content of every file by its name."""
     studies = lobe.study_lobes(part, wishes)
     figures = lobe.lobe_figures(part, studies)
     files = {f"lobe_{one.number}.csv": csv_text(lobe.lobe_columns(one)).encode() for one in studies}
@@ -80,10 +77,7 @@ def _lobe_wishes(given: AnalysisWishes) -> LobeWishes:
 def skirt_products(
     part: SkirtPart, wishes: AnalysisWishes, *, with_pictures: bool = True
 ) -> tuple[str, dict[str, bytes]]:
-    """Return what is printed of a skirt, and the content of every file by its name.
-
-    Raises CamtoolsError: a wish is out of range, or the part impossible.
-    """
+    """Return what is printed of a skirt, and the content of every file by its name."""
     found = make_analysis(part, wishes)
     files = _files(found, wishes.nose_mm, with_pictures=with_pictures)
     told = section.summary(found)

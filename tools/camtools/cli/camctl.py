@@ -29,7 +29,7 @@ from camtools.base.arguments import (
 )
 from camtools.base.command import run_command
 from camtools.base.errors import CamtoolsError
-from camtools.base.files import growing
+from camtools.base.files import growing, path_errors
 from camtools.cli import camctl_control, camctl_operate, camctl_values
 from camtools.cli.bus import BusOptions
 from camtools.cli.camctl_control import SECONDS_HELP, Control, RightsOptions
@@ -158,8 +158,7 @@ def list_parameters(
 
 def status(control: Control) -> None:
     """Print the status."""
-    for text in report(control.link.listen()):
-        control.say(text)
+    control.say(*report(control.link.listen()))
 
 
 def watch(
@@ -210,12 +209,9 @@ def record(
         n += 1
         writer.writerow(row(now, t_s))
 
-    try:
-        with growing(file) as stream:
-            writer = csv.writer(stream, lineterminator="\n")
-            control.follow(seconds, write, lambda now: cut and now.state not in IN_WORK)
-    except OSError as error:
-        raise CamtoolsError([f"{file}: {error.strerror}; check the path"]) from error
+    with path_errors(file), growing(file) as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        control.follow(seconds, write, lambda now: cut and now.state not in IN_WORK)
     control.say(f"{file}: {n} rows" if n else f"{file}: no rows, not written")
     if cut and control.link.status.faults:
         raise Refused(f"the cut ended in a fault: {', '.join(control.link.status.faults)}")
@@ -226,8 +222,7 @@ _TableFile = Annotated[Path, Word("table, NAME.camtab")]
 
 def table_info(control: Control) -> None:
     """Print name, size, CRC-32 and generation of the active table."""
-    for text in table_report(control.link.listen()):
-        control.say(text)
+    control.say(*table_report(control.link.listen()))
 
 
 def table_next(control: Control, file: _TableFile) -> None:
@@ -242,10 +237,8 @@ def table_download(
     select: Annotated[bool, Option("activate it after the download")] = False,
 ) -> None:
     """Download and check a table; the active one stays."""
-    try:
+    with path_errors(file):
         image = file.read_bytes()
-    except OSError as error:
-        raise CamtoolsError([f"{file}: {error.strerror}; check the path"]) from error
     check_image(image, str(file))
     last_percent, out = -1, control.out
 
@@ -268,8 +261,7 @@ def table_download(
 def select_downloaded(control: Control) -> None:
     """Activate the downloaded table."""
     select_table(control.link)
-    for text in table_report(control.link.status):
-        control.say(text)
+    control.say(*table_report(control.link.status))
 
 
 COMMANDS: Commands = {

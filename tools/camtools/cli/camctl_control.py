@@ -37,16 +37,13 @@ class Control:
     def __init__(self, link: Link, out: TextIO) -> None:
         self.link, self.out = link, out
 
-    def say(self, text: str) -> None:
-        """Print a line, at once."""
-        self.out.write(f"{text}\n")
+    def say(self, *lines: str) -> None:
+        """Print lines, at once."""
+        self.out.writelines(f"{line}\n" for line in lines)
         self.out.flush()
 
     def ask(self, command: str, parameter: int = 0, **value: float) -> Answer:
-        """Send a command that must be accepted.
-
-        Raises Refused: it is not; CamtoolsError: the value is outside the range of its signal.
-        """
+        """Send a command that must be accepted; return its answer."""
         return ask_done(self.link, command, parameter, **value)
 
     def wait_state(self, wanted: Sequence[str], timeout_s: float) -> str:
@@ -108,10 +105,7 @@ class RightsOptions:
 
     @contextmanager
     def commanding(self, link: Link, node: int) -> Iterator[None]:
-        """Let the orders of a block take command where they need it, and give it back after them.
-
-        Raises CamtoolsError: the secret cannot be read; Refused: another has command.
-        """
+        """Let the orders of a block take command where they need it; give it back after them."""
         rights, given = link.rights, self.secret or os.environ.get(SECRET)
         rights.sender = sender_of("camctl") if self.sender is None else self.sender
         rights.may = May.TAKE_OVER if self.take_over else May.IF_FREE
@@ -131,8 +125,7 @@ class RightsOptions:
 
 def who(control: Control) -> None:
     """Show who has command, and whether the controller is unlocked and acknowledged."""
-    for line in rights_report(control.link.listen().signals):
-        control.say(line)
+    control.say(*rights_report(control.link.listen().signals))
 
 
 def _level(link: Link) -> str:
@@ -157,10 +150,7 @@ def _await_key(link: Link, say: Callable[[str], None]) -> None:
 
 
 def unlock(control: Control) -> None:
-    """Unlock with the secret or the key switch, until control-C or `lock`.
-
-    Raises Refused: the controller refuses, command is lost, or nobody turns the key.
-    """
+    """Unlock with the secret or the key switch, until control-C or `lock`."""
     link, say = control.link, control.say
     if link.rights.secret is not None:
         link.rights.unlock()

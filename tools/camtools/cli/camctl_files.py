@@ -36,10 +36,7 @@ ABOUT = "camturn.recording"
 
 
 def names_of(text: str) -> list[str]:
-    """Return the signals of a list.
-
-    Raises CamtoolsError: one is none.
-    """
+    """Return the signals of a list; an unknown one is an error."""
     names = text.split(",")
     scope.mask_of(names)
     return names

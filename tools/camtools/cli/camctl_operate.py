@@ -18,33 +18,11 @@ from camtools.base.command import Interrupted
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
 from camtools.cli.camctl_control import SECONDS_HELP, Control
+from camtools.link import operator
 from camtools.link.controller import Link, Status
-from camtools.link.messages import NAMES, Refused
-from camtools.link.operator import (
-    AXES,
-    MEASURES,
-    N_TOOLS,
-    OVERRIDES,
-    carry_out,
-    end_text,
-    for_seconds,
-    jog,
-    parameter,
-    place_mm,
-    rest,
-    set_override,
-    set_parts,
-    set_tool,
-    set_tool_offset,
-    set_trim,
-    set_zero,
-    trim_text,
-    usual_mm_per_s,
-    value_of,
-    value_text,
-)
+from camtools.link.messages import Refused
 from camtools.link.refusal_text import ask_done
-from camtools.link.status_text import IN_CUT, cut_progress
+from camtools.link.status_text import IN_CUT, cut_progress, name_of
 
 _OVER = ("ready", "off", "fault")
 _ROW_S = 2.0
@@ -52,10 +30,7 @@ _SAME_LINE = "\x1b[K\r"
 
 
 def _until_over(link: Link) -> None:
-    """Wait until a cut is over.
-
-    Raises Refused: it ends in a fault, command was lost, or the status stops.
-    """
+    """Wait until a cut is over; refused on a fault, lost command, or the end of the status."""
     status = link.status
     while status.state not in _OVER:
         # A process that was stopped for a while finds that its time is over, and looks again.
@@ -105,7 +80,7 @@ def follow_cut(link: Link, out: TextIO) -> str:
         return f"start: part cut, {turns:.0f} turns"
     status = link.listen()
     state = status.state
-    if NAMES["start_wait"].get(int(status.signals["start_wait"])) == "unsteady":
+    if name_of(status.signals, "start_wait") == "unsteady":
         raise Refused(
             "start: ended before the cut, because the spindle does not turn steadily; check its "
             "drive, then start again"
@@ -134,7 +109,7 @@ def _parts(link: Link) -> int:
 
 def override(
     control: Control,
-    what: Annotated[str, Word("what to override", choices=OVERRIDES)],
+    what: Annotated[str, Word("what to override", choices=operator.OVERRIDES)],
     percent: Annotated[
         float | None,
         Word("override in %%: feed 0 .. 150, spindle 50 .. 120 (default: print it)", read=finite),
@@ -143,14 +118,14 @@ def override(
     """Print or set the override of feed or spindle speed; the change is ramped."""
     name, link = f"{what}_override", control.link
     if percent is None:
-        control.say(f"override {what} = {value_text(name, value_of(link, name))}")
+        control.say(f"override {what} = {operator.value_text(name, operator.value_of(link, name))}")
     else:
-        control.say(set_override(link, what, percent))
+        control.say(operator.set_override(link, what, percent))
 
 
 def trim(
     control: Control,
-    measure: Annotated[str, Word("what the offset is measured on", choices=MEASURES)],
+    measure: Annotated[str, Word("what the offset is measured on", choices=operator.MEASURES)],
     value: Annotated[
         float | None,
         Word("offset in mm, positive for a larger part (default: print it)", "MM", read=finite),
@@ -159,7 +134,9 @@ def trim(
     """Print or set the wear offset of X; ramped, also while cutting."""
     link = control.link
     control.say(
-        trim_text(value_of(link, "trim")) if value is None else set_trim(link, measure, value)
+        operator.trim_text(operator.value_of(link, "trim"))
+        if value is None
+        else operator.set_trim(link, measure, value)
     )
 
 
@@ -171,7 +148,7 @@ def parts(
 ) -> None:
     """Print or set the part counter."""
     link = control.link
-    control.say(f"parts = {_parts(link)}" if number is None else set_parts(link, number))
+    control.say(f"parts = {_parts(link)}" if number is None else operator.set_parts(link, number))
 
 
 def speed_of(sense: str, mm_per_s: float) -> float:
@@ -182,15 +159,15 @@ def speed_of(sense: str, mm_per_s: float) -> float:
 def _to_its_end(link: Link, command: str, axis: str, **value: float) -> str:
     """Return what an order came to; interrupted, the axis is at rest."""
     try:
-        return carry_out(link, command, axis, **value)
+        return operator.carry_out(link, command, axis, **value)
     except Interrupted:
-        rest(link, axis)
+        operator.rest(link, axis)
         return "interrupted"
 
 
 def jog_axis(
     control: Control,
-    axis: Annotated[str, Word("axis to move", choices=tuple(AXES))],
+    axis: Annotated[str, Word("axis to move", choices=tuple(operator.AXES))],
     sense: Annotated[
         str | None, Word("direction; leave out with --step", choices=("+", "-"))
     ] = None,
@@ -214,21 +191,27 @@ def jog_axis(
             raise CamtoolsError(
                 [f"jog {axis}: a step has no --speed and no --seconds; leave them out"]
             )
-        control.say(end_text(link, axis, _to_its_end(link, "step", axis, step=step), "jog"))
+        control.say(
+            operator.end_text(link, axis, _to_its_end(link, "step", axis, step=step), "jog")
+        )
         return
-    mm_per_s = usual_mm_per_s(link, axis) if speed is None else speed
+    mm_per_s = operator.usual_mm_per_s(link, axis) if speed is None else speed
     end = "done"
     try:
-        end = jog(link, axis, speed_of(str(sense), mm_per_s), for_seconds(seconds))
+        end = operator.jog(
+            link, axis, speed_of(str(sense), mm_per_s), operator.for_seconds(seconds)
+        )
     except Interrupted:  # how a jog that is held ends
-        rest(link, axis)
-    control.say(end_text(link, axis, end, "jog"))
+        operator.rest(link, axis)
+    control.say(operator.end_text(link, axis, end, "jog"))
 
 
 def home_axis(control: Control, axis: str) -> None:
     """Find the home of an axis and wait until it is found."""
     link = control.link
-    control.say(f"home {end_text(link, axis, _to_its_end(link, 'home_axis', axis), 'home')}")
+    control.say(
+        f"home {operator.end_text(link, axis, _to_its_end(link, 'home_axis', axis), 'home')}"
+    )
 
 
 def zero(
@@ -247,7 +230,7 @@ def zero(
     if value is None or other is not None:
         given = "diameter" if axis == "x" else "height"
         raise CamtoolsError([f"zero {axis}: give --{given} MM, and nothing else"])
-    control.say(set_zero(control.link, axis, value))
+    control.say(operator.set_zero(control.link, axis, value))
 
 
 def tool(
@@ -255,10 +238,10 @@ def tool(
     number: Annotated[
         int | None,
         Word(
-            f"tool 1 .. {N_TOOLS}, 0 for none (default: print all)",
+            f"tool 1 .. {operator.N_TOOLS}, 0 for none (default: print all)",
             "N",
             read=whole,
-            choices=range(N_TOOLS + 1),
+            choices=range(operator.N_TOOLS + 1),
         ),
     ] = None,
     *,
@@ -278,14 +261,16 @@ def tool(
             continue
         if not number:
             raise CamtoolsError(
-                [f"tool: --{axis} {offset}: give the number of a tool, 1 .. {N_TOOLS}"]
+                [f"tool: --{axis} {offset}: give the number of a tool, 1 .. {operator.N_TOOLS}"]
             )
-        set_tool_offset(link, number, axis, offset)
+        operator.set_tool_offset(link, number, axis, offset)
     if number is not None:
-        set_tool(link, number)
-    chosen = round(parameter(link, "tool"))
-    for n in range(1, N_TOOLS + 1):
-        x_mm, z_mm = (parameter(link, f"tool_{n}_{axis}_nm") / NM_PER_MM for axis in ("x", "z"))
+        operator.set_tool(link, number)
+    chosen = round(operator.parameter(link, "tool"))
+    for n in range(1, operator.N_TOOLS + 1):
+        x_mm, z_mm = (
+            operator.parameter(link, f"tool_{n}_{axis}_nm") / NM_PER_MM for axis in ("x", "z")
+        )
         say(f"tool {n}: x {x_mm:.6f} mm, z {z_mm:.6f} mm{', in use' if n == chosen else ''}")
     if not chosen:
         say("no tool is in use")
@@ -296,6 +281,7 @@ def where(control: Control) -> None:
     link, say = control.link, control.say
     s = link.listen().signals
     part = {"u": s["u_actual"], "x": s["x"], "z": s["z"]}
-    for axis in AXES:
+    for axis in operator.AXES:
         homed = "homed" if s[f"homed_{axis}"] else "not homed"
-        say(f"{axis} {place_mm(link, axis):.6f} mm, of the part {part[axis]:.6f} mm, {homed}")
+        here = f"{axis} {operator.place_mm(link, axis):.6f} mm"
+        say(f"{here}, of the part {part[axis]:.6f} mm, {homed}")

@@ -16,16 +16,9 @@ import numpy as np
 from camtools.base.arguments import Option, Word, not_negative, positive
 from camtools.base.command import Interrupted
 from camtools.base.errors import CamtoolsError
+from camtools.cli import camctl_files
 from camtools.cli.camctl_control import Control
-from camtools.cli.camctl_files import (
-    DEFAULT_SIGNALS,
-    Say,
-    Signals,
-    check_name,
-    count,
-    names_of,
-    write,
-)
+from camtools.cli.camctl_files import Say, count
 from camtools.link import scope as recorder
 from camtools.link.controller import Link
 from camtools.link.messages import FAULT_TEXTS, NUMBERS, Refused
@@ -63,7 +56,7 @@ class Pictures:
 class Recording:
     """What is recorded."""
 
-    signals: Signals = DEFAULT_SIGNALS
+    signals: camctl_files.Signals = camctl_files.DEFAULT_SIGNALS
     trigger: Annotated[str, Option(f"start of the recording: {GRAMMAR} (default: now)")] = "now"
     before: Annotated[
         float, Option("seconds kept before the trigger (default: 0)", read=not_negative)
@@ -136,16 +129,12 @@ def _read(link: Link, say: Say) -> recorder.Recording:
 def _finish(
     control: Control, recording: recorder.Recording, path: Path, wanted: Pictures, number: str = ""
 ) -> None:
-    """Write what was read and give the memory back to the black box.
-
-    number: what the names of pictures get after their stems, of several.
-    """
+    """Write what was read, pictures with a number; give the memory back to the black box."""
     say = control.say
     made = _pictures(wanted, recording)
     pictures = {one.with_stem(one.stem + number): data for one, data in made.items()}
-    write(path, recording, pictures, say, is_raw=wanted.raw)
-    for line in _lines(recording):
-        say(line)
+    camctl_files.write(path, recording, pictures, say, is_raw=wanted.raw)
+    control.say(*_lines(recording))
     if not wanted.keep:
         recorder.release(control.link)
 
@@ -179,7 +168,7 @@ def _configure(link: Link, wanted: Recording, *, has_angle: bool) -> None:
     if rows and before >= rows:
         text = f"--before {wanted.before:g}: give less than --seconds {wanted.seconds:g}"
         raise CamtoolsError([text])
-    names = names_of(wanted.signals)
+    names = camctl_files.names_of(wanted.signals)
     signals = names if not has_angle or _OF_ANGLE in names else [*names, _OF_ANGLE]
     recorder.configure(link, signals, wanted.every, rows)
     arm(link, trigger, before)
@@ -224,10 +213,9 @@ def scope(
     """Record signals tick by tick, write and plot them.
 
     Interrupted, it writes what is there by then. With `again` it reads the recording that is there.
-    Raises Refused: the controller refuses, or ticks were lost; then their rows are not written.
     """
     link, say = control.link, control.say
-    check_name(file)
+    camctl_files.check_name(file)
     if not wanted.again:
         _configure(link, wanted, has_angle=pictures.over_angle is not None)
     for number in range(1, wanted.repeat + 1):
@@ -288,13 +276,10 @@ def blackbox(
     *,
     clear: Annotated[bool, Option("discard the recorded fault and record again")] = False,
 ) -> None:
-    """Show or read the recording from before the last fault.
-
-    Raises Refused: there is no fault to be read.
-    """
+    """Show or read the recording from before the last fault."""
     link = control.link
     if file is not None:
-        check_name(file)
+        camctl_files.check_name(file)
     _tell(link, control.say)
     if clear:
         recorder.release(link)

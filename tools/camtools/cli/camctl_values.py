@@ -19,25 +19,10 @@ import numpy.typing as npt
 
 from camtools.base.arguments import Commands, Option, Word, whole
 from camtools.base.errors import CamtoolsError
-from camtools.base.files import read_limited, write_all
+from camtools.base.files import path_errors, read_limited, write_all
 from camtools.cli.camctl_control import Control
 from camtools.cli.camctl_files import DEFAULT_SIGNALS, Signals, count, names_of, write_raw
-from camtools.link import excitation
-from camtools.link.kept_values import (
-    INFOS,
-    MEMORY,
-    change_kept,
-    checksum,
-    get_all,
-    get_learned,
-    learned_text,
-    learned_values,
-    learning_report,
-    parse,
-    set_all,
-    set_learned,
-    text_of,
-)
+from camtools.link import excitation, kept_values
 from camtools.link.messages import Refused
 
 _MOST_WAVE_BYTES = 16 * 1024 * 1024
@@ -45,17 +30,12 @@ _UNITS = {heading: unit for unit, heading in excitation.HEADINGS.items()}
 
 
 def _read_wave(path: Path) -> bytes:
-    try:
+    with path_errors(path):
         return read_limited(path, _MOST_WAVE_BYTES)
-    except OSError as error:
-        raise CamtoolsError([f"{path}: {error.strerror}; check the path"]) from error
 
 
 def wave_of(data: bytes, name: str) -> tuple[npt.NDArray[np.int64], excitation.Unit]:
-    """Return the samples of a wave file, and their unit by its heading.
-
-    Raises CamtoolsError: it is none; the line says where.
-    """
+    """Return the samples of a wave file, and their unit by its heading; an error names the line."""
     lines = data.decode("utf-8", "replace").split("\n")
     unit = _UNITS.get(lines[0].strip())
     if unit is None:
@@ -114,14 +94,13 @@ def learned(
     if (action is None) != (file is None):
         raise CamtoolsError(["learned: give save FILE or load FILE, or neither"])
     if file is None:
-        for line in learning_report(link.listen()):
-            control.say(line)
+        control.say(*kept_values.learning_report(link.listen()))
     elif action == "save":
-        text = learned_text(get_learned(link), link.listen().table_name)
+        text = kept_values.learned_text(kept_values.get_learned(link), link.listen().table_name)
         write_all(file.parent, {file.name: text.encode()})
         control.say(f"{file}: saved")
     else:
-        set_learned(link, learned_values(_read_wave(file), str(file)))
+        kept_values.set_learned(link, kept_values.learned_values(_read_wave(file), str(file)))
         control.say(f"{file}: in force")
 
 
@@ -131,32 +110,33 @@ TomlFile = Annotated[Path, Word("TOML file")]
 
 
 def table(pairs: Mapping[str, tuple[int, int]], heads: tuple[str, str]) -> list[str]:
-    """Return a line for each parameter with two values, below a line of heads."""
-    width = max((len(name) for name in pairs), default=0)
+    """Return a line for each parameter with two values, below a line of heads if there are any."""
+    if not pairs:
+        return []
+    width = max(map(len, pairs))
     rows = [("parameter", *heads), *((name, *map(str, two)) for name, two in pairs.items())]
     return [f"{name:<{max(width, 12)}}{a:>12}{b:>12}" for name, a, b in rows]
 
 
 def _read(path: Path, say: Say) -> dict[str, int]:
-    try:
-        return parse(read_limited(path, _MOST_BYTES), str(path), say)
-    except OSError as error:
-        raise CamtoolsError([f"{path}: {error.strerror}; check the path"]) from error
+    with path_errors(path):
+        return kept_values.parse(read_limited(path, _MOST_BYTES), str(path), say)
 
 
 def save(control: Control, file: TomlFile) -> None:
     """Save all parameters to a TOML file."""
     link, path, say = control.link, file, control.say
-    values = get_all(link)
+    values = kept_values.get_all(link)
     s = link.listen().signals
-    if int(s["params_checksum"]) != checksum(values):
+    checksum = f"{kept_values.checksum(values):08x}"
+    if f"{int(s['params_checksum']):08x}" != checksum:
         raise Refused(
             f"{path}: not written: the checksum of the controller, "
             f"{int(s['params_checksum']):08x}, does not match its parameters, "
-            f"{checksum(values):08x}; is its version different, or is somebody setting parameters?"
+            f"{checksum}; is its version different, or is somebody setting parameters?"
         )
-    origin = f"version {s['params_version']:.0f}, checksum {checksum(values):08x}"
-    write_all(path.parent, {path.name: text_of(values, origin).encode()})
+    origin = f"version {s['params_version']:.0f}, checksum {checksum}"
+    write_all(path.parent, {path.name: kept_values.text_of(values, origin).encode()})
     say(f"{path}: {len(values)} parameters, {origin}")
 
 
@@ -170,36 +150,34 @@ def load(
     link, path, say = control.link, file, control.say
     values = _read(path, say)
     try:
-        changes = set_all(link, values)
+        changes = kept_values.set_all(link, values)
     except Refused as refused:
         raise Refused(f"{path}: nothing is changed: {refused}") from refused
-    for line in table(changes, ("before", "now")) if changes else []:
-        say(line)
+    say(*table(changes, ("before", "now")))
     say(f"{path}: {len(changes)} of {len(values)} parameters changed")
     if keep:
-        say(change_kept(link, "keep"))
+        say(kept_values.change_kept(link, "keep"))
 
 
 def diff(control: Control, file: TomlFile) -> None:
     """Compare a file with the controller; status 1 where they differ."""
     link, path, say = control.link, file, control.say
     values = _read(path, say)
-    is_whole = len(values) == len(INFOS)
-    if is_whole and int(link.listen().signals["params_checksum"]) == checksum(values):
-        say(f"{path}: equal, checksum {checksum(values):08x}")
+    is_whole = len(values) == len(kept_values.INFOS)
+    if is_whole and int(link.listen().signals["params_checksum"]) == kept_values.checksum(values):
+        say(f"{path}: equal, checksum {kept_values.checksum(values):08x}")
         return
-    there = get_all(link)
+    there = kept_values.get_all(link)
     pairs = {name: (values[name], there[name]) for name in values if values[name] != there[name]}
-    for line in table(pairs, ("file", "controller")) if pairs else []:
-        say(line)
+    say(*table(pairs, ("file", "controller")))
     if pairs:
         raise Refused(f"{path}: {len(pairs)} of {len(values)} parameters differ")
-    say(f"{path}: equal; {len(INFOS) - len(values)} parameters are not in the file")
+    say(f"{path}: equal; {len(kept_values.INFOS) - len(values)} parameters are not in the file")
 
 
 def _memory(action: str, text: str) -> Callable[[Control], None]:
     def carry_out(control: Control) -> None:
-        control.say(change_kept(control.link, action))
+        control.say(kept_values.change_kept(control.link, action))
 
     carry_out.__doc__ = text
     return carry_out
@@ -209,5 +187,5 @@ COMMANDS: Commands = {
     "save": save,
     "load": load,
     "diff": diff,
-    **{name: _memory(name, text) for name, (_, text) in MEMORY.items()},
+    **{name: _memory(name, text) for name, (_, text) in kept_values.MEMORY.items()},
 }

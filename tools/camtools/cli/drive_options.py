@@ -66,10 +66,7 @@ def connected_u(options: UOptions, program: str) -> Iterator[tuple[ConnectedU, i
 
 
 def record_text(csv: Path) -> str:
-    """Return the text of a recording.
-
-    Raises CamtoolsError: it cannot be read, or is not UTF-8.
-    """
+    """Return the text of a recording, which must be UTF-8."""
     try:
         return read_given(csv, "--record", MAX_BYTES).decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -72,11 +72,7 @@ def _check_size(file: Path, size: int, region: Region) -> None:
 
 
 def check_firmware(file: Path) -> None:
-    """Refuse what cannot be firmware for this board.
-
-    Raises CamtoolsError: it cannot be read, is too long, or does not begin with a stack in DTCM and
-    a reset vector inside itself.
-    """
+    """Refuse what cannot be firmware: too long, no stack in DTCM, no reset vector inside."""
     image = _read(file)
     _check_size(file, len(image), FIRMWARE)
     stack, reset = struct.unpack_from("<II", image) if len(image) >= 8 else (0, 0)
@@ -86,10 +82,7 @@ def check_firmware(file: Path) -> None:
 
 
 def check_table(file: Path) -> None:
-    """Refuse a table that the firmware would refuse, in its words.
-
-    Raises CamtoolsError: it does not fit, or the firmware's check, run by camsim, refuses it.
-    """
+    """Refuse a table that does not fit, or that the firmware's check refuses, in its words."""
     _check_size(file, len(_read(file)), TABLE)
     build = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host")
     camsim = build / "host_sim" / "camsim"
@@ -119,11 +112,7 @@ def _st_flash(writes: Sequence[Write]) -> list[list[str]]:
 
 
 def command_lines(programmer: str, writes: Sequence[Write]) -> list[list[str]]:
-    """Return the command lines that write files and start the firmware.
-
-    Returns commands, each as its words, to be run one after the other. Raises CamtoolsError:
-    openocd cannot be given a name with braces or backslashes.
-    """
+    """Return commands, each as words, that write files in turn and start the firmware."""
     if programmer == "st-flash":
         return _st_flash(writes)
     if programmer == "pyocd":

@@ -88,10 +88,7 @@ class Options:
 
 
 def _positive(option: str, value: float | None) -> list[str]:
-    """Return an option of camsim, nothing when it is not given.
-
-    Raises CamtoolsError: not a finite number above 0.
-    """
+    """Return an option of camsim above 0, nothing when it is not given."""
     if value is None:
         return []
     if not (math.isfinite(value) and value > 0):

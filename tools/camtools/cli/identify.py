@@ -61,10 +61,7 @@ answer; 2 wrong usage or bad input."""
 
 @dataclass(frozen=True)
 class Options:
-    """Which drive is identified, and how.
-
-    Raises UsageError: options do not go together.
-    """
+    """Which drive is identified, and how."""
 
     u: UOptions
     part: Annotated[Path | None, Word("part whose form error is predicted", "PART.toml")] = None

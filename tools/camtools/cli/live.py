@@ -221,10 +221,7 @@ def _end(pair: LivePair, bridge: Bridge) -> None:
 def _begin(
     stack: ExitStack, bus: can.BusABC, made: Made, arguments: Options, extra: Sequence[str]
 ) -> tuple[LivePair, _Session] | None:
-    """Start both processes and wait until they have read their files, which are gone then.
-
-    Return nothing when camsim refused and said why.
-    """
+    """Start both processes and wait until they have read their files; None: camsim refused."""
     name = made.table.table.part_name
     words = [f"{name}.camtab", "--machine", _MACHINE, *extra]
     with tempfile.TemporaryDirectory(prefix="live.", dir=runtime_folder()) as text:

@@ -73,10 +73,7 @@ def _check_chord(chord_um: float) -> None:
 
 
 def make_lobe_job(part: LobePart, wishes: ProgramWishes) -> LobeJob:
-    """Return what a program of a cam is made of.
-
-    Raises CamtoolsError: a chord error out of range, or heights, which a cam does not take.
-    """
+    """Return what a program of a cam is made of; a cam takes no heights."""
     for option, value in (("--from-mm", wishes.from_mm), ("--to-mm", wishes.to_mm)):
         if value is not None:
             problem = f"{option} {value:g}: has no meaning for a cam, whose lobes are cut whole"
@@ -94,11 +91,7 @@ def _refuse_passes(part: SkirtPart) -> None:
 
 
 def make_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
-    """Return what a program is made of.
-
-    Raises CamtoolsError: heights beyond the part or not rising, a feed beyond its height, a chord
-    error out of range, an impossible part.
-    """
+    """Return what a program is made of, with heights, feed and chord error in their ranges."""
     _refuse_passes(part)
     check_feed(part)
     drawing = make_geometry(part)

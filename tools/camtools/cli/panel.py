@@ -23,7 +23,7 @@ from typing import Annotated
 from camtools.base.arguments import Option, command, whole_within
 from camtools.base.command import Interrupted
 from camtools.base.errors import CamtoolsError
-from camtools.base.files import read_limited
+from camtools.base.files import read_private
 from camtools.base.project import RESULTS
 from camtools.cli.bus import BusOptions
 from camtools.link.bus import configured
@@ -89,23 +89,13 @@ class Options(BusOptions):
 
 
 def token_of(path: Path | None) -> str:
-    """Return the token of a file, or a new one.
-
-    Raises CamtoolsError: the file cannot be read, others may read it, or it has no fair token.
-    """
+    """Return the token of a file that only its owner can read, or a new one."""
     if path is None:
         return secrets.token_urlsafe(_TOKEN_BYTES)
     try:
-        data = read_limited(path, 1024)
-        is_private = not path.stat().st_mode & 0o077
-        token = data.decode("ascii").strip()
-    except OSError as error:
-        problem = f"{error.strerror}; check the path"
-        raise CamtoolsError([f"--token-file {path}: {problem}"]) from error
+        token = read_private(path, "--token-file").decode("ascii").strip()
     except UnicodeDecodeError as error:
         raise CamtoolsError([f"--token-file {path}: not ASCII; give letters and digits"]) from error
-    if not is_private:
-        raise CamtoolsError([f"--token-file {path}: others may read it; chmod 600 {path}"])
     if not _TOKEN.fullmatch(token):
         raise CamtoolsError([f"--token-file {path}: give 16 .. 200 letters, digits, - and _"])
     return token
@@ -121,10 +111,7 @@ def _open_socket(port: int) -> socket.socket:
 
 
 def _check_bus(options: Options) -> None:
-    """Raise when the bus that is named cannot be opened; a live lathe may still come.
-
-    Raises CamtoolsError: as `BusOptions.opened`.
-    """
+    """Raise when the bus that is named cannot be opened; a live lathe may still come."""
     given, named = options.words(), options.live
     is_there = named is not None and any(lathe.name == named for lathe in live_lathes())
     if "interface" in configured(given) or (given and named is not None) or is_there:

@@ -19,15 +19,8 @@ from camtools.identify.drives import CutShortError
 from camtools.identify.excitation_plan import U
 from camtools.link.messages import Refused
 from camtools.sim.machine_file import machine_bytes
+from camtools.tune import excited
 from camtools.tune.drive import drive_of, read_tree
-from camtools.tune.excited import (
-    HIGHEST_HZ,
-    measure,
-    measure_pulse,
-    pulse_lines,
-    pulse_settings,
-    simulated_u,
-)
 from camtools.tune.parameters import settings_of, text_of
 from camtools.tune.plant_fit import fit_lines_of, fit_table, parse_loop_record, with_fit
 from camtools.tune.proposal import Proposal, Subject, proposed, subject_of
@@ -48,10 +41,7 @@ nothing is written or set; 2 wrong usage or bad input."""
 
 @dataclass(frozen=True)
 class Options:
-    """Whose loop is tuned, and how.
-
-    Raises UsageError: options do not go together.
-    """
+    """Whose loop is tuned, and how."""
 
     u: UOptions
     drive: Annotated[Path | None, Word("drive file", "DRIVE.toml")] = None
@@ -77,7 +67,8 @@ class Options:
     highest_hz: Annotated[
         float | None,
         Option(
-            f"highest frequency of the excitation in Hz, at least 50 (default: {HIGHEST_HZ:g})",
+            "highest frequency of the excitation in Hz, at least 50 "
+            f"(default: {excited.HIGHEST_HZ:g})",
             "F",
             read=positive,
         ),
@@ -181,10 +172,10 @@ def _simulated(arguments: Options, name: str) -> int:
     """Tune U of a simulated machine."""
     keys = _keys(arguments)
     machine = machine_bytes(name)
-    with simulated_u(machine, name) as u:
+    with excited.simulated_u(machine, name) as u:
         if arguments.pulse is not None:
             return 0 if _pushed(u, arguments.pulse) else REFUSED
-        found = measure(u, name, arguments.highest_hz or HIGHEST_HZ)
+        found = excited.measure(u, name, arguments.highest_hz or excited.HIGHEST_HZ)
     one = subject_of(found, keys, (arguments.drive or Path(name)).stem, name)
     settings = _tuned(one, arguments)
     if settings and arguments.apply and arguments.out is not None:
@@ -203,7 +194,7 @@ def _connected(arguments: Options) -> int:
         if arguments.pulse is not None:
             settings = _pushed(u, arguments.pulse)
         else:
-            found = measure(u, where, arguments.highest_hz or HIGHEST_HZ)
+            found = excited.measure(u, where, arguments.highest_hz or excited.HIGHEST_HZ)
             name = arguments.drive.stem if arguments.drive else f"node{node}"
             settings = _tuned(subject_of(found, keys, name, where), arguments)
         if settings and arguments.apply:
@@ -215,10 +206,10 @@ def _connected(arguments: Options) -> int:
 
 def _pushed(u: U, pulse_n: float) -> dict[str, int]:
     """Push U and show the result; return the parameters to be set, none if U is reversed."""
-    found = measure_pulse(u, pulse_n)
-    sys.stdout.write("\n".join(pulse_lines(found)) + "\n")
+    found = excited.measure_pulse(u, pulse_n)
+    sys.stdout.write("\n".join(excited.pulse_lines(found)) + "\n")
     sys.stdout.flush()
-    return pulse_settings(found) if found.sign > 0 else {}
+    return excited.pulse_settings(found) if found.sign > 0 else {}
 
 
 def tune(arguments: Options) -> int:

@@ -113,10 +113,7 @@ class Judge:
                 raise KeyError(name)
 
     def demands(self, mrpm: int) -> list[Demand]:
-        """Return every limit and what the cut needs of it at a mean speed [r/min / 1000].
-
-        The order is that in which the controller reports excesses.
-        """
+        """Return every limit and what a cut needs at [r/min / 1000], as the controller reports."""
         n = c_size_t()
         found = self._library.judge_api_demands(self._handle, mrpm, byref(n))
         return [Demand(one.name.decode("ascii"), one.limit, one.needed) for one in found[: n.value]]

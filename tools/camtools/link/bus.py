@@ -90,10 +90,7 @@ class _Socket(GeneralPurposeUdpMulticastBus):
 
 
 class LoopbackBus(UdpMulticastBus):
-    """Frames in UDP packets that never leave this computer.
-
-    channel: group, an IPv4 address 224.0.0.0/4; port: of UDP, which tells one bus from another.
-    """
+    """Frames in UDP packets to a group (an IPv4 address) that never leave this computer."""
 
     def __init__(self, channel: str, port: int) -> None:
         is_msgpack_installed()
@@ -191,13 +188,6 @@ def _is_loopback(asked: Mapping[str, Any]) -> bool:
     return is_here and "channel" in asked and "port" in asked and ":" not in str(asked["channel"])
 
 
-def _opened(asked: Mapping[str, Any], given: Mapping[str, Any]) -> can.BusABC:
-    if not _is_loopback(asked):
-        return can.Bus(**given)
-
-    return LoopbackBus(str(asked["channel"]), int(asked["port"]))
-
-
 def open_bus(given: Mapping[str, Any]) -> tuple[can.BusABC, str]:
     """Return an open bus, and how to call it in messages.
 
@@ -215,6 +205,8 @@ def open_bus(given: Mapping[str, Any]) -> tuple[can.BusABC, str]:
     place = " ".join([str(interface), *(str(asked[n]) for n in ("channel", "port") if n in asked)])
     logging.getLogger("can").setLevel(logging.CRITICAL)  # drivers tell there what is told here
     try:
-        return _opened(asked, given), place
+        if _is_loopback(asked):
+            return LoopbackBus(str(asked["channel"]), int(asked["port"])), place
+        return can.Bus(**given), place
     except Exception as error:  # a driver of strangers raises what it likes
         raise CamtoolsError([f"{place}: {_lacking(str(interface), asked, error)}"]) from error

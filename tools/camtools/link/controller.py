@@ -17,28 +17,17 @@ import can
 from cantools.database import DecodeError
 from cantools.database.can import Message
 
-from camtools.link.messages import (
-    ANSWER,
-    COMMAND,
-    DATABASE,
-    FAULT_TEXTS,
-    NAMES,
-    NUMBERS,
-    OLDER,
-    Answer,
-    Refused,
-    answer_of,
-    command_bytes,
-)
+from camtools.link import messages
+from camtools.link.messages import Answer, Refused
 from camtools.link.rights import Rights, sender_of
 
+_MESSAGES = {message.name: message for message in messages.DATABASE.messages}
 _STATUS = {
-    DATABASE.get_message_by_name(name).frame_id: DATABASE.get_message_by_name(name)
-    for name in ("State", "Spindle", "AxisU", "Detail")
+    _MESSAGES[one].frame_id: _MESSAGES[one] for one in ("State", "Spindle", "AxisU", "Detail")
 }
 WANTED = {signal.name for message in _STATUS.values() for signal in message.signals}
 BLOCK_ID, FLOW_ID, PART_ID, FD_PART_ID, STROBE_ID = (
-    DATABASE.get_message_by_name(name).frame_id
+    _MESSAGES[name].frame_id
     for name in ("Block", "BlockFlow", "Recording", "RecordingFd", "Strobe")
 )
 _PART_BYTES = {PART_ID: 8, FD_PART_ID: 64}
@@ -47,7 +36,7 @@ _STROBE_BYTES = 8
 DBC_NODE = 64  # the node whose identifiers the DBC has
 ANSWER_S = 1.0
 _WITHOUT_RANGE = ("zero_x", "zero_z", "set_learned", "set_parts")  # they answer once
-HEARTBEAT = NUMBERS["command"]["heartbeat"]
+HEARTBEAT = messages.NUMBERS["command"]["heartbeat"]
 BUSY_TRIES, BUSY_S = 20, 0.01
 MOST_MENDS = 4  # a session that was joined and is over, command, the level; and the order itself
 PERIOD_S = 0.01  # of the status
@@ -66,12 +55,12 @@ class Status:
     @property
     def state(self) -> str:
         """Name of the state."""
-        return NAMES["state"].get(int(self.signals.get("state", -1)), "unknown")
+        return messages.NAMES["state"].get(int(self.signals.get("state", -1)), "unknown")
 
     @property
     def faults(self) -> list[str]:
         """Names of the latched faults."""
-        return [name for name in FAULT_TEXTS if self.signals.get(f"fault_{name}")]
+        return [name for name in messages.FAULT_TEXTS if self.signals.get(f"fault_{name}")]
 
     @property
     def table_name(self) -> str:
@@ -128,9 +117,9 @@ class Link:
 
     def _take(self, frame: can.Message) -> None:
         identifier = frame.arbitration_id - self._shift
-        if identifier == ANSWER.frame_id and len(frame.data) == ANSWER.length:
+        if identifier == messages.ANSWER.frame_id and len(frame.data) == messages.ANSWER.length:
             if frame.data[0] == HEARTBEAT:
-                self.rights.heard(answer_of(bytes(frame.data)))
+                self.rights.heard(messages.answer_of(bytes(frame.data)))
             else:
                 self._answers.append(frame)
         elif len(frame.data) == _PART_BYTES.get(identifier):
@@ -174,10 +163,7 @@ class Link:
         return True
 
     def wait_in_its_time(self, is_done: Callable[[], bool], timeout_s: float) -> bool:
-        """Wait by the controller's own time, as far as its status tells it.
-
-        That of a simulated one may run slower than the clock; for `PATIENCE_S` more at most.
-        """
+        """Wait by the controller's own time, which may be slower; `PATIENCE_S` more at most."""
         begin_s, rows = time.monotonic(), self.status.n_rows
         if self.wait(is_done, timeout_s):
             return True
@@ -208,24 +194,22 @@ class Link:
     # Commands
 
     def next_answer(self, command: str, timeout_s: float, echo: int | None = None) -> Answer:
-        """Return the next answer to a command.
-
-        echo: what the answer must have as its parameter; others are those of other senders. Raises
-        Refused: none comes in time.
-        """
+        """Return the next answer to a command, of those that echo a parameter if one is given."""
         end_s = time.monotonic() + timeout_s
         while True:
             left_s = end_s - time.monotonic()
             if not self.wait_in_its_time(lambda: bool(self._answers), left_s):
                 raise self._silence()
-            answer = answer_of(bytes(self._answers.popleft().data))
+            answer = messages.answer_of(bytes(self._answers.popleft().data))
             if answer.command == command and echo in (None, answer.parameter):
                 return answer
 
     def send_command(self, command: str, *, parameter: int = 0, **value: float) -> None:
         """Send a command without waiting for its answer; arguments and errors as those of ask()."""
         stamp = self.rights.stamp(command)
-        self.send_frame(COMMAND.frame_id, command_bytes(command, parameter, value, **stamp))
+        self.send_frame(
+            messages.COMMAND.frame_id, messages.command_bytes(command, parameter, value, **stamp)
+        )
 
     def ask(
         self, command: str, *, timeout_s: float = ANSWER_S, parameter: int = 0, **value: float
@@ -271,15 +255,13 @@ class Link:
         return answer
 
     def listen(self) -> Status:
-        """Wait until every message and page of the status came once.
-
-        Raises Refused: no status comes, or one of an older controller, which lacks messages or
-        pages.
-        """
+        """Wait for every message and page of the status; refused where a controller lacks one."""
         if not self.wait_in_its_time(lambda: self.status.signals.keys() >= WANTED, ANSWER_S):
             is_heard = time.monotonic() - self.status.at_s < SILENT_S
             lacks = _lacks(self.status.signals.keys())
-            raise Refused(f"{self.where}: {lacks}: {OLDER}") if is_heard else self._silence()
+            raise (
+                Refused(f"{self.where}: {lacks}: {messages.OLDER}") if is_heard else self._silence()
+            )
         return self.status
 
 

@@ -26,10 +26,7 @@ _HEADER_BYTES = 128
 
 
 def send_block(link: Link, block: bytes) -> None:
-    """Send one message by ISO 15765-2.
-
-    Raises Refused: the controller gives no flow control, or wants none of it.
-    """
+    """Send one message by ISO 15765-2, with the flow control of the controller."""
     problems: list[Exception] = []
 
     def receive(timeout_s: float) -> isotp.CanMessage | None:
@@ -87,11 +84,7 @@ def bring(link: Link, data: bytes, remedy: str, progress: Callable[[int, float],
 
 
 def check_image(image: bytes, name: str) -> None:
-    """Raise when bytes are no table image, by their length and first letters.
-
-    Raises CamtoolsError: they are none; what else is wrong the controller tells behind the
-    download.
-    """
+    """Refuse bytes that are no table image, by length and first letters."""
     if len(image) < _HEADER_BYTES or not image.startswith(b"CAMTAB"):
         raise CamtoolsError([f"{name}: not a cam table; make one by tools/mktables"])
 
@@ -110,10 +103,7 @@ def download(link: Link, image: bytes, progress: Callable[[int, float], None]) -
 
 
 def select_table(link: Link) -> None:
-    """Take the downloaded table into use, or check the one in its place anew.
-
-    Raises Refused: the controller refuses; the old table stays in force.
-    """
+    """Take the downloaded table into use, or check that in its place anew; else the old stays."""
     require(link, link.ask("select_table", timeout_s=CHECK_S), "select table")
     link.status.signals.clear()
     link.listen()

@@ -77,10 +77,7 @@ def download_wave(
 
 
 def _follow(link: Link, timeout_s: float) -> str:
-    """Give signs of life until the excitation has ended; return what came of it.
-
-    The controller's own time counts, because a simulated one may run slower than the clock.
-    """
+    """Give signs of life until the excitation ends, by the controller's time; return its end."""
     end_row = link.status.n_rows + timeout_s / PERIOD_S
     while link.status.n_rows < end_row:
         require(link, "keep alive", link.ask("keep_alive"))

@@ -218,10 +218,7 @@ part = "{part}"
 
 
 def learned_text(values: Sequence[int], part: str) -> str:
-    """Return the values as a TOML file.
-
-    part: name of the table that was in use.
-    """
+    """Return the values, learned with the table of a part, as a TOML file."""
     name = "".join(c if c.isprintable() and c not in '"\\' else "?" for c in part)
     lines, at = [_LEARNED_HEAD.format(part=name)], 0
     for key, n in LAYOUT.items():
@@ -231,10 +228,7 @@ def learned_text(values: Sequence[int], part: str) -> str:
 
 
 def learned_values(data: bytes, name: str) -> list[int]:
-    """Return the values of such a file.
-
-    Raises CamtoolsError: it is none: the line names the file, the key and the remedy.
-    """
+    """Return the values of such a file; an error names file, key and remedy."""
     try:
         told = toml_tree(data.decode("utf-8"))
     except ValueError as error:
@@ -282,10 +276,7 @@ def get_learned(link: Link) -> list[int]:
 
 
 def set_learned(link: Link, values: Sequence[int]) -> None:
-    """Bring learned values back; when one is refused, those of before come back.
-
-    Raises Refused: one is refused, or the bus is lost.
-    """
+    """Bring learned values back; when one is refused, those of before come back."""
     before = get_learned(link)
     for index, value in enumerate(values):
         answer = link.ask("set_learned", parameter=index, value=value)

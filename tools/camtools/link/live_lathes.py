@@ -50,10 +50,7 @@ class LiveLathe:
 
 
 def runtime_folder() -> Path:
-    """Return the folder of the announcements, made when it is missing.
-
-    Raises CamtoolsError: it cannot be made, or others may write there.
-    """
+    """Return the folder of the announcements, made when missing; others must not write there."""
     given = os.environ.get("XDG_RUNTIME_DIR")
     own = Path(tempfile.gettempdir()) / f"camturn-{os.getuid()}"
     folder = Path(given) / "camturn" if given and Path(given).is_dir() else own
@@ -102,10 +99,7 @@ def live_lathes(folder: Path | None = None) -> list[LiveLathe]:
 
 
 def only_lathe(name: str | None, folder: Path | None = None) -> LiveLathe | None:
-    """Return the live lathe of a name, or the only one there is.
-
-    Raises CamtoolsError: none has the name, or there are several and no name.
-    """
+    """Return the live lathe of a name, or the only one there is; several need a name."""
     found = live_lathes(folder)
     names = ", ".join(lathe.name for lathe in found)
     if name is not None:

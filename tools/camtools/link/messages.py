@@ -30,22 +30,19 @@ def choices_of(message: Message, signal: str) -> dict[int, str]:
 
 _STATE = DATABASE.get_message_by_name("State")
 _DETAIL = DATABASE.get_message_by_name("Detail")
+_OF_DETAIL = (
+    "start_wait learn_phase learn_reason recorder_use recorder_phase params_kept hand_phase "
+    "hand_end level acknowledge"
+)
 NAMES = {
-    "command": choices_of(COMMAND, "command"),
-    "parameter": choices_of(COMMAND, "parameter"),
-    "result": choices_of(ANSWER, "result"),
-    "state": choices_of(_STATE, "state"),
-    "reset_reason": choices_of(_STATE, "reset_reason"),
-    "start_wait": choices_of(_DETAIL, "start_wait"),
-    "learn_phase": choices_of(_DETAIL, "learn_phase"),
-    "recorder_use": choices_of(_DETAIL, "recorder_use"),
-    "recorder_phase": choices_of(_DETAIL, "recorder_phase"),
-    "learn_reason": choices_of(_DETAIL, "learn_reason"),
-    "params_kept": choices_of(_DETAIL, "params_kept"),
-    "hand_phase": choices_of(_DETAIL, "hand_phase"),
-    "hand_end": choices_of(_DETAIL, "hand_end"),
-    "level": choices_of(_DETAIL, "level"),
-    "acknowledge": choices_of(_DETAIL, "acknowledge"),
+    signal: choices_of(message, signal)
+    for message, signals in (
+        (COMMAND, "command parameter"),
+        (ANSWER, "result"),
+        (_STATE, "state reset_reason"),
+        (_DETAIL, _OF_DETAIL),
+    )
+    for signal in signals.split()
 }
 NUMBERS = {table: {name: i for i, name in names.items()} for table, names in NAMES.items()}
 assert DATABASE.dbc is not None
@@ -81,10 +78,7 @@ class Answer:
 
 
 def check_range(name: str, value: float, low: float, high: float, unit: str) -> None:
-    """Refuse a value outside of its range, in the unit of both.
-
-    Raises CamtoolsError: it is below or above.
-    """
+    """Refuse a value outside of its range, in the unit of both."""
     if not low <= value <= high:
         ending = f" {unit}" if unit else ""
         span = f"{low:.10g} .. {high:.10g}{ending}"
@@ -92,10 +86,7 @@ def check_range(name: str, value: float, low: float, high: float, unit: str) -> 
 
 
 def _check_signal(name: str, value: float) -> None:
-    """Refuse a value that has no place in the message Command.
-
-    Raises CamtoolsError: it is outside the range that the DBC gives its signal.
-    """
+    """Refuse a value outside the range that the DBC gives its signal of the message Command."""
     signal = COMMAND.get_signal_by_name(name)
     low, high = signal.minimum, signal.maximum
     assert low is not None and high is not None

@@ -58,10 +58,7 @@ def value_of(link: Link, name: str) -> float:
 
 
 def _set(link: Link, name: str, value: int, shown: str) -> float:
-    """Set a parameter; return the value in force.
-
-    Raises Refused: it is refused; the text names the setting as shown.
-    """
+    """Set a parameter; return the value in force. A refusal names the setting as shown."""
     answer = link.ask("set_parameter", parameter=NUMBERS["parameter"][name], value=value)
     return require(link, answer, f"set {shown}").value
 
@@ -76,10 +73,7 @@ def value_text(name: str, value: float) -> str:
 
 
 def _set_in_unit(link: Link, name: str, value: float) -> float:
-    """Set a parameter in the unit of operators; return the value in force.
-
-    Raises CamtoolsError: the value is out of the parameter's range.
-    """
+    """Set a parameter in the unit of operators, within its range; return the value in force."""
     setting = SETTINGS[name]
     info = INFOS[setting.parameter]
     low, high = info.low / setting.per_unit, info.high / setting.per_unit
@@ -172,10 +166,7 @@ def usual_mm_per_s(link: Link, axis: str) -> float:
 
 
 def end_text(link: Link, axis: str, end: str, what: str) -> str:
-    """Return the line of an order that is over.
-
-    Raises Refused: it did not succeed.
-    """
+    """Return the line of an order that is over; refused where it did not succeed."""
     here = f"{axis} {place_mm(link, axis):.6f} mm"
     if end in ("done", "limit"):
         return here + (f", {END_TEXTS[end]}" if end == "limit" else "")

@@ -17,21 +17,13 @@ from dataclasses import dataclass
 
 from camtools.base.controller_limits import LIMITS, TEXTS, needs_text
 from camtools.base.project import ROOT
+from camtools.link import messages
 from camtools.link.controller import Link
-from camtools.link.messages import (
-    FAULT_TEXTS,
-    NAMES,
-    NOT_COMMANDER,
-    NUMBERS,
-    OLDER,
-    REFUSALS,
-    Answer,
-    Refused,
-)
+from camtools.link.messages import Answer, Refused
 from camtools.link.rights import sender_text
 
 REMEDIES = {
-    "command": OLDER,
+    "command": messages.OLDER,
     "param_state": "only phase, amplitude, trim and the overrides change while cutting, most "
     "others in ready, all in off",
     "override_rings": "hold it instead, or set feed and speed before the cut",
@@ -101,7 +93,7 @@ _NO_CUT = {  # after "nothing is being cut"
 def _last_refusal(link: Link) -> dict[str, int]:
     """Return the numbers of the controller's last refusal; empty: it has none."""
     found = {}
-    for index, name in enumerate(REFUSALS):
+    for index, name in enumerate(messages.REFUSALS):
         answer = link.ask("get_refusal", parameter=index)
         if answer.result != "done":
             return {}
@@ -114,7 +106,7 @@ def _source(link: Link, answer: Answer, limit: int) -> str:
     name = LIMITS[answer.result].parameter
     if name == "none":
         return ""
-    index = NUMBERS["parameter"][name]
+    index = messages.NUMBERS["parameter"][name]
     is_set = answer.command == "set_parameter" and answer.parameter == index
     value = int(link.ask("get_parameter", parameter=index).value)
     is_parameter = is_set or limit in (value, value // 2)  # half of a stroke
@@ -132,9 +124,9 @@ def _speed_text(refusal: dict[str, int]) -> str:
 def _by_numbers(link: Link, answer: Answer) -> str:
     """Return why the last command was refused, from its numbers; "" where there are none."""
     refusal = _last_refusal(link)
-    if not refusal or NAMES["result"].get(refusal["result"]) != answer.result:
+    if not refusal or messages.NAMES["result"].get(refusal["result"]) != answer.result:
         return ""
-    name = NAMES["parameter"].get(refusal["parameter"], "")
+    name = messages.NAMES["parameter"].get(refusal["parameter"], "")
     needed, limit = refusal["needed"], refusal["limit"]
     if answer.result == "param_state":
         return f"{name} cannot change in this state; {REMEDIES['param_state']}"
@@ -206,7 +198,7 @@ def state_of(link: Link) -> str:
 def _datum(link: Link, answer: Answer) -> str:
     """Return why a datum is out of range: it is what an axis' place makes of a value in range."""
     axis = answer.command.removeprefix("zero_")
-    index = NUMBERS["parameter"][f"{axis}_datum_nm"]
+    index = messages.NUMBERS["parameter"][f"{axis}_datum_nm"]
     low, high = (link.ask(f"get_{end}", parameter=index).value for end in ("minimum", "maximum"))
     span = f"{low * 1e-6:.9g} .. {high * 1e-6:.9g} mm"
     return f"refused: {axis}_datum would leave {span}; move {axis} nearer to its home"
@@ -223,7 +215,7 @@ def explain(link: Link, answer: Answer) -> str:
     """Return why a command was refused and what to do."""
     if answer.result == "param_range" and answer.command in ("zero_x", "zero_z"):
         return _datum(link, answer)
-    if answer.result == NOT_COMMANDER:
+    if answer.result == messages.NOT_COMMANDER:
         return f"refused: {_not_commander(int(answer.value))}"
     if answer.result == "state":
         state = state_of(link)
@@ -233,7 +225,7 @@ def explain(link: Link, answer: Answer) -> str:
         return f"refused: {what}{by_hand}"
     if answer.limits is not None:
         low, high = answer.limits
-        name = NAMES["parameter"].get(answer.parameter, str(answer.parameter))
+        name = messages.NAMES["parameter"].get(answer.parameter, str(answer.parameter))
         return f"out of range; {name} is {low:.9g} .. {high:.9g}"
     is_numbered = answer.result in (*LIMITS, *_BY_PARAMETER)
     remedy = REMEDIES.get(answer.result)
@@ -242,11 +234,7 @@ def explain(link: Link, answer: Answer) -> str:
 
 
 def require(link: Link, answer: Answer, what: str) -> Answer:
-    """Return an answer that accepts a command.
-
-    what: command and values, for the text of a refusal. Raises Refused: it is refused; the text
-    states why, with the numbers.
-    """
+    """Return an answer that accepts a command; a refusal names `what` and why, with the numbers."""
     if answer.result != "done":
         raise Refused(f"{what}: {explain(link, answer)}")
     return answer
@@ -255,11 +243,7 @@ def require(link: Link, answer: Answer, what: str) -> Answer:
 def ask_done(
     link: Link, command: str, parameter: int = 0, timeout_s: float = 1.0, **value: float
 ) -> Answer:
-    """Send a command that must be accepted, and return its answer.
-
-    Raises Refused: it is not; the text tells why, with the numbers; CamtoolsError: the value is
-    outside the range of its signal.
-    """
+    """Send a command that must be accepted; return its answer. A refusal has the numbers."""
     answer = link.ask(command, timeout_s=timeout_s, parameter=parameter, **value)
     values = "".join(f" = {number:.9g}" for number in value.values())
     return require(link, answer, command.replace("_", " ") + values)
@@ -290,7 +274,10 @@ def texts_of(markdown: str) -> dict[str, FaultText]:
     """Return the faults of the table in FAULTS.md, by their names and in their order."""
     return {
         name: FaultText(
-            name, FAULT_TEXTS.get(name, name).rstrip("."), _sentence(cause), _sentence(remedy)
+            name,
+            messages.FAULT_TEXTS.get(name, name).rstrip("."),
+            _sentence(cause),
+            _sentence(remedy),
         )
         for name, cause, remedy in _ROW.findall(markdown)
     }

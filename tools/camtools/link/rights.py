@@ -38,7 +38,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.files import read_limited
+from camtools.base.files import read_private
 from camtools.link.live_lathes import runtime_folder, start_of
 from camtools.link.messages import NOT_COMMANDER, OLDER, Answer, Refused
 
@@ -98,17 +98,8 @@ def proof_of(secret: bytes, challenge: int) -> int:
 
 
 def secret_of(path: Path) -> bytes:
-    """Return the secret of a file.
-
-    Raises CamtoolsError: it cannot be read, others may read it, or it is too short or too long.
-    """
-    try:
-        data = read_limited(path, 1024)
-        is_private = not path.stat().st_mode & 0o077
-    except OSError as error:
-        raise CamtoolsError([f"--secret {path}: {error.strerror}; check the path"]) from error
-    if not is_private:
-        raise CamtoolsError([f"--secret {path}: others may read it; chmod 600 {path}"])
+    """Return the secret of a file that only its owner can read."""
+    data = read_private(path, "--secret")
     if not _LEAST_SECRET <= len(data) <= _MOST_SECRET:
         span = f"{_LEAST_SECRET} .. {_MOST_SECRET} bytes, the same as in the port"
         raise CamtoolsError([f"--secret {path}: {len(data)} bytes; give {span}"])
@@ -156,10 +147,7 @@ class Rights:
             self._link.send_command("heartbeat", parameter=self.session)
 
     def confirm(self) -> None:
-        """Find out whether this link still commands, which frames that were kept back hide.
-
-        Raises CommandLost: it does not.
-        """
+        """Find out whether this link still commands, which frames kept back hide (CommandLost)."""
         if self.session:
             n_heard = self._n_heard
             self._link.send_command("heartbeat", parameter=self.session)
@@ -175,10 +163,7 @@ class Rights:
     # Orders
 
     def prepare(self, command: str) -> None:
-        """Take command before an order that needs it, where this link may take it.
-
-        Raises CommandHeld: another has command; Refused: the controller refuses.
-        """
+        """Take command before an order that needs it, where this link may (else CommandHeld)."""
         is_free = command in _FREE or command.startswith(("get_", "read_"))
         if not is_free and not self.session and self.may is not May.NEVER:
             self._mend_command(0)
@@ -222,11 +207,7 @@ class Rights:
         return True
 
     def take(self, *, over: bool = False) -> None:
-        """Take command, or take it over from whoever has it.
-
-        Raises CommandHeld: another has it; Refused: the controller refuses, or is older than this
-        program.
-        """
+        """Take command, or take it over from whoever has it; CommandHeld where another has it."""
         self.session = 0
         answer = self._own("take_command", is_take_over=int(over))
         if answer.result == NOT_COMMANDER:
@@ -239,10 +220,7 @@ class Rights:
         self._change()
 
     def release(self) -> None:
-        """Give command back, where this link has taken it; a session that is joined stays.
-
-        What goes wrong with that is no harm: without heartbeats command is lost.
-        """
+        """Give command back where this link took it; without heartbeats it is lost in any case."""
         if self.session and not self.is_joined:
             with contextlib.suppress(Refused):
                 self._own("release_command")
@@ -291,11 +269,7 @@ class Rights:
             self._link.wait(lambda: False, _BUSY_S if is_early else 0.0)
 
     def unlock(self, secret: bytes | None = None) -> None:
-        """Unlock the controller by the secret.
-
-        Raises Refused: it is not the right one, the port has none, or the controller refuses
-        otherwise.
-        """
+        """Unlock the controller by the secret; refused where it is wrong or the port has none."""
         key = self.secret if secret is None else secret
         if key is None:
             raise Refused(

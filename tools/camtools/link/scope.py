@@ -121,10 +121,7 @@ def mask_of(signals: Sequence[str]) -> int:
 
 
 def require(link: Link, what: str, answer: Answer) -> Answer:
-    """Return an answer that is done.
-
-    Raises Refused: it is not; the text says what the limit is, or what to do.
-    """
+    """Return an answer that is done; a refusal has the limit, or what to do."""
     if answer.result == "done":
         return answer
     if answer.result == NOT_COMMANDER:
@@ -290,10 +287,7 @@ def read(link: Link, progress: Callable[[int, int], None] | None = None) -> Reco
 
 
 def wait(link: Link, timeout_s: float) -> None:
-    """Wait until the recording has ended.
-
-    Raises Refused: it has not in time.
-    """
+    """Wait until the recording has ended; refused where it has not in time."""
     end_s = time.monotonic() + timeout_s
     while phase(link) not in ("done", "idle"):
         if time.monotonic() > end_s:

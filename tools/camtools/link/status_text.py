@@ -38,7 +38,7 @@ PRESS = "Press acknowledge at the machine for half a second"
 
 
 def name_of(signals: Signals, signal: str) -> str:
-    """Return the word for a value of page 25; "" where the controller does not tell it."""
+    """Return the word for the value of a signal; "" where the controller does not tell it."""
     number = signals.get(signal)
     return "" if number is None else NAMES[signal].get(int(number), "unknown")
 
@@ -126,10 +126,7 @@ def duration_text(seconds: float) -> str:
 
 
 def cut_progress(state: str, signals: Mapping[str, float]) -> CutProgress:
-    """Return how far the pass is.
-
-    signals: of the status; what is missing makes the answer unknown.
-    """
+    """Return how far the pass is; signals that are missing make it unknown."""
     if state not in (*IN_CUT, "ready"):
         return CutProgress(None, None, "no cut")
     if not signals.keys() >= {"has_end", "pass_speed"}:
@@ -300,8 +297,7 @@ class Dashboard:
 def _box_report(status: Status) -> list[str]:
     """Return a line where the black box of a fault has not been read."""
     s = status.signals
-    use = NAMES["recorder_use"].get(int(s["recorder_use"]))
-    if use != "box" or NAMES["recorder_phase"].get(int(s["recorder_phase"])) != "done":
+    if (name_of(s, "recorder_use"), name_of(s, "recorder_phase")) != ("box", "done"):
         return []
     bits = int(s["recorder_faults"])
     names = [name for i, name in enumerate(FAULT_TEXTS) if bits >> i & 1]
@@ -338,7 +334,7 @@ def report(status: Status) -> list[str]:
             if s["memory_errors"]
             else []
         ),
-        f"last start        {NAMES['reset_reason'].get(int(s['reset_reason']), 'unknown')}",
+        f"last start        {name_of(s, 'reset_reason')}",
         f"parameters        version {s['params_version']:.0f}, checksum "
         f"{int(s['params_checksum']):08x}, {kept_text(s)}",
         *learning_report(status),
@@ -352,7 +348,7 @@ def _steady_text(signals: Mapping[str, float]) -> str:
         "waits": "; the cut waits until it is steady",
         "unsteady": "; it was not steady, so the last start was ended: check the spindle's drive",
     }
-    return texts.get(NAMES["start_wait"].get(int(signals["start_wait"]), ""), "")
+    return texts.get(name_of(signals, "start_wait"), "")
 
 
 def kept_text(signals: Mapping[str, float]) -> str:
@@ -365,13 +361,12 @@ def hands_report(status: Status) -> list[str]:
     s = status.signals
     homed = ", ".join(axis for axis in "uxz" if s[f"homed_{axis}"]) or "no axis"
     on = ", ".join(axis for axis in "uxz" if s[f"on_home_{axis}"]) or "none"
-    phase = NAMES["hand_phase"].get(int(s["hand_phase"]), "unknown")
-    end = NAMES["hand_end"].get(int(s["hand_end"]), "unknown")
     tool = f", tool {s['tool']:.0f}" if s["tool"] else ""
+    by_hand = f"{name_of(s, 'hand_phase')}, last order: {name_of(s, 'hand_end')}"
     return [
         f"X                 {s['x']:.6f} mm, diameter {2 * s['x']:.6f} mm at U = 0{tool}",
         f"homed             {homed}; on a home switch: {on}",
-        *([f"by hand           {phase}, last order: {end}"] if s["hand_orders"] else []),
+        *([f"by hand           {by_hand}"] if s["hand_orders"] else []),
     ]
 
 

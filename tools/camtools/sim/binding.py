@@ -121,10 +121,7 @@ class Ending(NamedTuple):
 
 
 class SimSession:
-    """One simulator; use it by `with`.
-
-    Only one cut is open in a process at a time, by whatever session.
-    """
+    """One simulator, by `with`; only one cut is open in a process at a time."""
 
     def __init__(self) -> None:
         self._library = _library(library_path())
@@ -183,10 +180,7 @@ class SimSession:
         return str(self._library.sim_api_error(self._session).decode("utf-8", "replace"))
 
     def finish(self, wall_s: float) -> Ending:
-        """Make the results that come at the end; they stay until the next cut, or the end.
-
-        Raises CamtoolsError: not enough memory.
-        """
+        """Make the results that come at the end; they stay until the next cut, or the end."""
         status = int(self._library.sim_api_finish(self._session, wall_s))
         message = self.error()
         text = self._library.sim_api_summary(self._session).decode("ascii")

@@ -38,10 +38,7 @@ def died(status: int) -> str:
 
 
 def with_home_switches(text: str, z_last_mm: float) -> str:
-    """Return a machine file whose X and Z home by a switch at the end of their travel, U at rest.
-
-    z_last_mm: height of the drawing up to which Z feeds.
-    """
+    """Return a machine file whose X and Z home by a switch beyond the last height, U at rest."""
     tree = read_machine(text, "machine file")
     places_mm = {"x": _X_HOME_MM, "z": z_last_mm + _Z_BEYOND_MM}
     controller = {"u_home": _HERE} | tree.get("controller", {})
@@ -56,10 +53,7 @@ def with_home_switches(text: str, z_last_mm: float) -> str:
 
 
 def refuses(program: Path, folder: Path, words: Sequence[str]) -> bool:
-    """Return whether camsim refuses table and options; it has said why, once and not twice.
-
-    Raises CamtoolsError: it cannot be started.
-    """
+    """Return whether camsim refuses table and options; it has said why, once and not twice."""
     command = [str(program), "params", *words]
     try:
         done = subprocess.run(command, cwd=folder, stdout=subprocess.DEVNULL, check=False)

@@ -99,10 +99,7 @@ def machine_path(word: str) -> Path:
 
 
 def machine_bytes(word: str) -> bytes:
-    """Return what the file of a machine holds, for `machine_path`'s word.
-
-    Raises CamtoolsError: there is no such machine, or its file cannot be read.
-    """
+    """Return what the file of a machine holds, for `machine_path`'s word."""
     path = machine_path(word)
     try:
         return path.read_bytes()
@@ -112,10 +109,7 @@ def machine_bytes(word: str) -> bytes:
 
 
 def find_machine(word: str | Path) -> Machine:
-    """Return a machine by its name or by the path of its file.
-
-    Raises CamtoolsError: there is neither such a name nor such a file, or it cannot be read.
-    """
+    """Return a machine by its name or by the path of its file."""
     path = machine_path(str(word))
     return Machine(path.name if str(word) == path.stem else str(word), read_text(path, _MAX_BYTES))
 
@@ -146,10 +140,7 @@ def machine_text(limits: MachineLimits, wear_um: float = 0.0) -> str:
 
 
 def read_machine(text: str, name: str) -> Tree:
-    """Return the tree of a machine's text; only the simulator knows which keys exist.
-
-    Raises InputError: it is no TOML.
-    """
+    """Return the tree of a machine's text; only the simulator knows which keys exist."""
     try:
         return toml_tree(text)
     except ValueError as error:

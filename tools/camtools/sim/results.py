@@ -174,10 +174,7 @@ def removal_of(rows: Rows) -> Removal:
 
 
 def read_surface(path: Path) -> GaugedSurface:
-    """Return the surface that a run has kept; without a point when nothing was cut.
-
-    Raises InputError: the file is of another version.
-    """
+    """Return the surface that a run has kept; without a point when nothing was cut."""
     with path.open(encoding="ascii") as stream:
         header = stream.readline().strip().split(",")
         is_empty = not stream.read(1)

@@ -146,10 +146,7 @@ def _words(rpm: float | None, feed: float | None, turns: float | None) -> list[s
 
 @contextmanager
 def begun(words: Sequence[str], machine: Machine | None = None) -> Iterator[SimSession]:
-    """Begin a cut of the words of `camsim run`, table included; other threads wait for its end.
-
-    Raises CamtoolsError: the simulator refuses; its line says why.
-    """
+    """Begin a cut of the words of `camsim run`, table included; other threads wait for its end."""
     name, text = machine or ("", None)
     with _ONE_AT_A_TIME, SimSession() as session:
         session.begin(words, text, name)

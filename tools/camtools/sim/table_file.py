@@ -164,10 +164,7 @@ def column_names(path: Path) -> list[str]:
 
 
 def read_columns(path: Path, names: Sequence[str]) -> dict[str, npt.NDArray[Any]]:
-    """Return columns of a trace, with the digits that camsim writes; states by their numbers.
-
-    Raises KeyError: there is no such column.
-    """
+    """Return columns of a trace, with the digits that camsim writes; states by their numbers."""
     table = pq.read_table(path, columns=list(names))
     found = {}
     for name in names:
