@@ -171,7 +171,7 @@ def _piece_at(spline: PPoly, low_mm: float) -> Floats:
 
 
 def with_run(geometry: Geometry, run_in_mm: float, run_out_mm: float) -> Geometry:
-    """Return the geometry that the tool follows, run-in and run-out included.
+    """Return the geometry that the tool follows through run-in and run-out, MATHS.md (102).
 
     Parameters
     ----------

@@ -216,7 +216,7 @@ class Arc(NamedTuple):
 
 
 class Joint(NamedTuple):
-    """What decides a section: four lengths and angles that broadcast, and the oval's law."""
+    """What decides a section, MATHS.md (10), (12): lengths and angles that broadcast, a law."""
 
     a_mm: FloatsLike  # long half axis
     ovality_mm: FloatsLike  # G

@@ -111,7 +111,7 @@ class NoseContact(NamedTuple):
 def find_contact(
     rays: Rays, phi: Floats, centre_mm: Floats, nose_mm: float, low_mm: float, high_mm: float
 ) -> NoseContact:
-    """Return the contact of each nose with the heights low_mm .. high_mm of the surface.
+    """Return the contact of each nose with the heights low_mm .. high_mm, MATHS.md (107) .. (109).
 
     Newton's method on the difference of the slopes, inside a bracket; a step never crosses a break
     but stops at it and looks at its other side. Errs by less than 1e-8 mm of height.

@@ -116,7 +116,7 @@ _AROUND_RAD = np.radians(np.arange(0, 360, 0.5))
 
 
 def middle_nm(geometry: Geometry, u_zero: str) -> int:
-    """Return the reduction of the radius that X takes over from U [nm], the same everywhere.
+    """Return the reduction of the radius that X takes over from U [nm], MATHS.md (101).
 
     Parameters
     ----------
