@@ -88,6 +88,7 @@ static void begin(void)
     go_on(3, true);
     TEST_ASSERT_EQUAL_INT(cam_state_identifying, fixture_rig_state());
     TEST_ASSERT_EQUAL_UINT32(0, m->scope.plan.before);
+    TEST_ASSERT_EQUAL_INT32(place_nm, field(cam_scope_field_place_nm));
 }
 
 /// Until the machine has its usual configuration again.
@@ -163,6 +164,8 @@ static void request(uint32_t n_asked)
 {
     to_ready();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, n_asked, fade).err);
+    cam_machine_poll(m);
+    TEST_ASSERT_EQUAL_INT(cam_identify_offered, m->identify.phase);
     fixture_rig_tick(&rig);
     cam_machine_poll(m);
     TEST_ASSERT_EQUAL_INT(cam_identify_requested, m->identify.phase);

@@ -79,6 +79,10 @@ static void test_inputs_forbid_to_enable(void)
         inputs[i].fail(false);
     }
     fixture_rig_tick(&rig);
+    hal_host.slow.force.quantum_un = 20000; // a U that takes forces needs a loop
+    m->params.servo_crossover_hz = 0;
+    TEST_ASSERT_EQUAL_INT(cam_err_servo_none, cam_machine_enable(m));
+    hal_host.slow.force.quantum_un = 0;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(m));
 }
 
@@ -245,7 +249,9 @@ static void test_init_fits_the_parameters_to_the_port(void)
 static void test_select_table_needs_a_good_one_and_the_right_state(void)
 {
     fixture_image_make(&other, &part);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_check_table(m, other.bytes, other.size));
     other.bytes[other.size - 1u] ^= 1u;
+    TEST_ASSERT_EQUAL_INT(cam_err_image_crc, cam_machine_check_table(m, other.bytes, other.size));
     TEST_ASSERT_EQUAL_INT(cam_err_image_crc, cam_machine_select_table(m, other.bytes, other.size));
     TEST_ASSERT_EQUAL_PTR(rig.image.bytes, m->table.image);
     bring(cam_state_ready);
@@ -286,6 +292,7 @@ static void test_a_damaged_selection_ends_the_table_in_use_alone(void)
         expect_crc_error(&other, true);
         const uint32_t n_requests = m->n_requests;
         rig.image.bytes[1000] ^= 8u;
+        expect_crc_error(&rig.image, false);
         expect_crc_error(&rig.image, false);
         TEST_ASSERT_EQUAL_UINT32(n_requests + (states[i] == cam_state_ready), m->n_requests);
     }
@@ -385,6 +392,7 @@ static void test_start_beyond_the_limits_is_refused_before_motion(void)
     set(cam_param_spindle_mrpm, (int32_t)why.highest_mrpm);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_feasibility(m).err);
     TEST_ASSERT_EQUAL_UINT32(why.highest_mrpm, cam_machine_highest_mrpm(m));
+    TEST_ASSERT_EQUAL_UINT32(3030000, m->limit_mrpm);
     fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
 }

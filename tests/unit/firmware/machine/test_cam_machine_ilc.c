@@ -53,6 +53,7 @@ static void test_constants_of_the_drive_stay_within_what_can_be_learned(void)
         }
     }
     TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_phase, INT32_MAX));
+    TEST_ASSERT_EQUAL_INT(cam_err_param_range, set_learned(cam_ilc_value_gain, INT16_MAX + 1));
 }
 
 /// A constant of the drive or a delay that is set anew ends what was learned on top of it. What the
@@ -130,6 +131,9 @@ static void test_only_what_changes_is_handed_over(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_k2, -320));
     TEST_ASSERT_GREATER_THAN_UINT32(0, generations(2000));
     TEST_ASSERT_EQUAL_INT32(-320, offered()->k2_q16);
+    TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_friction, 64));
+    TEST_ASSERT_GREATER_THAN_UINT32(0, generations(2000));
+    TEST_ASSERT_EQUAL_INT32(64, offered()->friction_q6);
 }
 
 /// A correction of U and a ripple of the spindle alone are handed over, too, without the constants;
@@ -348,13 +352,14 @@ static void test_turns_of_the_ripple_are_those_that_are_set(void)
     }
 }
 
-/// Counts imitate a ripple of up to a quarter of a count.
+/// Counts imitate a ripple of up to a quarter of a count, unless their edges are timed.
 static void test_a_ripple_that_counts_may_imitate_is_not_learned(void)
 {
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 3; i++) {
         begin();
         set(cam_param_ripple_turns, 2);
-        ripple_turn = (i == 0 ? 0.23 : 0.27) / m->params.counts_per_turn;
+        hal_host.slow.has_edge_time = i == 2;
+        ripple_turn = (i == 1 ? 0.27 : 0.23) / m->params.counts_per_turn;
         play_turns(6, cam_state_ready);
         TEST_ASSERT_EQUAL_UINT32(2, m->ilc.ripple.n_mean);
         TEST_ASSERT_EQUAL(i > 0, cam_ripple_sum(&m->ilc.ripple) > 0u);
@@ -398,18 +403,22 @@ static void test_what_is_learned_fits_into_the_stroke(void)
 {
     static const struct {
         cam_state_t state;
-        int32_t k1_ticks; ///< 400 times a power of 7 / 8
-    } cases[] = {{cam_state_rehearsing, 205}, {cam_state_cutting, 205}, {cam_state_ready, 400}};
-    for (int i = 0; i < 3; i++) {
+        int32_t stroke_nm, k1_ticks; ///< 400 times a power of 7 / 8
+    } cases[] = {{cam_state_rehearsing, 1200000, 205},
+                 {cam_state_cutting, 1200000, 205},
+                 {cam_state_cutting, 1000, 0},
+                 {cam_state_ready, 1200000, 400}};
+    for (int i = 0; i < 4; i++) {
         begin();
         play_turns(2, cases[i].state);
+        m->params.u_stroke_nm = cases[i].stroke_nm;
         m->ilc.drive = (cam_drive_t){.k1_q16 = 400 * one_q16};
         m->ilc.correction.c_q6[0].re = 64 * 30000;
         m->ilc.blending = cam_ilc_blend_drive;
         fixture_rig_ticks(&rig, 2);
         poll(cases[i].state);
         TEST_ASSERT_EQUAL_INT32(cases[i].k1_ticks, m->ilc.drive.k1_q16 / one_q16);
-        TEST_ASSERT_EQUAL(i < 2, m->ilc.is_limited);
+        TEST_ASSERT_EQUAL(i < 3, m->ilc.is_limited);
     }
 }
 

@@ -166,6 +166,10 @@ static void test_home_waits_until_all_homes_are_read(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home(m));
     fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
+    m->n_requests++; // something is posted and not carried out
+    cam_machine_poll(m);
+    TEST_ASSERT_TRUE(m->homes_again);
+    m->n_requests--;
     m->offsets.n_found++; // another number of homes than the interrupt has found
     cam_machine_poll(m);
     TEST_ASSERT_TRUE(m->homes_again);
@@ -272,6 +276,8 @@ static void test_hold_needs_a_cut_and_resume_a_hold(void)
     TEST_ASSERT_EQUAL_INT(cam_state_holding, fixture_rig_state());
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_resume(m));
     until(cam_state_cutting);
+    until(cam_state_disengaging);
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_hold(m));
     until(cam_state_ready);
     TEST_ASSERT_EQUAL_UINT32(1, m->n_parts);
 }

@@ -186,6 +186,8 @@ static void test_recorder_and_samples_share_the_records(void)
 {
     begin();
     const uint32_t now = fixture_rig_status(&rig).tick;
+    TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_machine_strobe(&rig.machine, 39));
+    TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_machine_strobe(&rig.machine, tick_hz + 1));
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_strobe(&rig.machine, 40));
     write_ring(now + 1u, 10);
     cam_machine_scope_poll(&rig.machine);
