@@ -168,6 +168,12 @@ static void test_command_is_bounded_by_acceleration_and_encoder(void)
     build(2000);
     TEST_ASSERT_EQUAL_DOUBLE(config.spindle.counts_per_turn / 4, unrest());
     expect_command(config.play.feed_nm, clearing_nm());
+    // The observer's response, larger than the jump window.
+    params.jump_window_counts = 1;
+    params.spindle_acceleration_mrad_per_s2 = 10000;
+    build(20000);
+    TEST_ASSERT_GREATER_THAN(10, unrest());
+    expect_command(config.play.feed_nm, clearing_nm());
 }
 
 /// A Z that others move is commanded its measured position; X over it follows the measurement.

@@ -237,9 +237,9 @@ static void test_lines_name_the_commander_and_the_refused_sender(void)
     TEST_ASSERT_EQUAL_STRING("command: taken by 9 over from 1", fixture_can_line(1));
     TEST_ASSERT_EQUAL_STRING("level: locked", fixture_can_line(0)); // the key is still on
     for (uint32_t i = 0; i < 1000u; i++) {                          // a babbler gives one line
-        (void)by(me, session, enable, 0);
+        (void)by(me, session, disable, 0);
     }
-    TEST_ASSERT_EQUAL_STRING("refused: command 1 of 1: the sender does not have command: "
+    TEST_ASSERT_EQUAL_STRING("refused: command 2 of 1: the sender does not have command: "
                              "take_command first",
                              fixture_can_line(0));
     TEST_ASSERT_EQUAL_STRING("level: locked", fixture_can_line(1));

@@ -216,12 +216,14 @@ static void test_state_and_faults_have_lines_one_at_a_time(void)
          "fault estop: emergency stop"},
         {cam_state_fault, CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive),
          "fault drive: a drive is not ready"},
-        {cam_state_fault, CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive), ""},
+        {cam_state_fault, CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive),
+         "level: unlocked by the secret"},
         {cam_state_fault, 0, ""},
         {cam_state_fault, CAM_FAULT_BIT(drive), "fault drive: a drive is not ready"},
         {cam_state_fault, CAM_FAULT_BIT(drive), ""},
         {cam_state_off, 0, "state off"},
     };
+    machine.rights.level = cam_level_challenge; // waits for what is more urgent
     for (uint32_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
         status.state = steps[i].state;
         status.faults = steps[i].faults;

@@ -250,6 +250,8 @@ static void test_speed_channel_is_described_and_its_promises_hold(void)
     TEST_ASSERT_EQUAL_UINT32(CAM_TABLE_RATIO_ONE, table.ratio_max_q20);
     TEST_ASSERT_EQUAL_UINT32(0, table.spindle_peak_ppm_per_rad);
     TEST_ASSERT_EQUAL_UINT32(0, table.spindle_demand.fall_ppm_per_rad);
+    TEST_ASSERT_EACH_EQUAL_UINT32(CAM_TABLE_RATIO_ONE, table.spindle_demand.set_q20,
+                                  cam_spindle_demand_places);
     TEST_ASSERT_EQUAL_INT(cam_err_image_limits, with_word(fixture_at_spindle_peak, 1u));
     part = fixture_part_modulated();
     make();
