@@ -284,26 +284,26 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sens
 /// [nm / 1024 per tick or plan] limit of speeds and accelerations, so that their sum fits a word
 #define MOST_Q10 (INT64_C(1) << 29)
 
-static cam_motion_limits_t limits(int32_t speed_um_per_s, int32_t acceleration_mm_per_s2,
-                                  uint32_t tick_hz)
+static cam_motion_limits_t limits_of(int64_t speed_q10, int64_t acceleration_q10)
 {
-    const int64_t vel = cam_units_scale(speed_um_per_s, 1024000, tick_hz);
-    const int64_t acc =
-        cam_units_scale(acceleration_mm_per_s2, 1024000000, (int64_t)tick_hz * tick_hz);
     return (cam_motion_limits_t){
-        .speed_q10 = (int32_t)cam_clamp_i64(vel, 1, MOST_Q10),
-        .acceleration_q10 = (int32_t)cam_clamp_i64(acc, 1, MOST_Q10),
+        .speed_q10 = (int32_t)cam_clamp_i64(speed_q10, 1, MOST_Q10),
+        .acceleration_q10 = (int32_t)cam_clamp_i64(acceleration_q10, 1, MOST_Q10),
     };
+}
+
+static cam_motion_limits_t per_tick(int32_t speed_um_per_s, int32_t acceleration_mm_per_s2,
+                                    uint32_t tick_hz)
+{
+    return limits_of(
+        cam_units_scale(speed_um_per_s, 1024000, tick_hz),
+        cam_units_scale(acceleration_mm_per_s2, 1024000000, (int64_t)tick_hz * tick_hz));
 }
 
 static cam_motion_limits_t per_plan(cam_motion_limits_t limits, int32_t plan_ticks)
 {
-    const int64_t speed = (int64_t)limits.speed_q10 * plan_ticks;
-    const int64_t acceleration = (int64_t)limits.acceleration_q10 * plan_ticks * plan_ticks;
-    return (cam_motion_limits_t){
-        .speed_q10 = (int32_t)cam_clamp_i64(speed, 1, MOST_Q10),
-        .acceleration_q10 = (int32_t)cam_clamp_i64(acceleration, 1, MOST_Q10),
-    };
+    return limits_of((int64_t)limits.speed_q10 * plan_ticks,
+                     (int64_t)limits.acceleration_q10 * plan_ticks * plan_ticks);
 }
 
 /// @return limits with their jerk window; its sum of n values limits the acceleration to 2^30 / n
@@ -320,9 +320,9 @@ static cam_motion_limits_t windowed(cam_motion_limits_t limits, uint32_t log2_wi
 static void build_limits(cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
     const cam_motion_limits_t full[hal_n_axes] = {
-        [hal_axis_u] = limits(p->u_speed_um_per_s, p->u_acceleration_mm_per_s2, tick_hz),
-        [hal_axis_x] = limits(p->x_speed_um_per_s, p->x_acceleration_mm_per_s2, tick_hz),
-        [hal_axis_z] = limits(p->z_speed_um_per_s, p->z_acceleration_mm_per_s2, tick_hz),
+        [hal_axis_u] = per_tick(p->u_speed_um_per_s, p->u_acceleration_mm_per_s2, tick_hz),
+        [hal_axis_x] = per_tick(p->x_speed_um_per_s, p->x_acceleration_mm_per_s2, tick_hz),
+        [hal_axis_z] = per_tick(p->z_speed_um_per_s, p->z_acceleration_mm_per_s2, tick_hz),
     };
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         const int32_t ticks = i == (uint32_t)hal_axis_u ? 1 : c->play.plan_ticks;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_feasible_inner.h"
-#include "cam_table.h" // cam_bounds_next
+#include "cam_table.h" // cam_bounds_next, cam_bounds_tenfold
 #include "cam_fix.h"   // cam_abs_i64
 #include <stdbool.h>   // bool
 #include <stddef.h>    // NULL
@@ -108,20 +108,12 @@ static int64_t most_of_bend(int64_t b, int64_t d, int64_t e)
 
 /// Of s, the share of the speed, the command is b + s d + s^2 e.
 /// @return [LSB / 10] largest command of the quintic between two knots at any speed up to this one
-static int64_t tenfold(const cam_knot_t *k0, const cam_knot_t *k1, int64_t offset, const ahead_t *a)
+static int64_t tenfold(const cam_wide_knot_t *k0, const cam_wide_knot_t *k1, const ahead_t *a)
 {
-    const int64_t from = 10 * (k0->p + offset);
-    const int64_t to = 10 * (k1->p + offset);
-    const int64_t b[n_coefficients] = {
-        from,
-        from + 2 * (int64_t)k0->v,
-        from + 4 * (int64_t)k0->v + k0->a,
-        to - 4 * (int64_t)k1->v + k1->a,
-        to - 2 * (int64_t)k1->v,
-        to,
-    };
+    int64_t b[n_coefficients];
     int64_t d[n_coefficients];
     int64_t e[n_coefficients];
+    cam_bounds_tenfold(k0, k1, b);
     derive(b, d);
     derive(d, e);
     int64_t most = 0;
@@ -140,7 +132,9 @@ static uint64_t together_nm(const cam_channel_t *ch, const ahead_t *a)
     const int64_t offset = (int64_t)ch->value_offset * (INT64_C(1) << ch->frac_bits);
     int64_t most = 0;
     for (uint32_t i = 0; i < ch->n_slices << ch->log2_knots; i++) {
-        const int64_t w = tenfold(&ch->knots[i], &ch->knots[cam_bounds_next(ch, i)], offset, a);
+        const cam_wide_knot_t k0 = cam_bounds_wide(&ch->knots[i], offset);
+        const cam_wide_knot_t k1 = cam_bounds_wide(&ch->knots[cam_bounds_next(ch, i)], offset);
+        const int64_t w = tenfold(&k0, &k1, a);
         most = w > most ? w : most;
     }
     return ((uint64_t)most / 10u >> ch->frac_bits) + 1u;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_remote_inner.h"
-#include "cam_fix.h"     // cam_clamp_i32
 #include "cam_machine.h" // cam_machine_wave_block
 #include "camturn.h"     // camturn_command_unpack
 #include <stddef.h>      // NULL
@@ -167,7 +166,7 @@ static bool is_due(const cam_can_t *r, uint32_t tick)
 /// that does not fit is tried again; meanwhile the queue of samples may overflow and drop some.
 static void send_sample(cam_can_t *r, uint32_t tick)
 {
-    enum { most_nm = (1 << 23) - 1, angle_bits = 16 };
+    enum { angle_bits = 16 };
     cam_strobe_t *strobe = &r->machine->strobe;
     const cam_strobe_sample_t *s = cam_strobe_oldest(strobe);
     if (s == NULL || !is_due(r, tick)) {
@@ -177,10 +176,10 @@ static void send_sample(cam_can_t *r, uint32_t tick)
         .number = (uint8_t)(s->number & 0xFFu),
         .angle = (uint16_t)(s->pos_q16 & 0xFFFFu),
         .turn = (uint8_t)(s->pos_q16 >> angle_bits & 0xFFu),
-        .error = cam_clamp_i32(s->following_nm, -most_nm - 1, most_nm),
+        .error = cam_in_i24(s->following_nm),
         .state = (uint8_t)s->state,
         .is_synced = s->is_synced ? 1u : 0u,
-        .is_saturated = s->following_nm > most_nm || s->following_nm < -most_nm - 1 ? 1u : 0u,
+        .is_saturated = s->following_nm != cam_in_i24(s->following_nm) ? 1u : 0u,
     };
     hal_can_frame_t frame = {.id = CAMTURN_STROBE_FRAME_ID};
     frame.n = (uint32_t)camturn_strobe_pack(frame.data, &m, sizeof frame.data);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_remote_inner.h"
-#include "cam_fix.h"     // cam_sat_i32, cam_clamp_i32
+#include "cam_fix.h"     // cam_sat_i32, cam_clamp_i64
 #include "cam_machine.h" // cam_machine_rights
 #include "camturn.h"     // camturn_state_pack
 
@@ -115,11 +115,9 @@ static uint8_t start_wait(const cam_machine_t *machine, const cam_status_t *stat
                                 : CAMTURN_DETAIL_START_WAIT_NONE_CHOICE;
 }
 
-/// @return v, at most what n bits hold
-static uint32_t in_bits(uint32_t v, uint32_t n)
+static uint32_t in_u24(uint32_t v)
 {
-    const uint32_t most = (UINT32_C(1) << n) - 1u;
-    return v < most ? v : most;
+    return v < (uint32_t)cam_most_u24 ? v : (uint32_t)cam_most_u24;
 }
 
 static bool has_bit(uint32_t mask, uint32_t bit)
@@ -150,7 +148,7 @@ static void describe_work(struct camturn_detail_t *m, const cam_report_t *r,
     m->has_end = progress.has_end;
     m->turns_left = (uint32_t)cam_clamp_i64(progress.left_q32 >> turn_bits, 0, most_turns);
     m->turns_whole = (uint32_t)cam_clamp_i64(progress.whole_q32 >> turn_bits, 0, most_turns);
-    m->pass_speed = in_bits(progress.mrpm / 10u, 24);
+    m->pass_speed = in_u24(progress.mrpm / 10u);
     m->tick_time_mean = (uint16_t)tick_time(cycles, (uint32_t)per_s, UINT16_MAX);
     m->strobe_lost = (uint16_t)machine->strobe.n_lost;
     m->commander = (uint8_t)rights.commander;
@@ -165,19 +163,18 @@ static void describe_work(struct camturn_detail_t *m, const cam_report_t *r,
 /// Fill in learning and the state of the parameters.
 static void describe_values(struct camturn_detail_t *m, const cam_machine_t *machine)
 {
-    enum { most = (1 << 23) - 1 };
     const cam_ilc_status_t learning = cam_machine_learning(machine);
     m->learn_phase = (uint8_t)learning.phase;
     m->learn_reason = (uint8_t)learning.reason;
     m->learn_harmonics = (uint8_t)learning.n_harmonics;
     m->learn_turns = learning.n_turns;
-    m->learn_masked = learning.masked & 0xFFFFFFu;
+    m->learn_masked = learning.masked & (uint32_t)cam_most_u24;
     m->learn_error = learning.error_nm;
-    m->learn_k1 = cam_clamp_i32(learning.k1_ns, -most - 1, most);
+    m->learn_k1 = cam_in_i24(learning.k1_ns);
     m->learn_k2 = learning.k2_us2;
-    m->learn_begin_error = in_bits(learning.begin_error_nm, 24);
+    m->learn_begin_error = in_u24(learning.begin_error_nm);
     m->learn_correction = learning.correction_nm;
-    m->learn_ripple = in_bits(learning.ripple_nturn, 24);
+    m->learn_ripple = in_u24(learning.ripple_nturn);
     m->learn_speed = learning.speed_mrpm;
     m->params_kept = (uint8_t)cam_machine_params_kept(machine);
     m->params_version = machine->version & 0xFFFFFu;
@@ -189,7 +186,6 @@ static void describe_values(struct camturn_detail_t *m, const cam_machine_t *mac
 static void send_detail(uint32_t page, const cam_report_t *r, const cam_table_store_t *store,
                         const cam_status_t *status)
 {
-    enum { most = (1 << 23) - 1 };
     const cam_machine_t *machine = store->machine;
     const cam_params_t *params = &machine->params;
     const cam_table_t *table = &machine->table;
@@ -201,7 +197,7 @@ static void send_detail(uint32_t page, const cam_report_t *r, const cam_table_st
         has_table && page >= page_name ? name_part(table->name, page - page_name) : 0u;
     struct camturn_detail_t m = {
         .page = (uint8_t)page,
-        .following_error = cam_clamp_i32(status->following_nm, -most - 1, most),
+        .following_error = cam_in_i24(status->following_nm),
         .z = status->z_nm,
         .is_synced = status->is_synced,
         .is_retracted = status->is_retracted,
@@ -212,9 +208,9 @@ static void send_detail(uint32_t page, const cam_report_t *r, const cam_table_st
         .tick_rate = machine->tick_hz,
         .late_ticks = status->n_late,
         .tick_time_max = tick_time(load.max_cycles, 1000000000u, UINT32_MAX),
-        .memory_errors = in_bits(load.n_corrected, 24),
+        .memory_errors = in_u24(load.n_corrected),
         // Table
-        .table_generation = has_table ? store->generation & 0xFFFFFFu : 0u,
+        .table_generation = has_table ? store->generation & (uint32_t)cam_most_u24 : 0u,
         .table_size = has_table ? table->image_size : 0u,
         .table_crc = has_table ? table->crc32 : 0u,
         .table_name_0 = chars,

@@ -23,16 +23,29 @@ static rest_t rest_of(const cam_wide_knot_t *k0, const cam_wide_knot_t *k1)
         .c3 = 10 * dp - 4 * dv + da, .c4 = -15 * dp + 7 * dv - 2 * da, .c5 = 6 * dp - 3 * dv + da};
 }
 
+cam_wide_knot_t cam_bounds_wide(const cam_knot_t *knot, int64_t offset)
+{
+    return (cam_wide_knot_t){knot->p + offset, knot->v, knot->a};
+}
+
+void cam_bounds_tenfold(const cam_wide_knot_t *k0, const cam_wide_knot_t *k1, int64_t c[6])
+{
+    c[0] = 10 * k0->p;
+    c[1] = c[0] + 2 * k0->v;
+    c[2] = c[0] + 4 * k0->v + k0->a;
+    c[5] = 10 * k1->p;
+    c[4] = c[5] - 2 * k1->v;
+    c[3] = c[5] - 4 * k1->v + k1->a;
+}
+
 // The last coefficient of a segment is the first one of the next segment, which adds it.
 void cam_bounds_add(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_knot_t *k1)
 {
-    const int64_t from = 10 * k0->p;
-    const int64_t to = 10 * k1->p;
-    widen(&b->tenfold, from);
-    widen(&b->tenfold, from + 2 * k0->v);
-    widen(&b->tenfold, from + 4 * k0->v + k0->a);
-    widen(&b->tenfold, to - 4 * k1->v + k1->a);
-    widen(&b->tenfold, to - 2 * k1->v);
+    int64_t tenfold[6];
+    cam_bounds_tenfold(k0, k1, tenfold);
+    for (uint32_t i = 0; i < 5u; i++) {
+        widen(&b->tenfold, tenfold[i]);
+    }
     widen(&b->twice, 2 * k0->v);
     widen(&b->twice, 2 * k0->v + k0->a);
     widen(&b->twice, 2 * k0->v + 2 * k0->a + rest_of(k0, k1).c3);
@@ -81,13 +94,14 @@ typedef struct {
 
 static hull_t hull_of(const cam_knot_t *k0, const cam_knot_t *k1)
 {
-    const int64_t tenth = SCALE / 10;
-    const int64_t from = 10 * (int64_t)k0->p;
-    const int64_t to = 10 * (int64_t)k1->p;
-    const int64_t v0 = k0->v;
-    const int64_t v1 = k1->v;
-    return (hull_t){{from * tenth, (from + 2 * v0) * tenth, (from + 4 * v0 + k0->a) * tenth,
-                     (to - 4 * v1 + k1->a) * tenth, (to - 2 * v1) * tenth, to * tenth}};
+    const cam_wide_knot_t from = cam_bounds_wide(k0, 0);
+    const cam_wide_knot_t to = cam_bounds_wide(k1, 0);
+    hull_t hull;
+    cam_bounds_tenfold(&from, &to, hull.c);
+    for (uint32_t i = 0; i < 6u; i++) {
+        hull.c[i] *= SCALE / 10;
+    }
+    return hull;
 }
 
 /// Halve an interval by de Casteljau's means, which are whole (SCALE). After r rounds the first

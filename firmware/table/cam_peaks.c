@@ -35,10 +35,8 @@ cam_swing_peaks_t cam_peaks_of_swing(const cam_channel_t *ch)
     const int64_t offset = (int64_t)ch->value_offset * (INT64_C(1) << ch->frac_bits);
     cam_bounds_t b = {0};
     for (uint32_t i = 0; i < n; i++) {
-        const cam_knot_t *at = &ch->knots[i];
-        const cam_knot_t *next = &ch->knots[cam_bounds_next(ch, i)];
-        const cam_wide_knot_t k0 = {at->p + offset, at->v, at->a};
-        const cam_wide_knot_t k1 = {next->p + offset, next->v, next->a};
+        const cam_wide_knot_t k0 = cam_bounds_wide(&ch->knots[i], offset);
+        const cam_wide_knot_t k1 = cam_bounds_wide(&ch->knots[cam_bounds_next(ch, i)], offset);
         cam_bounds_add(&b, &k0, &k1);
         cam_bounds_add_second(&b, &k0, &k1);
     }
@@ -89,10 +87,8 @@ uint32_t cam_peaks_third(const cam_channel_t *ch)
 {
     cam_bounds_t b = {0};
     for (uint32_t i = 0; i < ch->n_slices << ch->log2_knots; i++) {
-        const cam_knot_t *at = &ch->knots[i];
-        const cam_knot_t *next = &ch->knots[cam_bounds_next(ch, i)];
-        const cam_wide_knot_t k0 = {at->p, at->v, at->a};
-        const cam_wide_knot_t k1 = {next->p, next->v, next->a};
+        const cam_wide_knot_t k0 = cam_bounds_wide(&ch->knots[i], 0);
+        const cam_wide_knot_t k1 = cam_bounds_wide(&ch->knots[cam_bounds_next(ch, i)], 0);
         cam_bounds_add_third(&b, &k0, &k1);
     }
     return in_unit(ch,

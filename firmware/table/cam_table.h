@@ -178,6 +178,17 @@ static inline int32_t cam_table_rise_nm(const cam_table_t *table)
     return table->u_min_nm < -1 ? -(table->u_min_nm + table->u_min_nm / 4) : 0;
 }
 
+/// A knot, or a sum or difference of several; magnitudes below 2^40.
+typedef struct {
+    int64_t p, v, a;
+} cam_wide_knot_t;
+
+/// @param offset  [LSB] of the value
+cam_wide_knot_t cam_bounds_wide(const cam_knot_t *knot, int64_t offset);
+
+/// Put ten times the six Bernstein coefficients of the quintic between two knots.
+void cam_bounds_tenfold(const cam_wide_knot_t *k0, const cam_wide_knot_t *k1, int64_t c[6]);
+
 /// @param i  index of a knot of a channel over angle, counted over all slices
 /// @return   index of the next knot of the same slice; the first follows the last
 uint32_t cam_bounds_next(const cam_channel_t *ch, uint32_t i);

@@ -57,11 +57,6 @@ _Static_assert(sizeof(cam_entry_t) == cam_table_entry_size, "as in the format");
 /// those of the slices. Source: TABLE_FORMAT.md, "The range of values"; MATHS.md (51); Farouki,
 /// "The Bernstein polynomial basis: a centennial retrospective", CAGD 29 (2012).
 
-/// A knot, or a sum or difference of several; magnitudes below 2^40.
-typedef struct {
-    int64_t p, v, a;
-} cam_wide_knot_t;
-
 /// Largest magnitudes so far, in the LSB of the knots and per knot interval; starts with zeros.
 /// Scaled so that no segment needs a division.
 typedef struct {

@@ -19,7 +19,8 @@ static uint32_t get(const uint8_t *at)
     return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
 }
 
-void fuzz_image_repair(uint8_t *image, size_t size)
+/// Write size and CRC of an image.
+static void repair(uint8_t *image, size_t size)
 {
     if (size < (size_t)least) {
         return;
@@ -67,7 +68,7 @@ size_t fuzz_image_mutate(uint8_t *data, size_t size, size_t max_size, unsigned s
         }
     }
     if (size > head && (dice >> 8) % 16u != 0u) {
-        fuzz_image_repair(data + head, size - head);
+        repair(data + head, size - head);
     }
     return size;
 }

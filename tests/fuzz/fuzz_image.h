@@ -12,7 +12,4 @@
 /// @param head  [bytes] in front of the image, which no CRC covers
 size_t fuzz_image_mutate(uint8_t *data, size_t size, size_t max_size, unsigned seed, size_t head);
 
-/// Write magic, size and CRC of an image.
-void fuzz_image_repair(uint8_t *image, size_t size);
-
 #endif

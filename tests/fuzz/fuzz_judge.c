@@ -382,5 +382,4 @@ void fuzz_judge_tick(fuzz_judge_t *j, const cam_params_t *p, uint32_t version,
     judge_axes(j, r);
     j->request = r->in.request;
     j->n_alone++;
-    j->n_visits[r->want.state] += before != r->want.state ? 1u : 0u;
 }

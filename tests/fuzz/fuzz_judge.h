@@ -50,7 +50,6 @@ typedef struct {
     int32_t fault_x_nm;                  ///< [nm] X commanded in the tick of the fault
     int64_t swing_on_q32;                ///< [turn / 2^32] of the swing in two plans, as it came
     double outwards_nm;                  ///< [nm] by which it may go on outwards from there
-    uint64_t n_visits[cam_n_states];
 } fuzz_judge_t;
 
 /// Begin in state off.

@@ -52,6 +52,12 @@ uint32_t fuzz_rig_hz(uint32_t rate)
     return rates[rate % (uint32_t)n_rates].tick_hz;
 }
 
+fuzz_start_t fuzz_rig_start_of(uint8_t how)
+{
+    return (fuzz_start_t){.tick_hz = fuzz_rig_hz(how % 4u),
+                          .state = states[how / 4u % (uint32_t)n_states]};
+}
+
 const cam_tick_record_t *fuzz_rig_record(void)
 {
     return cam_trace_newest(&g_cam.trace);
@@ -206,7 +212,8 @@ static void bring(cam_state_t state)
     }
 }
 
-void fuzz_rig_press(uint32_t n)
+/// Press the button acknowledge for n ticks, with an eighth of a second before and behind it.
+static void press(uint32_t n)
 {
     fuzz_rig_loop(fuzz_rig.judge.tick_hz / 8u);
     hal_host_press(true);
@@ -252,7 +259,7 @@ void fuzz_rig_start(fuzz_start_t start)
     if (!c->is_made) {
         begin(rate, &start);
         if (start.has_button && start.state != cam_state_off) {
-            fuzz_rig_press(start.tick_hz / 5u);
+            press(start.tick_hz / 5u);
         }
         bring(start.state);
         c->core = g_cam;

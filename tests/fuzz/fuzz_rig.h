@@ -41,6 +41,10 @@ static inline void fuzz_try(cam_err_t err)
 /// @return [Hz] a tick rate
 uint32_t fuzz_rig_hz(uint32_t rate);
 
+/// @param how  from its lowest bits up: a rate from 1 to 20 kHz, the state, other things
+/// @return     with the short skirt, without a button and forces
+fuzz_start_t fuzz_rig_start_of(uint8_t how);
+
 /// Another encoder, before the spindle turns. It stands at its index, so that the next edge comes
 /// after a whole turn, with the spindle at speed.
 void fuzz_rig_encoder(int32_t counts_per_turn);
@@ -57,9 +61,6 @@ void fuzz_rig_tick(void);
 
 /// n times what main() does in its loop.
 void fuzz_rig_loop(uint32_t n);
-
-/// Press the button acknowledge for n ticks, with an eighth of a second before and behind it.
-void fuzz_rig_press(uint32_t n);
 
 /// @return the record of the newest tick
 const cam_tick_record_t *fuzz_rig_record(void);

@@ -252,22 +252,6 @@ static void put_frames(void)
     put("can", "download", bytes, sizeof bytes);
 }
 
-static void put_messages(void)
-{
-    static const uint8_t isotp[][10] = {
-        {1, 8, 0x03, 1, 2, 3},          {1, 8, 0x10, 20, 1, 2, 3, 4, 5, 6},
-        {1, 8, 0x21, 1, 2, 3, 4, 5, 6}, {1, 8, 0x22, 1, 2, 3, 4, 5, 6, 7},
-        {1, 8, 0x10, 0, 0, 0, 16, 1},   {127, 8, 0x10, 64, 1, 2, 3},
-    };
-    put("isotp", "all", isotp, sizeof isotp);
-    for (uint8_t i = 0; i < 11u; i++) {
-        uint8_t bytes[65] = {i, 0xFF, 0x7F, 1};
-        char name[16];
-        (void)snprintf(name, sizeof name, "%u", (unsigned)i);
-        put("dbc", name, bytes, sizeof bytes);
-    }
-}
-
 static void put_kept(void)
 {
     static char text[cam_param_store_most_bytes];
@@ -357,7 +341,6 @@ int main(int argc, char **argv)
     put_sessions();
     put_machines();
     put_frames();
-    put_messages();
     put_kept();
     put_texts();
     put_noise("servo");

@@ -38,8 +38,6 @@ TARGETS = (
     Target("can", 48_000, 400, ("firmware/base/cam_err.h",)),
     Target("cut", 500_000, 5000),
     Target("table", 3_000_000, 5000),
-    Target("isotp", 9_500_000, 300),
-    Target("dbc", 12_000_000, 128),
     Target("settings", 950_000, 2000,
            ("host_sim/setup/sim_config.c", "hal/linux/setup/lin_config.c",
             "host_sim/lathe/sim_inject.c", "host_sim/cli/camsim_options.c",

@@ -154,20 +154,16 @@ static void carry_out(fuzz_bytes_t *b)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static const uint32_t rates[] = {1000, 2000, 5000, 20000};
-    static const cam_state_t states[] = {cam_state_off, cam_state_ready, cam_state_cutting,
-                                         cam_state_manual};
     fuzz_bytes_t b = {.at = data, .n = size};
     if (size < (size_t)head_bytes) {
         return -1;
     }
-    const uint8_t how = fuzz_u8(&b);
+    fuzz_start_t from = fuzz_rig_start_of(fuzz_u8(&b));
     const uint8_t part = fuzz_u8(&b);
     (void)fuzz_u16(&b);
-    fuzz_rig_start((fuzz_start_t){.tick_hz = rates[how % 4u],
-                                  .has_button = part >= 128u,
-                                  .part = part % 64u % fuzz_rig_n_parts,
-                                  .state = states[how / 4u % 4u]});
+    from.has_button = part >= 128u;
+    from.part = part % 64u % fuzz_rig_n_parts;
+    fuzz_rig_start(from);
     fuzz_rig.judge.is_wild = (part & 64u) != 0u;
     fuzz_try(cam_rights_take(&fuzz_rig.machine.rights, 7, true, fuzz_rig_record()->tick));
     n_heard = hal_host.slow.n_sent;

@@ -155,14 +155,11 @@ static void carry_out(fuzz_order_t order)
 
 static void start(uint8_t how, bool has_button, bool takes_force)
 {
-    static const uint32_t rates[] = {1000, 2000, 5000, 20000};
-    static const cam_state_t states[] = {cam_state_off, cam_state_ready, cam_state_cutting,
-                                         cam_state_manual};
-    fuzz_rig_start((fuzz_start_t){.tick_hz = rates[how % 4u],
-                                  .part = how / 16u % fuzz_rig_n_parts,
-                                  .has_button = has_button,
-                                  .takes_force = takes_force,
-                                  .state = states[how / 4u % 4u]});
+    fuzz_start_t from = fuzz_rig_start_of(how);
+    from.part = how / 16u % fuzz_rig_n_parts;
+    from.has_button = has_button;
+    from.takes_force = takes_force;
+    fuzz_rig_start(from);
     fuzz_try(cam_machine_set_param(&fuzz_rig.machine, cam_param_x_high_nm, 50000000));
     fuzz_try(cam_machine_set_param(&fuzz_rig.machine, cam_param_x_low_nm, 45900000));
 }
