@@ -380,6 +380,52 @@ static void test_guard(void)
     TEST_ASSERT_EQUAL_INT32(550000, c->range_nm);
 }
 
+/// 1.5 kg, 200 N and an observer of 300 Hz; the force of a tick acts four ticks later. The reading
+/// may stand for ten ticks, less that delay.
+static void test_force(void)
+{
+    hal_host.slow.force.quantum_un = 20000;
+    params.servo_crossover_hz = 400;
+    params.servo_friction_mn = 1000;
+    params.servo_force_delay_ns = 130000;
+    params.u_scale_latency_ns = 70000;
+    params.servo_limited_ms = 30;
+    build();
+    const cam_force_config_t *c = &config.force;
+    const double wt = 2.0 * acos(-1.0) * 300.0 / hz;
+    const double motion = 1e9 / 1500.0 / hz / hz; // [nm / mN]
+    const double friction_q6 = 2.0 * 64000.0;
+    TEST_ASSERT_TRUE(c->is_used);
+    expect_near(ldexp(motion, 24), c->motion_q24);
+    expect_near(ldexp(2.0 * wt, 18), c->pos_q18);
+    expect_near(ldexp(wt * wt, 24), c->vel_q24);
+    TEST_ASSERT_EQUAL_UINT32(10, c->still_ticks);
+    TEST_ASSERT_EQUAL_UINT32(600, c->limited_ticks);
+    TEST_ASSERT_EQUAL_INT32(1000, c->braking_nm);
+    TEST_ASSERT_EQUAL_INT32(params.u_stroke_nm / 2 + config.guard.approach_nm, c->travel_nm);
+    TEST_ASSERT_EQUAL_INT32(50000 * 64, c->runaway_q6);
+    const double share_q6 = 12500.0 * 64.0 * wt * wt / motion;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4 * share_q6, share_q6 + friction_q6, c->moving_q6);
+    params.u_scale_nm = 10000;
+    params.servo_runaway_nm = 777;
+    build();
+    TEST_ASSERT_EQUAL_INT32(777 * 64, c->runaway_q6);
+    const double back_q6 = 8.0 * 64.0 * 10000.0 / (6.0 * 6.0 * motion);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4 * back_q6, back_q6 + friction_q6, c->moving_q6);
+}
+
+static void test_origin_shifts_all_targets(void)
+{
+    build();
+    const cam_play_config_t was = config.play;
+    cam_build_origin(&config, 7, -9);
+    TEST_ASSERT_EQUAL_INT64(was.x_clear_q10 + 7168, config.play.x_clear_q10);
+    TEST_ASSERT_EQUAL_INT64(was.x_offset_q10 + 7168, config.play.x_offset_q10);
+    TEST_ASSERT_EQUAL_INT32(-9, config.play.z_origin_nm);
+    TEST_ASSERT_EQUAL_INT32(was.z_low_nm - 9, config.play.z_low_nm);
+    TEST_ASSERT_EQUAL_INT32(was.z_high_nm - 9, config.play.z_high_nm);
+}
+
 static void test_no_table(void)
 {
     params.phase_udeg = 90000000;

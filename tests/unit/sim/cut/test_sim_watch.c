@@ -58,7 +58,10 @@ static void expect_end(const char *name, bool is_good, int n_periods)
 {
     const fixture_part_t part = fixture_part_short();
     const sim_watch_options_t options = {
-        .session = {.config = sim_config_defaults(), .max_s = 0.1, .seed = 1}, .tick_hz = 1000.0};
+        .session = {.config = sim_config_defaults(), .max_s = 0.1, .seed = 1},
+        .tick_hz = 1000.0,
+        .guard_ms = 20.0,
+        .heartbeat_ms = 50.0};
     period = 0;
     memset(&watch, 0, sizeof watch);
     fixture_image_make(&image, &part);
