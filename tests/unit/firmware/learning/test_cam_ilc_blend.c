@@ -158,6 +158,14 @@ static void test_ripple_is_led_by_points(void)
         TEST_ASSERT_EQUAL_HEX8(cases[i].shown < 600 ? cam_ilc_blend_ripple : 0, t.blending);
         TEST_ASSERT_EQUAL_UINT32(usual_q8 + 20u, t.blend_from_q8);
     }
+    setUp();
+    t.state = cam_state_engaging; // U moves, as in the cut
+    s.is_u_moving = true;
+    t.blending = cam_ilc_blend_ripple;
+    t.ripple.n_mean = 4;
+    t.ripple.mean[0].re = 600;
+    walk(usual_q8);
+    TEST_ASSERT_EQUAL_INT16(13, in.dm[0]);
 }
 
 /// The walk has not ended while one of the two tables is not there.

@@ -147,6 +147,52 @@ static void test_the_two_layers_share_their_gain(void)
     TEST_ASSERT_EQUAL_INT32(0, t.drive.k1_q16);
 }
 
+/// Layer 1 learns nothing in a pause, nor from a motion that is small for the scale. In a cut with
+/// a chip what is in phase with the motion is the chip's, and k2 stays.
+static void test_what_layer_1_learns_from_a_turn(void)
+{
+    static const struct {
+        bool is_paused, is_chip;
+        int32_t scale_nm;
+        bool is_k1, is_k2, is_share;
+    } cases[] = {{false, false, 0, true, true, false},
+                 {true, false, 0, false, false, false},
+                 {false, false, 30000, false, false, false},
+                 {false, true, 0, true, false, true}};
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        settle();
+        how.state = cases[i].is_chip ? cam_state_cutting : cam_state_rehearsing;
+        how.z_end_nm = cases[i].is_chip ? 250000 : 0;
+        play();
+        t.correction.is_probed = cases[i].is_chip;
+        t.correction.masked = UINT32_MAX;
+        t.is_paused = cases[i].is_paused;
+        t.drive = (cam_drive_t){0};
+        t.best_square = UINT64_MAX;
+        s.scale_nm = cases[i].scale_nm;
+        along_nm = -1000.0;
+        play();
+        TEST_ASSERT_EQUAL(cases[i].is_k1, t.drive.k1_q16 != 0);
+        TEST_ASSERT_EQUAL(cases[i].is_k2, t.drive.k2_q16 != 0);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4, cases[i].is_share ? -0.005 : 0.0,
+                                  t.drive.chip_q32 / 4294967296.0);
+    }
+}
+
+/// A limit that was reached is that of the last turn in the rehearsal, and of the whole cut.
+static void test_a_reached_limit_is_remembered_in_the_cut_alone(void)
+{
+    static const cam_state_t states[] = {cam_state_rehearsing, cam_state_cutting,
+                                         cam_state_cutting};
+    settle();
+    for (int i = 0; i < 3; i++) {
+        how.state = states[i];
+        t.is_limited = true;
+        play();
+        TEST_ASSERT_EQUAL(i == 2, t.is_limited);
+    }
+}
+
 /// An error 1.5 times as large as the best is still one to learn from. A larger one brings the best
 /// constants back; four times, then layer 1 is given up, until the state begins anew.
 static void test_the_guard_brings_the_best_back_four_times(void)
@@ -271,6 +317,9 @@ static void test_corrections_are_fitted_into_the_stroke(void)
     TEST_ASSERT_TRUE(cam_ilc_shrink(&t));
     TEST_ASSERT_EQUAL_INT32(-350, t.drive.k1_q16);
     TEST_ASSERT_EQUAL_INT32(0, t.drive.k2_q16);
+    t.drive = (cam_drive_t){.k2_q16 = 8};
+    TEST_ASSERT_TRUE(cam_ilc_shrink(&t));
+    t.drive.k1_q16 = -350;
     int n = 0;
     while (cam_ilc_shrink(&t)) {
         n++;
@@ -349,6 +398,11 @@ static void test_a_fault_brings_the_best_back(void)
     TEST_ASSERT_EQUAL_INT32(111, t.drive.k1_q16);
     TEST_ASSERT_EQUAL_INT32(222, t.drive.k2_q16);
     TEST_ASSERT_BITS_HIGH(cam_ilc_blend_drive | cam_ilc_blend_correction, t.blending);
+    cam_ilc_poll(&t, &s, cam_state_off, &g);
+    t.best_square = UINT64_MAX; // nothing was compared yet
+    t.drive.k1_q16 = 5;
+    cam_ilc_poll(&t, &s, cam_state_fault, &g);
+    TEST_ASSERT_EQUAL_INT32(5, t.drive.k1_q16);
 }
 
 /// What is in force is not yet what is known.

@@ -142,7 +142,19 @@ static void test_gaps_are_filled_by_straight_lines(void)
     play();
     TEST_ASSERT_UINT32_WITHIN(10, 707, t.error_nm);
     TEST_ASSERT_UINT32_WITHIN(64 * 1000, 64 * usual_set_nm, t.larger);
-    TEST_ASSERT_EQUAL_INT32(0, t.true_q36); // it shows no ripple
+    TEST_ASSERT_EQUAL_INT32(0, t.true_q36);  // it shows no ripple
+    for (int32_t gap = 8; gap <= 9; gap++) { // the last one across the begin of the turn
+        static cam_turn_bin_t bins[cam_turn_bins_n];
+        settle();
+        for (int32_t i = 0; i < cam_turn_bins_n; i++) {
+            const bool is_there = i % 4 == 3 && (i < 124 - gap || i == 127 - 4);
+            bins[i] = is_there ? (cam_turn_bin_t){1, 5000, 0, 1} : (cam_turn_bin_t){0};
+        }
+        t.bin = bins;
+        cam_ilc_update_begin(&t, &s, &how);
+        TEST_ASSERT_EQUAL(gap == 8 ? cam_ilc_all : cam_ilc_fast_turn, t.hindrance);
+        TEST_ASSERT_EQUAL_INT32(gap == 8 ? 5000 : 0, bins[0].u_nm);
+    }
 }
 
 /// At half the amplitude the same error would be twice as large at the full one.
@@ -241,8 +253,11 @@ static void test_two_turns_that_agree_end_the_freeze(void)
     TEST_ASSERT_EQUAL_UINT8(cam_ilc_frozen, t.phase);
     play();
     TEST_ASSERT_EQUAL_UINT8(cam_ilc_frozen, t.phase);
+    t.n_halved = 2;
+    t.trusted = UINT32_MAX;
     play();
     TEST_ASSERT_EQUAL_UINT8(cam_ilc_cutting, t.phase);
+    TEST_ASSERT_EQUAL_UINT8(0, t.n_halved); // the guards begin anew
     TEST_ASSERT_EQUAL_INT32(how.speed_q32, t.speed_q32);
     TEST_ASSERT_INT32_WITHIN(8, 2621, t.correction.gain[1].re); // 1 / (1 + 0.75 j)
     TEST_ASSERT_INT32_WITHIN(8, -1966, t.correction.gain[1].im);
@@ -410,6 +425,29 @@ static void test_large_harmonics_share_their_gain(void)
         s.cut_gain_q16 = rows[i].cut_gain_q16;
         cam_ilc_update_harmonic(&t, &s);
         TEST_ASSERT_INT32_WITHIN(400, rows[i].learned_q6, t.correction.c_q6[rows[i].k].re);
+    }
+}
+
+/// While the feed changes, and soon after, a large harmonic is left to the chip's force. As the
+/// feed rises, the mean is the chip's as well.
+static void test_a_change_of_the_feed_is_left_to_the_chip(void)
+{
+    static const struct {
+        uint32_t k;
+        int32_t feed_nm, learned_q6, chip_mean_q32;
+    } rows[] = {
+        {1, 1000, 16000, 0}, {1, 250000, 0, 0}, {0, 1000, 24000, 0}, {0, 250000, 0, 1610613}};
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        begin_harmonic(cam_ilc_cutting, 64000.0);
+        t.k = (uint8_t)rows[i].k;
+        t.n_steps = 0;
+        t.feed_nm = rows[i].feed_nm;
+        t.is_feed_rising = true;
+        t.drive.chip_q32 = t.chip_most_q32 = 1 << 29;
+        s.depth_nm = 1000000;
+        cam_ilc_update_harmonic(&t, &s);
+        TEST_ASSERT_INT32_WITHIN(400, rows[i].learned_q6, t.correction.c_q6[rows[i].k].re);
+        TEST_ASSERT_INT32_WITHIN(4000, rows[i].chip_mean_q32, t.chip_mean_q32);
     }
 }
 

@@ -153,6 +153,9 @@ static void test_phase_and_reason_are_reported(void)
     t.phase = cam_ilc_shape;
     TEST_ASSERT_EQUAL_INT(cam_ilc_shape, cam_ilc_status(&t, &s, 20000).phase);
     TEST_ASSERT_EQUAL_INT(cam_ilc_all, cam_ilc_status(&t, &s, 20000).reason);
+    t.ripple.mean[3].im = -cam_ripple_most;
+    TEST_ASSERT_EQUAL_INT(cam_ilc_rippled, cam_ilc_status(&t, &s, 20000).reason);
+    t.ripple.mean[3].im = 0;
     t.hindrance = cam_ilc_fast_turn;
     TEST_ASSERT_EQUAL_INT(cam_ilc_fast_turn, cam_ilc_status(&t, &s, 20000).reason);
     s.reason = cam_ilc_lobes;

@@ -213,7 +213,7 @@ static void test_a_copy_keeps_the_configuration_and_its_ties(void)
 {
     static cam_config_bank_t bank;
     memset(&bank, 0, sizeof bank);
-    cam_config_t *first = cam_config_free_half(&bank);
+    cam_config_t *first = cam_config_copy(&bank); // of nothing: a free half
     first->command.configured.k1_q16 = 1000;
     first->command.configured.k2_q16 = 50;
     first->generation = 3;
@@ -236,6 +236,8 @@ static void test_a_copy_keeps_the_configuration_and_its_ties(void)
     TEST_ASSERT_EQUAL_PTR(copy->learned.c, copy->play.c);
     TEST_ASSERT_EQUAL_PTR(copy->learned.d, copy->play.d);
     TEST_ASSERT_EQUAL_PTR(copy->learned.dm, copy->spindle.dm);
+    cam_config_tie(copy, false);
+    TEST_ASSERT_NULL(copy->play.table);
 }
 
 /// @return ticks that count in a turn at a speed, checked bin by bin; 0: nothing was taken

@@ -78,6 +78,7 @@ static void test_rows_hold_the_chosen_signals_in_the_order_of_the_list(void)
     }
     static const int32_t wanted[] = {100, -100, 101, -101, 102, -102, 0x55555555};
     TEST_ASSERT_EQUAL_INT32_ARRAY(wanted, &scope.words[scope.at], 7);
+    TEST_ASSERT_EQUAL_INT32((int32_t)plan.signals, field(cam_scope_field_signals));
     TEST_ASSERT_EQUAL_INT32(3, field(cam_scope_field_n_rows));
     TEST_ASSERT_EQUAL_INT32(100, field(cam_scope_field_first_tick));
     TEST_ASSERT_EQUAL_INT32(cam_scope_done, field(cam_scope_field_phase));
@@ -152,12 +153,14 @@ static void test_fields_are_checked(void)
     } cases[] = {
         {cam_scope_field_signals, 0, cam_err_scope_range},
         {cam_scope_field_signals, INT32_MIN, cam_err_scope_range},
+        {cam_scope_field_signals, 3, cam_ok},
         {cam_scope_field_every, 0, cam_err_scope_range},
         {cam_scope_field_every, 1000001, cam_err_scope_range},
         {cam_scope_field_every, 1, cam_ok},
         {cam_scope_field_every, 1000000, cam_ok},
         {cam_scope_field_rows, -1, cam_err_scope_range},
         {cam_scope_field_from_state, -2, cam_err_scope_range},
+        {cam_scope_field_from_state, cam_n_states - 1, cam_ok},
         {cam_scope_field_from_state, cam_n_states, cam_err_scope_range},
         {cam_scope_field_before, 7, cam_ok},
         {cam_scope_field_before, -1, cam_err_scope_range},
@@ -169,10 +172,12 @@ static void test_fields_are_checked(void)
         {cam_scope_field_watched, cam_scope_n_signals, cam_err_scope_range},
         {cam_scope_field_watched, -1, cam_err_scope_range},
         {cam_scope_field_level, INT32_MIN, cam_ok},
+        {cam_scope_field_edge, 0, cam_ok},
         {cam_scope_field_edge, 1, cam_ok},
         {cam_scope_field_edge, 2, cam_err_scope_range},
         {cam_scope_field_use, 1, cam_err_scope_field},
         {cam_scope_field_place_nm, 1, cam_err_scope_field},
+        {cam_scope_field_wave_unit, 1, cam_err_scope_field},
         {cam_scope_field_n_rows, 1, cam_err_scope_field},
         {cam_scope_n_fields, 1, cam_err_scope_field},
         {UINT32_MAX, 1, cam_err_scope_field},
