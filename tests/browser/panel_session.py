@@ -32,14 +32,8 @@ _ADDRESS = re.compile(r"http://\S+/")
 class Panel:
     """A panel while it runs.
 
-    Attributes
-    ----------
-    panel : Background
-        tools/panel
-    url : str
-        of the operator's page, with the token; those of other pages begin with it
-    log : Path
-        of its commands; beside it are the folders parts and runs
+    `panel`: tools/panel. `url`: of the operator's page, with the token; those of other pages begin
+    with it. `log`: of its commands; beside it are the folders parts and runs.
     """
 
     panel: Background
@@ -56,14 +50,8 @@ class Panel:
 class PanelSession(Panel):
     """Lathe and panel while both run.
 
-    Attributes
-    ----------
-    lathe : Background
-        tools/live, to which faults are typed
-    witness : Link
-        a link of the test's own: what it hears the panel has not touched
-    live : LiveLathe
-        by which others of this user find the controller
+    `lathe`: tools/live, to which faults are typed. `witness`: a link of the test's own: what it
+    hears the panel has not touched. `live`: by which others of this user find the controller.
     """
 
     lathe: Background
@@ -120,12 +108,8 @@ def panel_session(
 ) -> Iterator[PanelSession]:
     """Run both, on free ports.
 
-    Parameters
-    ----------
-    folder : Path
-        for what they announce and keep
-    live_words, panel_words : list of str or Path
-        options of tools/live and tools/panel
+    `folder`: for what they announce and keep. `live_words`, `panel_words`: options of tools/live
+    and tools/panel.
     """
     with live_case(folder, *live_words) as case, panel_alone(folder, *panel_words) as one:
         (announced,) = live_lathes(folder / "camturn")

@@ -71,14 +71,8 @@ def is_here(url: str) -> bool:
 class Window:
     """A visitor's window.
 
-    Attributes
-    ----------
-    console : list of str
-        all that the page wrote, for people
-    errors : list of str
-        errors in the console and exceptions that nobody caught
-    outside : list of str
-        addresses on other computers that were asked for
+    `console`: all that the page wrote, for people. `errors`: errors in the console and exceptions
+    that nobody caught. `outside`: addresses on other computers that were asked for.
     """
 
     page: Page

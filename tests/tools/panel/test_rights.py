@@ -48,7 +48,7 @@ def test_a_heap_of_heartbeats_that_were_kept_back_moves_nothing() -> None:
     """They all tell when they were sent: the connection stood still for two seconds."""
     clock = Clock()
     presses, visitor = Presses(clock), Visitor("v1")
-    presses.synchronise(visitor, 0.0)
+    presses.is_late(visitor, 0.0)
     begun_s = clock.now_s
     press = presses.begin(visitor, 1, 10.0)
     clock.now_s += 2.0
@@ -66,7 +66,7 @@ def test_late_heartbeats_do_not_keep_a_press_alive() -> None:
     clock = Clock()
     presses, visitor = Presses(clock), Visitor("v1")
     start_s = clock.now_s
-    presses.synchronise(visitor, 0.0)
+    presses.is_late(visitor, 0.0)
     press = presses.begin(visitor, 1, 0.0)
     for i in range(1, 6):
         clock.now_s = start_s + 0.1 * i

@@ -4,6 +4,7 @@ import asyncio
 import json
 import sys
 import time
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -199,10 +200,10 @@ def test_options_are_those_of_tools_run() -> None:
     assert (job.rpm, job.feed, job.machine is not None) == (900.0, 0.2, True)
     assert job.extra[:2] == ("--seed", "7")
     assert "--no-learning" in job.extra
-    assert RunOptions.of(options.told()) == options
+    assert RunOptions.of(asdict(options)) == options
     for wrong in (RunOptions(rpm=-1.0), RunOptions(rpm=float("nan")), RunOptions(seed=-1)):
         with pytest.raises(CamtoolsError):
-            wrong.checked()
+            wrong.check()
 
 
 def test_figures_are_those_of_the_summaries(store: RunStore) -> None:

@@ -16,18 +16,10 @@ from camtools.panel.orders.controller_service import ControllerService
 
 @dataclass(frozen=True)
 class AppContext:
-    """The controller of a panel, who commands it, and where parts and runs are.
-
-    Attributes
-    ----------
-    service : ControllerService
-        owns the link; `service.snapshot()`, `service.strobe()`, `await service.do(order, visitor)`
-    parts : Path
-        folder of the part files; nothing outside of it is read or written by a page
-    """
+    """The controller of a panel, who commands it, and where parts and runs are."""
 
     service: ControllerService
     commander: Commander  # who commands
     log: CommandLog  # of commands, also of edits and runs of the design page
-    parts: Path = RESULTS / "panel" / "parts"
+    parts: Path = RESULTS / "panel" / "parts"  # a page reads and writes no part elsewhere
     runs: Path = RESULTS / "panel" / "runs"  # folder of the runs that are kept

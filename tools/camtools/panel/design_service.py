@@ -71,17 +71,10 @@ class DesignService:
         return sorted(path.stem for path in self.machines.glob("*.toml") if not path.is_symlink())
 
     def keep_machine(self, name: str, data: bytes) -> None:
-        """Keep a machine file of one's own.
-
-        Raises
-        ------
-        CamtoolsError
-            It is no TOML, or has the name of one of the simulator's.
-        """
+        """Keep a machine file of one's own, which has no name of the simulator's."""
         if name in names():
-            raise CamtoolsError(
-                [f"{name}: the simulator has a machine of this name; give another name"]
-            )
+            problem = "the simulator has a machine of this name; give another name"
+            raise CamtoolsError([f"{name}: {problem}"])
         read_tree(data, f"{name}.toml")
         write_all(self.machines, {f"{name}.toml": data})
 
@@ -113,14 +106,8 @@ class DesignService:
         return next(alike, None)
 
     async def cut(self, text: str, source: str, options: RunOptions) -> str:
-        """Let a part be cut; return the name of the run.
-
-        Raises
-        ------
-        CamtoolsError
-            The part or an option is no good, or too many runs wait.
-        """
-        options = options.checked()
+        """Let a part be cut; return the name of the run, or raise CamtoolsError."""
+        options.check()
         self.queue.check_room()
         folder = self.library.folder(source)
         data = text.encode("utf-8", "replace")
@@ -151,13 +138,7 @@ def _checked(data: bytes, folder: Path) -> tuple[str, dict[str, bytes]]:
 
 
 def _files(names: list[str], folder: Path) -> dict[str, bytes]:
-    """Return the content of files beside a part by their names.
-
-    Raises
-    ------
-    CamtoolsError
-        One cannot be read.
-    """
+    """Return the content of files beside a part by their names, or raise CamtoolsError."""
     found: dict[str, bytes] = {}
     for name in names:
         try:

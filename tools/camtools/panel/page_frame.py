@@ -4,8 +4,6 @@ Each field for a file (ui.upload) has a route of its own. FastAPI remembers of t
 the last routes whether they are coroutines, and with a function all of the page that it is part of:
 0.7 MB for each operator's page. Nothing but speed is lost when that is forgotten.
 
->>> forget_routes()
-
 NiceGUI repeats the messages that the lost connection swallowed, but after the updates that have
 waited meanwhile, so that an old state of an element replaces a newer one: an open question
 vanishes, and a number stays old until it changes again.
@@ -23,17 +21,10 @@ closes a menu while he draws a part must not end somebody else's cut.
 >>> machine_text("cutting", is_connected=True), machine_text("unknown", is_connected=False)
 ('machine: cutting', 'machine: no connection')
 
-A page is a function that NiceGUI calls for each browser that asks; `framed()` makes its frame:
-
-    @ui.page("/runs")
-    def runs() -> None:
-        with framed(context, "/runs") as visitor:
-            ui.label(...)
-
-Classes: those of Quasar (row, column, q-pa-md, full-width, ..) and of static/panel.css; Tailwind is
-off, since it watches every change of the page in the browser. What a page adds is a file in
-static/, by a relative address, since the address of a page begins with the token. All text of
-strangers goes through ui.label or props, never through ui.html or ui.markdown.
+Classes of elements are those of Quasar and of static/panel.css; Tailwind is off, since it watches
+every change of the page in the browser. What a page adds is a file in static/, by a relative
+address, since the address of a page begins with the token. All text of strangers goes through
+ui.label or props, never through ui.html or ui.markdown.
 """
 
 from __future__ import annotations
@@ -162,13 +153,7 @@ def _admit(context: AppContext, client: Client) -> Visitor:
 
 @contextmanager
 def framed(context: AppContext, path: str) -> Iterator[Visitor]:
-    """Make the frame of a page; what is made within the block is its content.
-
-    Yields
-    ------
-    Visitor
-        of this page, for service.do() and the commander
-    """
+    """Make the frame of a page, of whose visitor what is made within the block may give orders."""
     visitor = _admit(context, ui.context.client)
     ui.colors(primary=_PRIMARY, positive=_POSITIVE)
     ui.add_head_html(_HEAD)

@@ -37,10 +37,30 @@ def withdraw(client: Client) -> None:
             dialog.submit(None)
 
 
-def cancel_button(dialog: ui.dialog, name: str) -> None:
-    """Draw the button that gives up; it has the focus."""
-    cancel = ui.button("Cancel", on_click=lambda: dialog.submit(None))
-    cancel.props(f"no-caps outline autofocus data-testid={name}-cancel")
+def outlined(
+    label: str, name: str, press: Callable[[], object] | None = None, icon: str | None = None
+) -> ui.button:
+    """Draw a button of a row; `name` is its mark."""
+    button = ui.button(label, icon=icon, on_click=press)
+    return button.props(f"no-caps outline data-testid={name}")
+
+
+def answer_buttons(
+    dialog: ui.dialog, name: str, yes: str, yes_name: str, answer: Callable[[], object]
+) -> None:
+    """Draw the button that gives up, which has the focus, and the one that submits an answer."""
+    with ui.row().classes("op-dialog-buttons"):
+        outlined("Cancel", f"{name}-cancel", lambda: dialog.submit(None)).props("autofocus")
+        agree = ui.button(yes, on_click=lambda: dialog.submit(answer()), color=None)
+        agree.classes("op-do").props(f"no-caps unelevated data-testid={yes_name}")
+
+
+async def answer_of(dialog: ui.dialog) -> object:
+    """Wait for the answer to a dialog, and take that away."""
+    answer = await dialog
+    if not dialog.is_deleted:  # as with its page
+        dialog.delete()
+    return answer
 
 
 def asks(name: str, ask: Ask) -> None:
@@ -57,37 +77,20 @@ async def ask_again(client: Client, name: str) -> None:
 async def confirmed(title: str, text: str, yes: str, name: str = "") -> bool:
     """Ask once before an order that is dangerous, and return whether the answer was yes.
 
-    Parameters
-    ----------
-    title, text : str
-        what would be done, and what that means
-    yes : str
-        words of the button that agrees
-    name : str
-        that of asks(), where the question needs nothing but its page
+    The name is that of asks(), where the question needs nothing but its page.
     """
     with titled_dialog(title, "question") as dialog:
         ui.label(text).props(f"data-asks={name}" if name else "")
-        with ui.row().classes("op-dialog-buttons"):
-            cancel_button(dialog, "question")
-            agree = ui.button(yes, on_click=lambda: dialog.submit(True), color=None)
-            agree.classes("op-do").props("no-caps unelevated data-testid=question-yes")
-    answer = await dialog
-    if not dialog.is_deleted:  # as with its page
-        dialog.delete()
-    return bool(answer)
+        answer_buttons(dialog, "question", yes, "question-yes", lambda: True)
+    return bool(await answer_of(dialog))
 
 
 @contextmanager
 def card(title: str, name: str, *, is_live: bool = False) -> Iterator[ui.element]:
     """Draw a card; what is made within the block is in it.
 
-    Parameters
-    ----------
-    name : str
-        of its place in the grid of operate.css, and of its mark
-    is_live : bool
-        it shows values of the controller: grey while the connection is lost
+    The name is that of its place in operate.css, and of its mark; a live card shows values of the
+    controller and is grey while the connection is lost.
     """
     with ui.element("section").classes(f"op-card op-at-{name}") as box:
         box.props(f'aria-labelledby="op-title-{name}" data-testid="card-{name}"')
@@ -114,21 +117,24 @@ class Figure:
         self._value.set_text(text)
 
 
+class Showing:
+    """A block in which the server sets values of fields: their events are not a visitor's."""
+
+    def __init__(self) -> None:
+        self.is_on = False
+
+    def __enter__(self) -> None:
+        self.is_on = True
+
+    def __exit__(self, *_error: object) -> None:
+        self.is_on = False
+
+
 Take = Callable[[bytes, str], None]
 
 
 def file_button(label: str, suffix: str, most_bytes: int, name: str, take: Take) -> None:
-    """Draw it.
-
-    Parameters
-    ----------
-    suffix : str
-        of the files that are offered, with its dot
-    name : str
-        mark of the field that gets the file
-    take : callable
-        called with the bytes and the name of the file; both are of strangers
-    """
+    """Draw a button for files of a suffix; `take` gets bytes and name, both of strangers."""
 
     async def read(event: UploadEventArguments) -> None:
         take(await event.file.read(), event.file.name)
@@ -142,5 +148,5 @@ def file_button(label: str, suffix: str, most_bytes: int, name: str, take: Take)
         auto_upload=True, max_file_size=most_bytes, on_upload=read, on_rejected=refuse
     )
     upload.classes("op-hidden").props(f'accept="{suffix}" data-testid={name}')
-    button = ui.button(label).props("no-caps outline").props(f"data-testid={name}-choose")
+    button = outlined(label, f"{name}-choose")
     button.on("click", js_handler=f'() => runMethod({upload.id}, "pickFiles", [])')

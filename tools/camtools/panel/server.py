@@ -37,12 +37,7 @@ from camtools.panel.pages.runs import reports
 def middleware(keys: Collection[str], proxy_hosts: Collection[str]) -> list[Middleware]:
     """Return the middleware that checks every request and websocket.
 
-    Parameters
-    ----------
-    keys : collection of str
-        a path begins with a key
-    proxy_hosts : collection of str
-        names by which browsers reach the panel through reverse proxies
+    Paths begin with a key; `proxy_hosts` are names by which browsers reach reverse proxies.
     """
     hosts = ["127.0.0.1", "localhost", *proxy_hosts]
     return [
@@ -93,7 +88,9 @@ class KeyGate:
 def _policy(host: str) -> str:
     """Return the content security policy of a page: it loads from and sends to the panel only.
 
-    NiceGUI puts scripts into the page and compiles templates in the browser.
+    'unsafe-inline' and 'unsafe-eval' remain for scripts: NiceGUI puts the elements of a page into
+    an inline script that differs each time, without a nonce, and Vue compiles templates in the
+    browser. Texts of strangers thus must not become elements; ui.label and props keep them texts.
     """
     return (
         "default-src 'none'; script-src 'self' 'unsafe-inline' 'unsafe-eval'; "
@@ -123,12 +120,7 @@ def _ping_patiently() -> None:
 def application(context: AppContext, token: str, proxy_hosts: Collection[str] = ()) -> FastAPI:
     """Return the whole application; once per process, since NiceGUI has one only.
 
-    Parameters
-    ----------
-    token : str
-        with which the address of every page begins
-    proxy_hosts : collection of str
-        names by which browsers reach the panel through reverse proxies
+    The address of every page begins with the token.
     """
     app.add_static_files(f"/{STATIC}", STATIC_FOLDER, follow_symlink=False)
     for page in (operate, design, runs):

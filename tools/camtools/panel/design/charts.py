@@ -1,7 +1,5 @@
 """A preview for people: charts as options of ECharts, words and rows.
 
-They are drawn for a light page; a style sheet inverts them on a dark one.
-
 >>> options = section({"nominal_mm": 46.0, "deviation_um": [0.0, -100.0, 0.0, -100.0]}, None)
 >>> [one["name"] for one in options["series"]]
 ['nominal circle', 'drawing']
@@ -18,22 +16,35 @@ from typing import Any
 
 from camtools.base.quantities import UM_PER_MM
 from camtools.cut.feasibility import tenth_below
-
-INK, FAINT, BLUE, ORANGE, RED, GREEN = (
-    *("#37474f", "#cfd8dc", "#0d5a9c", "#b34700", "#b00020", "#2e6b34"),
+from camtools.panel.views.echart import (
+    BLUE,
+    COLOURS,
+    FAINT,
+    INK,
+    ORANGE,
+    RED,
+    TURN,
+    Options,
+    axis,
+    line,
+    mark_lines,
+    text_style,
+    title,
+    titled,
 )
-_COLOURS = (BLUE, ORANGE, GREEN, "#6a3d9a")
+
 _SHARE = 0.3  # of the radius that the largest deviation takes
 _STEPS = (1.0, 2.0, 5.0, 10.0)
 _EVERY = 2  # of the angles of a section one of so many is drawn
-MOTION = (
+_LEGEND: Options = {"bottom": 0, "icon": "rect", "itemHeight": 4, "textStyle": text_style()}
+_OFF = {"show": False}
+_RATES = ("speed", "acceleration")
+_MOTION = (
     ("u_um", "U", "µm"),
     ("velocity_mm_s", "velocity", "mm/s"),
     ("acceleration_m_s2", "acceleration", "m/s²"),
     ("jerk_km_s3", "jerk", "km/s³"),
 )
-
-Options = dict[str, Any]
 
 
 def magnification_of(nominal_mm: float, deviation_um: list[float]) -> float:
@@ -42,7 +53,7 @@ def magnification_of(nominal_mm: float, deviation_um: list[float]) -> float:
     >>> magnification_of(46.0, [0.0, -150.0])
     50.0
     """
-    largest_mm = max((abs(one) for one in deviation_um), default=0.0) / UM_PER_MM
+    largest_mm = max((abs(off) for off in deviation_um), default=0.0) / UM_PER_MM
     wanted = _SHARE * nominal_mm / largest_mm if largest_mm > 0 else 1.0
     if wanted <= 1:
         return 1.0
@@ -50,52 +61,8 @@ def magnification_of(nominal_mm: float, deviation_um: list[float]) -> float:
     return max(step * decade for step in _STEPS if step * decade <= wanted)
 
 
-def _axis(name: str, **more: Any) -> Options:  # noqa: ANN401 (options of ECharts)
-    return {
-        "type": "value",
-        "scale": True,
-        "name": name,
-        "nameLocation": "middle",
-        "nameTextStyle": {"color": INK, "fontSize": 13},
-        "axisLabel": {"color": INK, "fontSize": 12, "hideOverlap": True},
-        "axisLine": {"lineStyle": {"color": INK}},
-        "splitLine": {"lineStyle": {"color": FAINT}},
-        **more,
-    }
-
-
-_LEGEND: Options = {
-    "bottom": 0,
-    "icon": "rect",
-    "itemHeight": 4,
-    "textStyle": {"color": INK, "fontSize": 12},
-}
-
-
-def _line(name: str, data: list[Any], colour: str, **more: Any) -> Options:  # noqa: ANN401
-    return {
-        "name": name,
-        "type": "line",
-        "showSymbol": False,
-        "data": data,
-        "itemStyle": {"color": colour},
-        "lineStyle": {"color": colour, "width": 2},
-        **more,
-    }
-
-
-def _dashed(colour: str) -> Options:
-    return {"lineStyle": {"color": colour, "width": 1.5, "type": "dashed"}}
-
-
 def section(curves: Options, magnification: float | None) -> Options:
-    """Return the section with its nominal circle, deviations magnified.
-
-    Parameters
-    ----------
-    magnification : float or None
-        None: as many times as shows them well.
-    """
+    """Return the section with its nominal circle, magnified so that it is seen well by default."""
     nominal_mm, off_um = curves["nominal_mm"], curves["deviation_um"]
     factor = magnification or magnification_of(nominal_mm, off_um)
     radius_um = nominal_mm * UM_PER_MM / factor  # of the nominal circle on the scale
@@ -107,41 +74,24 @@ def section(curves: Options, magnification: float | None) -> Options:
     circle = [[radius_um, angle] for angle in range(0, 361, 3)]
     scale = "true to scale" if factor == 1 else f"deviations {factor:g} times"
     polar = {"coordinateSystem": "polar", "silent": True}
+    dashed = {"lineStyle": {"color": INK, "width": 1.5, "type": "dashed"}}
+    whole = {"type": "value", "min": 0}
     return {
         "animation": False,
-        "title": {
-            "text": f"section at {curves.get('height_mm', 0.0):.6g} mm",
-            "subtext": f"{scale}, radius {nominal_mm:.6g} mm",
-            "left": "center",
-            "textStyle": {"color": INK, "fontSize": 15},
-            "subtextStyle": {"color": INK, "fontSize": 13},
-        },
+        "title": title(f"section at {curves.get('height_mm', 0.0):.6g} mm")
+        | {"subtext": f"{scale}, radius {nominal_mm:.6g} mm", "subtextStyle": text_style(13)},
         "legend": _LEGEND,
         "polar": {"radius": "62%", "center": ["50%", "52%"]},
-        "angleAxis": {
-            "type": "value",
-            "min": 0,
-            "max": 360,
-            "interval": 30,
-            "startAngle": 0,
-            "clockwise": False,
-            "axisLine": {"show": False},
-            "axisTick": {"show": False},
-            "axisLabel": {"color": INK, "formatter": "{value}°"},
-            "splitLine": {"lineStyle": {"color": FAINT}},
-        },
-        "radiusAxis": {
-            "type": "value",
-            "min": 0,
-            "max": radius_um + 1.15 * most if most > 0 else 1.05 * radius_um,
-            "axisLabel": {"show": False},
-            "axisTick": {"show": False},
-            "axisLine": {"show": False},
-            "splitLine": {"show": False},
-        },
+        "angleAxis": whole
+        | {"max": 360, "interval": 30, "startAngle": 0, "clockwise": False}
+        | {"axisLabel": {"color": INK, "formatter": "{value}°"}, "axisLine": _OFF}
+        | {"axisTick": _OFF, "splitLine": {"lineStyle": {"color": FAINT}}},
+        "radiusAxis": whole
+        | {"max": radius_um + 1.15 * most if most > 0 else 1.05 * radius_um}
+        | dict.fromkeys(("axisLabel", "axisTick", "axisLine", "splitLine"), _OFF),
         "series": [
-            _line("nominal circle", circle, INK, **polar) | _dashed(INK),
-            _line("drawing", around, BLUE, **polar),
+            line("nominal circle", circle, INK, **polar) | dashed,
+            line("drawing", around, BLUE, **polar),
         ],
     }
 
@@ -150,68 +100,50 @@ def profile(curves: Options) -> Options:
     """Return diameters over the height, the height of the section marked."""
     over = curves["profile"]
     series = [
-        _line(name, [list(point) for point in zip(values, over["z_mm"], strict=True)], colour)
-        for (name, values), colour in zip(over["curves"].items(), _COLOURS * 2, strict=False)
+        line(name, [list(point) for point in zip(values, over["z_mm"], strict=True)], colour)
+        for (name, values), colour in zip(over["curves"].items(), COLOURS * 2, strict=False)
     ]
     if series:
-        series[0]["markLine"] = {
-            "silent": True,
-            "symbol": "none",
-            "data": [{"yAxis": curves["height_mm"]}],
-            "label": {"formatter": "section", "position": "insideEndTop", "color": ORANGE},
-            "lineStyle": {"color": ORANGE, "type": "dashed"},
-        }
-    return {
-        "animation": False,
-        "title": _title("profile"),
-        "legend": _LEGEND,
-        "tooltip": {"trigger": "item"},
-        "grid": {"left": 62, "right": 24, "top": 40, "bottom": 76},
-        "xAxis": _axis("diameter / mm", nameGap=28, boundaryGap=["4%", "4%"]),
-        "yAxis": _axis("height / mm", nameGap=44),
-        "series": series,
-    }
-
-
-def _title(text: str) -> Options:
-    return {"text": text, "left": "center", "textStyle": {"color": INK, "fontSize": 15}}
+        at = [curves["height_mm"]]
+        series[0]["markLine"] = mark_lines(at, "section", "insideEndTop", ORANGE)
+    return titled(
+        "profile",
+        legend=_LEGEND,
+        tooltip={"trigger": "item"},
+        grid={"left": 62, "right": 24, "top": 40, "bottom": 76},
+        xAxis=axis("diameter / mm", 28, boundaryGap=["4%", "4%"]),
+        yAxis=axis("height / mm", 44),
+        series=series,
+    )
 
 
 def motion(curves: Options, limits: dict[str, float]) -> Options:
     """Return U, velocity, acceleration and jerk over a turn, one above the other.
 
-    Parameters
-    ----------
-    limits : dict
-        Of the machine, by the name of the curve; each is drawn where the scale reaches it.
+    The limits of the machine, by the name of the curve, are drawn where the scale reaches them.
     """
-    n = len(MOTION)
-    part = 100 / n
+    part = 100 / len(_MOTION)
     grids, x_axes, y_axes, series, peaks = [], [], [], [], []
-    for i, (key, name, unit) in enumerate(MOTION):
-        values = curves["motion"][key]
+    for i, (key, name, unit) in enumerate(_MOTION):
+        values, limit = curves["motion"][key], limits.get(key)
         step = 360 / len(values)
         points = [[i_angle * step, value] for i_angle, value in enumerate([*values, values[0]])]
-        grids.append(
-            {"left": 84, "right": 20, "top": f"{i * part + 6:.1f}%", "height": f"{part - 8.5:.1f}%"}
-        )
-        is_last = i == n - 1
-        x_axes.append(
-            _axis("drawing's angle / °" if is_last else "", gridIndex=i, nameGap=24)
-            | {"min": 0, "max": 360, "interval": 45, "scale": False}
-            | {"axisLabel": {"color": INK, "show": is_last}}
-        )
-        y_axes.append(_axis(f"{name} / {unit}", gridIndex=i, nameGap=62, splitNumber=3))
-        peaks.append(_peak(curves, key, name, unit, limits.get(key), i * part))
-        line = _line(name, points, _COLOURS[0], xAxisIndex=i, yAxisIndex=i)
-        if (limit := limits.get(key)) is not None:
-            line["markLine"] = _limit_lines(limit, unit)
-        series.append(line)
-    speed = f"{curves['rpm']:.6g} r/min"
+        place = {"top": f"{i * part + 6:.1f}%", "height": f"{part - 8.5:.1f}%"}
+        grids.append({"left": 84, "right": 20, **place})
+        is_last = i == len(_MOTION) - 1
+        labels = {"color": INK, "show": is_last}
+        x_name = "drawing's angle / °" if is_last else ""
+        x_axes.append(axis(x_name, 24, gridIndex=i, axisLabel=labels, **TURN))
+        y_axes.append(axis(f"{name} / {unit}", 62, gridIndex=i, splitNumber=3))
+        peaks.append(_peak(curves, key, name, unit, limit, i * part))
+        series.append(line(name, points, COLOURS[0], xAxisIndex=i, yAxisIndex=i))
+        if limit is not None:
+            words = f"limit {limit:.6g} {unit}"
+            series[-1]["markLine"] = mark_lines([limit, -limit], words, "insideStartBottom", RED)
     kind = "mean " if curves["is_modulated"] else ""
     return {
         "animation": False,
-        "title": [_title(f"U at {kind}{speed}") | {"left": 20}, *peaks],
+        "title": [title(f"U at {kind}{curves['rpm']:.6g} r/min") | {"left": 20}, *peaks],
         "tooltip": {"trigger": "axis"},
         "axisPointer": {"link": [{"xAxisIndex": "all"}]},
         "grid": grids,
@@ -231,42 +163,19 @@ def _peak(
         text = f"{name} up to {curves['peaks'][key]:.5g}"
         if limit is not None:
             text += f", {100 * curves['peaks'][key] / limit:.3g} % of {limit:.6g}"
-    return {
-        "text": text,
-        "right": 20,
-        "top": f"{top_percent + 2.6:.1f}%",
-        "textStyle": {"color": INK, "fontSize": 12, "fontWeight": "normal"},
-    }
-
-
-def _limit_lines(limit: float, unit: str) -> Options:
-    return {
-        "silent": True,
-        "symbol": "none",
-        "data": [{"yAxis": limit}, {"yAxis": -limit}],
-        "label": {"formatter": f"limit {limit:.6g} {unit}", "position": "insideStartBottom"}
-        | {"color": RED},
-        "lineStyle": {"color": RED, "type": "dashed"},
-    }
+    style = text_style() | {"fontWeight": "normal"}
+    return {"text": text, "right": 20, "top": f"{top_percent + 2.6:.1f}%", "textStyle": style}
 
 
 _NAMES = {
+    **{f"{name}_{what}": f"{name.upper()} {what}" for name in "uzx" for what in _RATES},
+    **{f"{what}_{rate}": f"{what} {rate}" for what in ("spindle", "swing") for rate in _RATES},
     "u_stroke": "U stroke",
-    "u_speed": "U speed",
-    "u_acceleration": "U acceleration",
-    "spindle_speed": "spindle speed",
     "feed": "feed per turn",
-    "z_speed": "Z speed",
-    "z_acceleration": "Z acceleration",
-    "x_speed": "X speed",
-    "x_acceleration": "X acceleration",
     "tick_rate": "spindle speed of the ticks",
-    "spindle_acceleration": "spindle acceleration",
     "spindle_loop": "spindle loop",
     "spindle_set_point": "spindle set-point",
     "swing_range": "swing",
-    "swing_speed": "swing speed",
-    "swing_acceleration": "swing acceleration",
 }
 
 
@@ -290,31 +199,32 @@ def _digits(value: float) -> str:
 
 def margin_rows(told: dict[str, Any]) -> list[dict[str, str]]:
     """Return what the table needs of each limit, the nearest one first."""
-    rows = sorted(told["margins"], key=lambda one: float(one["left_percent"]))
     return [
         {
-            "limit": _NAMES.get(one["name"], one["name"]),
-            "needed": f"{_digits(one['needed'])} {one['unit']}",
-            "of": f"{_digits(one['limit'])} {one['unit']}",
-            "left": f"{one['left_percent']:.1f} %",
+            "limit": _NAMES.get(margin["name"], margin["name"]),
+            "needed": f"{_digits(margin['needed'])} {margin['unit']}",
+            "of": f"{_digits(margin['limit'])} {margin['unit']}",
+            "left": f"{margin['left_percent']:.1f} %",
         }
-        for one in rows
+        for margin in sorted(told["margins"], key=lambda margin: float(margin["left_percent"]))
     ]
+
+
+def _bytes_text(n_bytes: int) -> str:
+    return f"{n_bytes:,} bytes".replace(",", " ")
 
 
 def table_words(told: dict[str, Any]) -> list[str]:
     """Return the size of the table and of its channels in lines."""
     table = told["table"]
-    size = f"{table['bytes']:,}".replace(",", " ")
     tolerance = table["tolerance_nm"]
     within = "" if tolerance is None else f", within {tolerance:g} nm"
-    lines = [f"table of {size} bytes{within}"]
-    for one in table["channels"]:
-        n = one["knots_per_pattern"]
-        repeats = one["patterns_per_turn"]
+    lines = [f"table of {_bytes_text(table['bytes'])}{within}"]
+    for channel in table["channels"]:
+        n, repeats = channel["knots_per_pattern"], channel["patterns_per_turn"]
         knots = f"{n} knots" if repeats == 1 else f"{n} knots, {repeats} times per turn"
         if n == 1:
             knots = "over the height"
-        size = f"{one['bytes']:,}".replace(",", " ")
-        lines.append(f"{one['name']}: {size} bytes, {one['n_slices']} slices, {knots}")
+        size, n_slices = _bytes_text(channel["bytes"]), channel["n_slices"]
+        lines.append(f"{channel['name']}: {size}, {n_slices} slices, {knots}")
     return lines

@@ -44,17 +44,9 @@ class Problem(NamedTuple):
 
 
 def edited(text: str, path: Path, value: Value) -> str:
-    """Return the text with a key set, or removed by None.
+    """Return the text with a key set, or removed by None; numbers are places in lists of tables.
 
-    Parameters
-    ----------
-    path : tuple
-        Names of the tables and of the key; numbers are places in lists of tables.
-
-    Raises
-    ------
-    CamtoolsError
-        The text is not TOML, or the change would touch something else.
+    Raises CamtoolsError: the text is not TOML, or the change would touch something else.
     """
     before = _tree(text)
     try:
@@ -108,13 +100,7 @@ def _changed(root: Any, path: Path, value: Value) -> Any:  # noqa: ANN401 (dict,
 
 
 def problems_of(lines: list[str], text: str, file: str = "") -> list[Problem]:
-    """Return messages with their places in the text of the part file.
-
-    Parameters
-    ----------
-    file : str
-        Name that the messages begin with; it is left out.
-    """
+    """Return messages with their places in the text of a part file, whose name is left out."""
     found = []
     for one in lines:
         told = one.removeprefix(f"{file}: ") if file else one
@@ -183,12 +169,7 @@ def is_short(value: object) -> bool:
 def typed(key: Key, text: str) -> Any:  # noqa: ANN401 (a value of TOML)
     """Return what somebody typed as a value of the key; None where it was emptied.
 
-    Whole numbers stay whole, so that 2500 does not become 2500.0 in the text.
-
-    Raises
-    ------
-    ValueError
-        It is no such value; the message says what is wanted.
+    Whole numbers stay whole: 2500 does not become 2500.0. Raises ValueError with what is wanted.
     """
     text = text.strip()
     if not text:

@@ -33,13 +33,7 @@ _MAX_CSV_BYTES = 20_000_000
 
 
 def checked_name(name: str) -> str:
-    """Return a name that is good for a file.
-
-    Raises
-    ------
-    CamtoolsError
-        It is none.
-    """
+    """Return a name that is good for a file, or raise CamtoolsError."""
     if not _NAME.match(name):
         shown = name if len(name) <= 40 else name[:37] + "..."
         problem = f"name {shown!r}: not usable"
@@ -49,13 +43,7 @@ def checked_name(name: str) -> str:
 
 
 class PartLibrary:
-    """Part files.
-
-    Parameters
-    ----------
-    folder : Path
-        Of one's own parts; made when something is saved.
-    """
+    """Part files: the examples, and a folder of one's own, made when something is saved."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -81,13 +69,7 @@ class PartLibrary:
         return (self._folder / f"{checked_name(name)}.toml").exists()
 
     def read(self, source: str, name: str) -> str:
-        """Return the text of a part.
-
-        Raises
-        ------
-        CamtoolsError
-            There is no such part, it is a link, too large, or no UTF-8.
-        """
+        """Return the text of a part; raise CamtoolsError where it cannot be read."""
         path = self.folder(source) / f"{checked_name(name)}.toml"
         try:
             if path.is_symlink():
@@ -148,15 +130,7 @@ class Draft:
         self._changed_s = -1e9
 
     def change(self, text: str, at_s: float, *, is_step: bool = False) -> None:
-        """Take a changed text.
-
-        Parameters
-        ----------
-        at_s : float
-            When, on a clock that does not jump [s].
-        is_step : bool
-            It is a step of its own, however quickly it follows.
-        """
+        """Take a text that changed at a time [s]; a step of its own is undone alone."""
         if text == self.text:
             return
         if is_step or not self._before or at_s - self._changed_s > _TOGETHER_S:
@@ -168,16 +142,14 @@ class Draft:
 
     def undo(self) -> str:
         """Return the text before the last change."""
-        if self._before:
-            self._behind.append(self.text)
-            self.text = self._before.pop()
-            self._changed_s = -1e9
-        return self.text
+        return self._moved(self._before, self._behind)
 
     def redo(self) -> str:
         """Return the text that was undone last."""
-        if self._behind:
-            self._before.append(self.text)
-            self.text = self._behind.pop()
-            self._changed_s = -1e9
+        return self._moved(self._behind, self._before)
+
+    def _moved(self, texts: list[str], others: list[str]) -> str:
+        if texts:
+            others.append(self.text)
+            self.text, self._changed_s = texts.pop(), -1e9
         return self.text

@@ -18,7 +18,7 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.project import child_environment
@@ -28,10 +28,10 @@ OnAnswer = Callable[[Answer], None]
 
 _LINE_BYTES = 64 << 20  # of an answer; a process that says more is broken
 _MOST_WAITING = 20  # edits of one page
+_WORKER = "camtools.panel.design.preview_worker"
 
 
-@dataclass(frozen=True)
-class PreviewLimits:
+class PreviewLimits(NamedTuple):
     """What computing a preview may take."""
 
     workers: int = 2  # processes that are kept ready: while one is replaced the others serve
@@ -62,24 +62,13 @@ class Seat:
     def preview(self, text: str, folder: str, height_mm: float | None) -> None:
         """Ask for the preview of a text; one that is asked for earlier is dropped.
 
-        Parameters
-        ----------
-        folder : str
-            Where files are that the part names; no others are read.
-        height_mm : float or None
-            Of the section; None: the middle.
+        Files are read from the folder alone; the section is in the middle by default.
         """
         request = {"do": "preview", "text": text, "folder": folder, "height_mm": height_mm}
         self._engine.submit(_Job(self, request, True, self._on_answer))
 
     async def edit(self, text: str, path: list[str | int], value: object) -> str:
-        """Return the text with a field changed.
-
-        Raises
-        ------
-        CamtoolsError
-            The form cannot change it there.
-        """
+        """Return the text with a field changed; raise CamtoolsError where the form cannot."""
         found: asyncio.Future[str] = asyncio.get_running_loop().create_future()
 
         def take(answer: Answer) -> None:
@@ -122,19 +111,14 @@ class Engine:
         self._is_closed = False
 
     def seat(self, on_answer: OnAnswer) -> Seat:
-        """Return a new seat; answers come as calls of `on_answer` in the event loop."""
+        """Return a new seat; answers come as calls of `on_answer` in the event loop that runs."""
         seat = Seat(self, on_answer)
         self._seats.append(seat)
-        self.start()
+        if not self._is_started:
+            self._is_started = True
+            for _ in range(self.limits.workers):
+                self._begin(self._spawn())
         return seat
-
-    def start(self) -> None:
-        """Start the processes, unless they are; within a running event loop."""
-        if self._is_started:
-            return
-        self._is_started = True
-        for _ in range(self.limits.workers):
-            self._spawn_later()
 
     def submit(self, job: _Job) -> None:
         """Take a request; for `Seat`."""
@@ -199,19 +183,11 @@ class Engine:
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 
-    def _spawn_later(self) -> None:
-        self._begin(self._spawn())
-
     async def _spawn(self) -> None:
         """Start a process and wait until it is ready."""
         environment = child_environment() | {"PYTHONDONTWRITEBYTECODE": "1"}  # it writes no file
         process = await asyncio.create_subprocess_exec(
-            *(
-                sys.executable,
-                "-m",
-                "camtools.panel.design.preview_worker",
-                str(self.limits.memory_mb),
-            ),
+            *(sys.executable, "-m", _WORKER, str(self.limits.memory_mb)),
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.DEVNULL,
@@ -231,7 +207,7 @@ class Engine:
             await _killed(process)
             if not self._is_closed:
                 await asyncio.sleep(1.0)  # a computer without memory is not asked again at once
-                self._spawn_later()
+                self._begin(self._spawn())
             return
         self._idle.append(worker)
         self._dispatch()
@@ -244,9 +220,8 @@ class Engine:
         problem = "the preview's process ended; it is started anew"
         try:
             assert worker.process.stdin is not None
-            worker.process.stdin.write(
-                json.dumps(job.request | {"id": worker.number}).encode("ascii") + b"\n"
-            )
+            line = json.dumps(job.request | {"id": worker.number}).encode("ascii") + b"\n"
+            worker.process.stdin.write(line)
             is_done = await asyncio.wait_for(self._listen(worker, job), self.limits.time_s)
         except TimeoutError:
             is_done = False
@@ -266,7 +241,7 @@ class Engine:
                 job.on_answer({"stage": "lost", "problems": [told]})
             await _killed(worker.process)
             if not self._is_closed:
-                self._spawn_later()
+                self._begin(self._spawn())
         self._dispatch()
 
     async def _listen(self, worker: _Worker, job: _Job) -> bool:
@@ -288,9 +263,7 @@ async def _heard(worker: _Worker) -> Answer | None:
     """Return the next line of a process; None where it has ended."""
     assert worker.process.stdout is not None
     line = await worker.process.stdout.readline()
-    if not line:
-        return None
-    found: Answer = json.loads(line)
+    found: Answer | None = json.loads(line) if line else None
     return found
 
 

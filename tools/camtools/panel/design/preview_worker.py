@@ -24,6 +24,7 @@ import signal
 import sys
 import time
 from collections.abc import Iterator
+from math import floor, log10
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -69,23 +70,15 @@ Shown = dict[str, Any]
 
 def rounded(values: Floats) -> list[float]:
     """Return numbers with as many digits as a picture needs."""
-    largest = float(np.abs(values).max(initial=0.0))
-    if largest == 0.0:
-        return [0.0] * values.size
-    decimals = _DIGITS - 1 - int(np.floor(np.log10(largest)))
-    found: list[float] = np.round(values, decimals).tolist()
+    largest = float(np.abs(values).max(initial=0.0)) or 1.0
+    found: list[float] = np.round(values, _DIGITS - 1 - floor(log10(largest))).tolist()
     return found
 
 
 def motion_of(turn: ExactTurn, rpm: float, ratio: SpeedRatio | None = None) -> dict[str, Floats]:
     """Return U over a turn and its derivatives by the time, MATHS.md (25).
 
-    Parameters
-    ----------
-    rpm : float
-        Mean speed of the spindle [r/min].
-    ratio : SpeedRatio, optional
-        Speed over its mean, of a modulated spindle.
+    The spindle has a mean speed [r/min], and a modulated one its ratio to that.
     """
     omega = omega_rad_s(rpm)
     one = np.ones_like(turn.u_mm)
@@ -137,10 +130,7 @@ def limits_of(limits: MachineLimits) -> Shown:
 class Judged:
     """A table that was made, and what the controller's rule says of it.
 
-    Raises
-    ------
-    CamtoolsError
-        There is no table: the shape is impossible, or the tolerance out of reach.
+    Raises CamtoolsError where there is none: the shape or the tolerance is impossible.
     """
 
     def __init__(self, loaded: Loaded) -> None:
@@ -190,20 +180,11 @@ def verdict_of_table(judged: Judged, limits: MachineLimits) -> Shown:
         "decided_by": judged.best.decides,
         "rpm": judged.rpm,
         "asked_rpm": judged.asked_rpm,
-        "margins": [
-            {
-                "name": one.name,
-                "field": one.field,
-                "needed": one.needed,
-                "limit": one.limit,
-                "unit": one.unit,
-                "left_percent": one.left_percent,
-            }
-            for one in margins
-        ],
+        "margins": [{key: getattr(margin, key) for key in _MARGIN_KEYS} for margin in margins],
     }
 
 
+_MARGIN_KEYS = ("name", "field", "needed", "limit", "unit", "left_percent")
 FILE = "part.toml"  # what messages call the text; it is left out where they are shown
 _REMEMBERED = 64
 _DONE = "done"
@@ -219,9 +200,9 @@ class _Switch:
     is_on = False
 
 
-def _problems(error: CamtoolsError, text: str) -> Shown:
-    found = problems_of(error.lines, text, FILE)
-    return {"stage": "problems", "problems": [one._asdict() for one in found]}
+def _problems(lines: list[str], text: str, stage: str = "problems") -> Shown:
+    found = [problem._asdict() for problem in problems_of(lines, text, FILE)]
+    return {"stage": stage, "problems": found}
 
 
 def _loaded(text: str, folder: str) -> Loaded:
@@ -243,19 +224,14 @@ def _preview(request: Shown) -> Iterator[Shown]:
         exact = loaded.kind.exact(loaded.part)
         limits = loaded.part.machine.limits
         asked_rpm = loaded.part.process.spindle_rpm
-        curves = curves_of(exact, asked_rpm, z_mm)
-        yield {"stage": "curves", "limits": limits_of(limits), "kind": loaded.kind.name} | curves
+        drawn = {"stage": "curves", "limits": limits_of(limits), "kind": loaded.kind.name}
+        yield drawn | curves_of(exact, asked_rpm, z_mm)
         judged = recall(("judged", key), lambda: Judged(loaded))
         if judged.speed is not None or judged.rpm != asked_rpm:
-            curves = curves_of(exact, judged.rpm, z_mm, judged.speed)
-            yield {"stage": "curves", "limits": limits_of(limits), "kind": loaded.kind.name} | (
-                curves
-            )
-        problems = problems_of(judged.lines, text, FILE)
-        shown = verdict_of_table(judged, limits)
-        yield {"stage": "table", "problems": [one._asdict() for one in problems]} | shown
+            yield drawn | curves_of(exact, judged.rpm, z_mm, judged.speed)
+        yield _problems(judged.lines, text, "table") | verdict_of_table(judged, limits)
     except CamtoolsError as error:
-        yield _problems(error, text)
+        yield _problems(error.lines, text)
 
 
 def _state_of(tree: Shown, folder: str) -> tuple[object, ...]:
@@ -275,7 +251,7 @@ def _edit(request: Shown) -> Iterator[Shown]:
     try:
         yield {"stage": "text", "text": edited(text, tuple(request["path"]), request["value"])}
     except CamtoolsError as error:
-        yield _problems(error, text)
+        yield _problems(error.lines, text)
 
 
 _ACTIONS = {"preview": _preview, "edit": _edit}
@@ -309,7 +285,7 @@ def _carry_out(request: Shown, memory: Memory) -> None:
         is_dropped = True
     except MemoryError:
         problem = "takes more memory than a preview may; give fewer points or lobes"
-        _tell({"id": request["id"]} | _problems(CamtoolsError([problem]), ""))
+        _tell({"id": request["id"]} | _problems([problem], ""))
     finally:
         _Switch.is_on = False
     spent_s = time.process_time() - begin_s
@@ -334,8 +310,7 @@ def main(memory_mb: int) -> None:
     memory = Memory(_REMEMBERED)
     _tell({"id": 0, "stage": "ready"})
     for line in sys.stdin:
-        request: dict[str, Any] = json.loads(line)
-        _carry_out(request, memory)
+        _carry_out(json.loads(line), memory)
 
 
 if __name__ == "__main__":

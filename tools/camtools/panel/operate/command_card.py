@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from nicegui import ui
 from nicegui.events import GenericEventArguments
@@ -10,12 +11,23 @@ from nicegui.events import GenericEventArguments
 from camtools.base.quantities import UM_PER_MM
 from camtools.panel.operate.order_buttons import Orders, Press
 from camtools.panel.orders.snapshot import Snapshot
-from camtools.panel.pieces import asks, card, confirmed
+from camtools.panel.pieces import asks, card, confirmed, outlined
 from camtools.panel.views.availability import why_not
 
 _FEED_DETENTS = (0, 50, 80, 100, 120, 150)
 _SPINDLE_DETENTS = (50, 80, 90, 100, 110, 120)
 _CHANGED = "table, state or commander have changed meanwhile; check, and start again"
+# Order, label, icon, words of its outcome, key.
+_ORDERS = (
+    ("enable", "Enable", "power_settings_new", "", "E"),
+    ("start", "Start", "play_arrow", "", "S"),
+    ("hold", "Hold", "pause", "", "H"),
+    ("resume", "Resume", "play_circle", "", "R"),
+    ("disable", "Disable", "power_off", "", "D"),
+    ("reset", "Reset", "restart_alt", "", "T"),
+    ("home", "Find index", "my_location", "find the index", ""),
+    ("manual", "By hand", "pan_tool", "by hand", "M"),
+)
 
 
 class CommandCard:
@@ -23,40 +35,26 @@ class CommandCard:
 
     def __init__(self, orders: Orders) -> None:
         self._orders = orders
+        self._presses: dict[str, Press] = {}  # by key
         self.on_keys: Callable[[], None] = lambda: None
         with card("Commands", "commands"):
             orders.why_all_are_off()
             with ui.element("div").classes("op-buttons"):
-                orders.button("Enable", "enable", "power_settings_new", self.enable, key="E")
-                orders.button("Start", "start", "play_arrow", self.start, key="S", tone="op-go")
-                orders.button("Hold", "hold", "pause", self.hold, key="H")
-                orders.button("Resume", "resume", "play_circle", self.resume, key="R")
-                orders.button("Disable", "disable", "power_off", self.disable, key="D")
-                orders.button("Reset", "reset", "restart_alt", self.reset, key="T")
-                orders.button("Find index", "home", "my_location", self.home)
-                orders.button("By hand", "manual", "pan_tool", self.manual, key="M")
+                for order, label, icon, words, key in _ORDERS:
+                    is_start = order == "start"
+                    press = self.start if is_start else partial(orders.give, order, words)
+                    tone = "op-go" if is_start else "op-do"
+                    orders.button(label, order, icon, press, key=key, tone=tone)
+                    if key:
+                        self._presses[key.lower()] = press
             orders.last_order()
             asks("start", self.start)
-            keys = ui.button("Keys", icon="keyboard", on_click=lambda: self.on_keys())
-            keys.props("no-caps outline data-testid=help-open")
+            outlined("Keys", "help-open", lambda: self.on_keys(), icon="keyboard")
 
     async def by_key(self, key: str) -> None:
         """Do what a key means, where it makes sense."""
-        named = {
-            "e": self.enable,
-            "s": self.start,
-            "h": self.hold,
-            "r": self.resume,
-            "d": self.disable,
-            "t": self.reset,
-            "m": self.manual,
-        }
-        if (press := named.get(key.lower())) is not None:
+        if (press := self._presses.get(key.lower())) is not None:
             await press()
-
-    async def enable(self) -> None:
-        """Drives on, and the index is searched."""
-        await self._orders.give("enable")
 
     async def start(self) -> None:
         """Cut a part, after a question; nothing starts unasked, however new the state is."""
@@ -80,30 +78,6 @@ class CommandCard:
         is_mine = commander.holder is self._orders.visitor
         return now.table_name, now.signals.get("table_crc"), now.state, is_mine, commander.since_s
 
-    async def hold(self) -> None:
-        """Z rests on a whole turn."""
-        await self._orders.give("hold")
-
-    async def resume(self) -> None:
-        """Z goes on."""
-        await self._orders.give("resume")
-
-    async def disable(self) -> None:
-        """Drives off."""
-        await self._orders.give("disable")
-
-    async def reset(self) -> None:
-        """Leave the state fault."""
-        await self._orders.give("reset")
-
-    async def home(self) -> None:
-        """Search the index anew."""
-        await self._orders.give("home", "find the index")
-
-    async def manual(self) -> None:
-        """Drives on without the spindle."""
-        await self._orders.give("manual", "by hand")
-
 
 class Override:
     """A slider with detents and a button of 100 %; it orders what a person sets, never by itself.
@@ -122,24 +96,17 @@ class Override:
             self._value = ui.label("").classes("op-number").props(f"data-testid=override-{order}")
             self._slider = ui.slider(min=detents[0], max=detents[-1], step=1, value=100)
             self._slider.props(
-                f'label snap markers="{10}" aria-label="{label} override in percent" '
+                f'label snap markers="10" aria-label="{label} override in percent" '
                 f"data-testid=slider-{order}"
             )
             self._slider.on("pan", self._pan, ["args"])
             self._slider.on("change", self._set)
+            orders.guard(self._slider, order)
             with ui.element("div").classes("op-detents"):
                 for percent in detents:
-                    one = ui.button(f"{percent} %", on_click=self._press(percent))
-                    one.props(f"no-caps outline data-testid={order}-{percent}")
+                    name, press = f"{order}-{percent}", partial(self._give, percent)
+                    one = orders.small_button(f"{percent} %", name, order, press)
                     one.classes("op-detent op-hundred" if percent == 100 else "op-detent")
-                    orders.guard(one, order)
-        orders.guard(self._slider, order)
-
-    def _press(self, percent: int) -> Press:
-        async def press() -> None:
-            await self._give(percent)
-
-        return press
 
     def _pan(self, event: GenericEventArguments) -> None:
         self._is_moved = event.args == "start"
@@ -177,14 +144,12 @@ class AdjustCard:
             with ui.element("div").classes("op-row"):
                 self._trim = ui.number("Trim of the diameter", value=0.0, step=1.0, suffix="µm")
                 self._trim.classes("op-input").props("data-testid=trim")
-                one = ui.button("Set trim", on_click=self._set_trim).props("no-caps outline")
-                orders.guard(one, "trim")
+                orders.small_button("Set trim", "do-trim", "trim", self._set_trim)
                 self._trim_now = ui.label("").classes("op-note").props("data-testid=trim-now")
             with ui.element("div").classes("op-row"):
                 self._parts = ui.number("Parts cut", value=0, step=1, min=0, precision=0)
                 self._parts.classes("op-input").props("data-testid=parts-new")
-                one = ui.button("Count from here", on_click=self._set_parts)
-                orders.guard(one.props("no-caps outline"), "parts")
+                orders.small_button("Count from here", "do-parts", "parts", self._set_parts)
                 self._parts_now = ui.label("").classes("op-note").props("data-testid=parts-now")
 
     async def _set_trim(self) -> None:
@@ -198,8 +163,8 @@ class AdjustCard:
 
     def show(self, snapshot: Snapshot) -> None:
         """Show what the controller has."""
-        for one in self._overrides:
-            one.show(snapshot)
+        for override in self._overrides:
+            override.show(snapshot)
         s = snapshot.signals
         trim_um = s.get("trim_of_x", 0.0) * UM_PER_MM
         self._trim_now.set_text(

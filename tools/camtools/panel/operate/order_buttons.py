@@ -12,10 +12,12 @@ from camtools.panel.context import AppContext
 from camtools.panel.orders.commander import Visitor
 from camtools.panel.orders.order import Order, Outcome
 from camtools.panel.orders.snapshot import Snapshot
+from camtools.panel.pieces import outlined
 from camtools.panel.views.availability import why_not
 from camtools.panel.views.wording import held_text
 
 Press = Callable[[], Awaitable[object]]
+Why = Callable[[], str]
 
 
 @dataclass
@@ -25,7 +27,7 @@ class _Guarded:
     control: DisableableElement
     reason: ui.label | None
     order: str
-    own_why: Callable[[], str]
+    own_why: Why
     why: str | None = None
 
     def show(self, of_all: str, own: str) -> None:
@@ -56,7 +58,7 @@ class Orders:
         is_commander = self.context.commander.holder is self.visitor
         return "" if is_commander else "take the command, top right"
 
-    async def give(self, name: str, /, words: str = "", **arguments: object) -> Outcome:
+    async def give(self, name: str, words: str = "", /, **arguments: object) -> Outcome:
         """Give an order, and show what came of it."""
         told = words or name.replace("_", " ")
         self._tell(f"{told} ..", "busy")
@@ -92,37 +94,35 @@ class Orders:
         control: DisableableElement,
         order: str,
         reason: ui.label | None = None,
-        own_why: Callable[[], str] = lambda: "",
+        own_why: Why = lambda: "",
     ) -> None:
         """Keep a control switched off while its order makes no sense or the right is missing.
 
-        Parameters
-        ----------
-        own_why : callable
-            why the control is off for a reason that the status does not show; "": it is on
+        `own_why` returns a reason that the status does not show; "": it is on.
         """
         self._guarded.append(_Guarded(control, reason, order, own_why))
 
     def button(
-        self, name: str, order: str, icon: str, press: Press, *, key: str = "", tone: str = "op-do"
-    ) -> ui.button:
-        """Draw a button that gives an order, with the reason below where it is off.
-
-        Parameters
-        ----------
-        key : str
-            of the keyboard that does the same
-        """
+        self, label: str, order: str, icon: str, press: Press, *, key: str, tone: str
+    ) -> None:
+        """Draw a large button with its key; the reason is below where it is off."""
         with ui.element("div").classes("op-cell"):
-            one = ui.button(name, icon=icon, on_click=press, color=None)
-            one.classes(f"op-button {tone}")
-            one.props(f'no-caps unelevated data-testid="do-{order}"').mark(f"do-{order}")
+            large = ui.button(label, icon=icon, on_click=press, color=None)
+            large.classes(f"op-button {tone}")
+            large.props(f'no-caps unelevated data-testid="do-{order}"').mark(f"do-{order}")
             if key:
-                with one:
+                with large:
                     ui.label(key).classes("op-key").props("aria-hidden=true")
             reason = ui.label("").classes("op-why")
-        self.guard(one, order, reason)
-        return one
+        self.guard(large, order, reason)
+
+    def small_button(
+        self, label: str, name: str, order: str, press: Press, own_why: Why = lambda: ""
+    ) -> ui.button:
+        """Draw a button of a row; `name` is its mark, `order` that by which it is guarded."""
+        small = outlined(label, name, press)
+        self.guard(small, order, own_why=own_why)
+        return small
 
     def show(self, snapshot: Snapshot) -> None:
         """Switch all guarded controls by what is so now.
@@ -133,6 +133,6 @@ class Orders:
         of_all = lost or self.why_no_rights or held_text(snapshot)
         if self._of_all is not None:
             self._of_all.set_text(f"Orders are off: {of_all}." if of_all else "")
-        for one in self._guarded:
-            why = why_not(one.order, snapshot.state, snapshot.signals)
-            one.show(of_all, why or one.own_why())
+        for guarded in self._guarded:
+            why = why_not(guarded.order, snapshot.state, snapshot.signals)
+            guarded.show(of_all, why or guarded.own_why())

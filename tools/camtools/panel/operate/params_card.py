@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 from nicegui import ui
@@ -15,27 +16,28 @@ from camtools.panel.operate.order_buttons import Orders
 from camtools.panel.orders.loop_tuner import Tuned
 from camtools.panel.orders.order import Outcome
 from camtools.panel.orders.snapshot import ParameterSet, Snapshot
-from camtools.panel.pieces import asks, cancel_button, card, confirmed, file_button, titled_dialog
+from camtools.panel.pieces import (
+    answer_buttons,
+    answer_of,
+    asks,
+    card,
+    confirmed,
+    file_button,
+    outlined,
+    titled_dialog,
+)
 from camtools.panel.views.parameter_rows import has_force_drive, judged, loop_text, rows
 
 _MOST_BYTES = 1 << 20
 _COLUMNS = [
-    {
-        "name": name,
-        "label": label,
-        "field": name,
-        "align": align,
-        "sortable": True,
-        "classes": kind,
-        "headerClasses": kind,
-    }
-    for name, label, align, kind in (
-        ("name", "Parameter", "left", "op-param-name"),
-        ("value", "Value", "right", "op-number"),
-        ("unit", "Unit", "left", "op-param-unit"),
-        ("range", "Range", "left", "op-param-range"),
-        ("group", "Group", "left", "op-param-group"),
-        ("meaning", "Meaning", "left", "op-param-meaning"),
+    {"name": name, "label": label, "field": name, "sortable": True}
+    | {"align": "right" if name == "value" else "left"}
+    | dict.fromkeys(
+        ("classes", "headerClasses"), "op-number" if name == "value" else f"op-param-{name}"
+    )
+    for name, label in (
+        *(("name", "Parameter"), ("value", "Value"), ("unit", "Unit"), ("range", "Range")),
+        *(("group", "Group"), ("meaning", "Meaning")),
     )
 ]
 
@@ -58,42 +60,30 @@ class ParamsCard:
             ui.label("Select a row to change its value.").classes("op-notes")
             self._draw_level()
             self._draw_file()
-            self._draw_memory()
+            with ui.element("div").classes("op-row"):
+                keep = partial(orders.give, "keep", "keep the parameters")
+                orders.small_button("Keep for the next start", "params-keep", "keep", keep)
+                revert = partial(orders.give, "revert", "revert the parameters")
+                label = "Revert to the kept parameters"
+                orders.small_button(label, "params-revert", "revert", revert)
+                orders.small_button("Defaults", "params-defaults", "defaults", self._defaults)
 
     def _draw_file(self) -> None:
         with ui.element("div").classes("op-row"):
             file_button("Choose a file", ".toml", _MOST_BYTES, "params-file", self._take)
-            save = ui.button("Save as file", on_click=self._save)
-            save.props("no-caps outline data-testid=params-save")
-            one = ui.button("Load the chosen file", on_click=self._load)
-            self._orders.guard(one.props("no-caps outline data-testid=params-load"), "params")
-            diff = ui.button("Compare with the chosen file", on_click=self._compare)
-            diff.props("no-caps outline data-testid=params-diff")
+            outlined("Save as file", "params-save", self._save)
+            load = "Load the chosen file"
+            self._orders.small_button(load, "params-load", "params", self._load)
+            outlined("Compare with the chosen file", "params-diff", self._compare)
         self._differs = ui.element("ul").classes("op-log").props("data-testid=params-differences")
         self._differs.set_visibility(False)
-
-    def _draw_memory(self) -> None:
-        with ui.element("div").classes("op-row"):
-            one = ui.button("Keep for the next start", on_click=self._keep)
-            self._orders.guard(one.props("no-caps outline data-testid=params-keep"), "keep")
-            one = ui.button("Revert to the kept parameters", on_click=self._revert)
-            self._orders.guard(one.props("no-caps outline data-testid=params-revert"), "revert")
-            one = ui.button("Defaults", on_click=self._defaults)
-            self._orders.guard(one.props("no-caps outline data-testid=params-defaults"), "defaults")
 
     def _draw_level(self) -> None:
         with ui.element("div").classes("op-row"):
             self._level = ui.label("").classes("op-note").props("data-testid=level")
-            one = ui.button("Unlock", on_click=self._unlock)
-            self._orders.guard(one.props("no-caps outline data-testid=do-unlock"), "unlock")
-            one = ui.button("Lock", on_click=self._lock)
-            self._orders.guard(one.props("no-caps outline data-testid=do-lock"), "lock")
-
-    async def _unlock(self) -> None:
-        await self._orders.give("unlock")
-
-    async def _lock(self) -> None:
-        await self._orders.give("lock")
+            for order in ("unlock", "lock"):
+                press = partial(self._orders.give, order)
+                self._orders.small_button(order.capitalize(), f"do-{order}", order, press)
 
     def show_level(self, signals: Mapping[str, float]) -> None:
         """Show whether limits and constants may be changed, and how they can be."""
@@ -128,13 +118,8 @@ class ParamsCard:
                 problem.set_text(told if isinstance(told, str) else "")
 
             field.on_value_change(look)
-            with ui.row().classes("op-dialog-buttons"):
-                cancel_button(dialog, "param")
-                agree = ui.button("Set", on_click=lambda: dialog.submit(field.value), color=None)
-                agree.classes("op-do").props("no-caps unelevated data-testid=param-set")
-        answer = await dialog
-        if not dialog.is_deleted:  # as with its page
-            dialog.delete()
+            answer_buttons(dialog, "param", "Set", "param-set", lambda: field.value)
+        answer = await answer_of(dialog)
         return None if answer is None else str(answer)
 
     def _save(self) -> None:
@@ -178,12 +163,6 @@ class ParamsCard:
             words = f"load {self._name}"
             await self._orders.give("params_load", words, text=self._text, name=self._name)
 
-    async def _keep(self) -> None:
-        await self._orders.give("keep", "keep the parameters")
-
-    async def _revert(self) -> None:
-        await self._orders.give("revert", "revert the parameters")
-
     async def _defaults(self) -> None:
         text = (
             "All parameters are set to the controller's defaults, including those of the machine."
@@ -225,15 +204,10 @@ class ForceDriveCard:
             with ui.element("div").classes("op-row"):
                 self._force = ui.number("Force of the pulse", value=15.0, min=0.1, suffix="N")
                 self._force.classes("op-input").props("data-testid=pulse-force")
-                one = ui.button("Pulse", on_click=self._push)
-                one.props("no-caps outline data-testid=do-push_u")
-                orders.guard(one, "push_u")
-                one = ui.button("Measure", on_click=self._measure)
-                one.props("no-caps outline data-testid=do-measure_loop")
-                orders.guard(one, "measure_loop")
-                one = ui.button("Apply", on_click=self._apply)
-                one.props("no-caps outline data-testid=do-apply_loop")
-                orders.guard(one, "apply_loop", own_why=self._why_no_loop)
+                orders.small_button("Pulse", "do-push_u", "push_u", self._push)
+                orders.small_button("Measure", "do-measure_loop", "measure_loop", self._measure)
+                own = self._why_no_loop
+                orders.small_button("Apply", "do-apply_loop", "apply_loop", self._apply, own)
             self._work = ui.label("").classes("op-note").props("role=status")
             self._problem = ui.label("").classes("op-problem").props("data-testid=drive-problem")
             self._report = ui.label("").classes("op-report").props("data-testid=drive-report")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 
 from nicegui import ui
@@ -13,7 +14,7 @@ from camtools.base.project import ROOT
 from camtools.panel.operate.order_buttons import Orders
 from camtools.panel.orders.order import Outcome
 from camtools.panel.orders.snapshot import Snapshot
-from camtools.panel.pieces import card, file_button
+from camtools.panel.pieces import card, file_button, outlined
 from camtools.panel.views.wording import share_of
 
 _PARTS = ROOT / "tools" / "parts"
@@ -48,13 +49,14 @@ class TableCard:
             self._chosen = ui.label("No table chosen yet.").classes("op-note")
             self._chosen.props("role=status data-testid=table-chosen")
             with ui.element("div").classes("op-row"):
-                one = ui.button("Download and use", on_click=self._next, color=None)
-                one.props("no-caps unelevated data-testid=table-next").classes("op-button op-do")
-                orders.guard(one, "table")
-                one = ui.button("Download only", on_click=self._download)
-                orders.guard(one.props("no-caps outline data-testid=table-download"), "table")
-                one = ui.button("Use downloaded table", on_click=self._select)
-                orders.guard(one.props("no-caps outline data-testid=table-select"), "table")
+                load = partial(self._give, "table_next", "download and use")
+                both = ui.button("Download and use", on_click=load, color=None)
+                both.props("no-caps unelevated data-testid=table-next").classes("op-button op-do")
+                orders.guard(both, "table")
+                load = partial(self._give, "download", "download")
+                orders.small_button("Download only", "table-download", "table", load)
+                use = partial(orders.give, "select", "use the downloaded table")
+                orders.small_button("Use downloaded table", "table-select", "table", use)
             self._bar = ui.linear_progress(0.0, show_value=False).classes("op-progress")
             self._bar.props('aria-label="Progress of the download" data-testid=table-progress')
             self._work = ui.label("").classes("op-note").props("role=status")
@@ -64,8 +66,7 @@ class TableCard:
         with ui.element("div").classes("op-row"):
             self._part = ui.select(names, label="Part of tools/parts", with_input=False)
             self._part.classes("op-input op-wide").props("data-testid=table-part")
-            make = ui.button("Make its table", on_click=self._make)
-            make.props("no-caps outline data-testid=table-make")
+            outlined("Make its table", "table-make", self._make)
         with ui.element("div").classes("op-row"):
             file_button("Choose a table file", ".camtab", _MOST_BYTES, "table-file", self._take)
 
@@ -94,15 +95,6 @@ class TableCard:
             return
         told = f"{words} {self._name}"
         await self._orders.give(name, told, image=self._image, name=self._name)
-
-    async def _next(self) -> None:
-        await self._give("table_next", "download and use")
-
-    async def _download(self) -> None:
-        await self._give("download", "download")
-
-    async def _select(self) -> None:
-        await self._orders.give("select", "use the downloaded table")
 
     def show(self, snapshot: Snapshot) -> None:
         """Show the table in use and how far a download is."""

@@ -6,13 +6,11 @@
 The file is its owner's alone. At 4 MB it gets the name FILE.1, that one FILE.2, and what was before
 is gone.
 
->>> from camtools.panel.orders.commander import Visitor
 >>> log = CommandLog(None)
 >>> log.add(Visitor("v1"), "start", {}, Outcome(False, "refused: state off"))
 >>> log.newest(1)[0]["order"], log.newest(1)[0]["is_done"]
 ('start', False)
 
->>> from camtools.panel.orders.commander import CommandLog
 >>> commander = Commander(CommandLog(None))
 >>> one, other = Visitor("v1"), Visitor("v2")
 >>> commander.take(one).is_done, commander.take(other).is_done, commander.holder is one
@@ -49,19 +47,14 @@ _numbers = itertools.count(1)
 
 @dataclass(eq=False)
 class Visitor:
-    """An open page; the server makes it, no message of a browser can name another.
-
-    Attributes
-    ----------
-    back_at_s : float
-        [s] of time.monotonic: when the connection stood again after a loss; what the browser had
-        kept back meanwhile arrives right after it
-    """
+    """An open page; the server makes it, no message of a browser can name another."""
 
     id: str  # short name, shown and logged; it opens nothing
     is_here: bool = True  # whether the page's connection stands
     was_connected: bool = False  # whether it has stood before
     n_losses: int = 0  # how often it was lost
+    # When the connection stood again after a loss [s of time.monotonic]; what the browser had kept
+    # back meanwhile arrives right after it.
     back_at_s: float = -1e9
 
     def __str__(self) -> str:
@@ -99,15 +92,7 @@ def _open(path: Path) -> FileIO:
 class CommandLog:
     """Lines of commands in a file and, the newest of them, in memory; from any thread.
 
-    Parameters
-    ----------
-    path : Path or None
-        of the file; None: in memory only
-
-    Raises
-    ------
-    CamtoolsError
-        It cannot be written, or another panel writes it.
+    Raises CamtoolsError where the file cannot be written, or another panel writes it.
     """
 
     def __init__(self, path: Path | None, most_bytes: int = MOST_BYTES) -> None:
@@ -214,11 +199,11 @@ class Commander:
     def take(self, visitor: Visitor) -> Outcome:
         """Take the command when nobody has it."""
         with self._lock:
-            holder = self._holder
-            if holder is not None and holder is not visitor:
-                outcome = Outcome(False, f"{holder} commands; take over to command yourself")
-            else:
+            if self._holder in (None, visitor):
                 outcome = self._give(visitor)
+            else:
+                told = f"{self._holder} commands; take over to command yourself"
+                outcome = Outcome(False, told)
         return self._told("take", visitor, outcome)
 
     def take_over(self, visitor: Visitor) -> Outcome:

@@ -22,7 +22,7 @@ from camtools.panel.orders.commander import Commander, CommandLog, Visitor
 from camtools.panel.orders.jog_press import Presses
 from camtools.panel.orders.link_thread import Job, LinkThread, OpenLink
 from camtools.panel.orders.loop_tuner import LoopTuner, Tuned
-from camtools.panel.orders.order import ATTENDED, RULES, URGENT, Order, Outcome, checked
+from camtools.panel.orders.order import ATTENDED, URGENT, Order, Outcome, checked
 from camtools.panel.orders.snapshot import ParameterSet, Snapshot
 
 BACK_S = 0.5  # what comes so soon behind a lost connection may have been pressed long ago
@@ -33,13 +33,8 @@ BACK = "the connection was lost meanwhile; look, and press again"
 class ControllerService:
     """What stands between pages and controller.
 
-    Parameters
-    ----------
-    open_link : callable
-        returns a Link with an open bus, or raises CamtoolsError, whose text the page shows; it is
-        called again and again while no controller is heard
-    secret : bytes, optional
-        unlocks the controller
+    `open_link` returns a Link with an open bus, or raises CamtoolsError, whose text the page shows;
+    it is called again and again while no controller is heard. The secret unlocks the controller.
     """
 
     def __init__(
@@ -114,7 +109,7 @@ class ControllerService:
 
     def page_clock(self, visitor: Visitor, sent_ms: float) -> None:
         """Take note of a page's clock: when it sent the message that told it, performance.now()."""
-        self._presses.synchronise(visitor, sent_ms)
+        self._presses.is_late(visitor, sent_ms)
 
     def page_lost(self, visitor: Visitor) -> None:
         """End what the visitor holds; to be called when the connection of his page is lost."""
@@ -152,14 +147,9 @@ class ControllerService:
         return await self._give(order, arguments, visitor)
 
     async def _give(self, order: Order, arguments: dict[str, Any], visitor: Visitor) -> Outcome:
-        job = Job(
-            order.name,
-            arguments,
-            visitor,
-            order.name in URGENT,
-            lambda: self._refusal(order.name, visitor),
-            order.name in ATTENDED,
-        )
+        name = order.name
+        marks = name in URGENT, lambda: self._refusal(name, visitor), name in ATTENDED
+        job = Job(name, arguments, visitor, *marks)
         if job.is_attended:
             arguments["rests"] = job.leave
         self._thread.give(job)
@@ -182,14 +172,10 @@ class ControllerService:
 
 def _told(arguments: Mapping[str, Any]) -> dict[str, Any]:
     """Return arguments for the log: of a file its size and checksum."""
-    return {
-        str(name)[:40]: f"{len(value)} bytes, CRC-32 {zlib.crc32(value):08x}"
-        if isinstance(value, bytes)
-        else value
-        if isinstance(value, int | float)
-        else shown(value)
-        for name, value in list(arguments.items())[:8]
-    }
 
+    def text(value: object) -> object:
+        if isinstance(value, bytes):
+            return f"{len(value)} bytes, CRC-32 {zlib.crc32(value):08x}"
+        return value if isinstance(value, int | float) else shown(value)
 
-assert set(URGENT) <= set(RULES)
+    return {str(name)[:40]: text(value) for name, value in list(arguments.items())[:8]}

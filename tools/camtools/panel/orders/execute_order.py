@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from camtools.base.errors import one_line
+from camtools.base.errors import CamtoolsError, one_line
 from camtools.link.controller import Link
 from camtools.link.download import check_image, download, select_table
-from camtools.link.kept_values import change_kept, parse, set_all
+from camtools.link.kept_values import change_kept, parse, problem_of, set_all
 from camtools.link.messages import NUMBERS, Refused
 from camtools.link.operator import (
     carry_out,
@@ -29,8 +29,7 @@ from camtools.link.operator import (
 from camtools.link.refusal_text import ask_done
 from camtools.link.status_text import level_text, table_report
 from camtools.panel.orders.jog_press import Press
-from camtools.panel.orders.loop_tuner import LoopTuner
-from camtools.panel.orders.order import RULES, check_parameter
+from camtools.panel.orders.order import RULES
 
 _PAGES_S = 1.0  # within which every page of the status comes
 _SETTLE_S = 0.05  # the state of before is in the status until the next tick's
@@ -74,32 +73,8 @@ def _jog(link: Link, arguments: Arguments, say: Say) -> str:
     return f"{end_text(link, axis, end, 'jog')}; {press.ending}"
 
 
-def _zero(link: Link, arguments: Arguments, _say: Say) -> str:
-    return set_zero(link, arguments["axis"], arguments["mm"])
-
-
-def _tool(link: Link, arguments: Arguments, _say: Say) -> str:
-    return set_tool(link, arguments["number"])
-
-
-def _tool_offset(link: Link, arguments: Arguments, _say: Say) -> str:
-    return set_tool_offset(link, arguments["number"], arguments["axis"], arguments["mm"])
-
-
-def _override(what: str) -> Action:
-    return lambda link, arguments, _say: set_override(link, what, arguments["percent"])
-
-
 def _quick(name: str, argument: str) -> Action:
-    return lambda link, arguments, _say: set_quick(link, name, arguments[argument])
-
-
-def _trim(link: Link, arguments: Arguments, _say: Say) -> str:
-    return set_trim(link, arguments["measure"], arguments["mm"])
-
-
-def _parts(link: Link, arguments: Arguments, _say: Say) -> str:
-    return set_parts(link, arguments["number"])
+    return lambda link, given, _say: set_quick(link, name, given[argument])
 
 
 def _download(link: Link, arguments: Arguments, say: Say) -> str:
@@ -126,7 +101,8 @@ def _select(link: Link, _arguments: Arguments, say: Say) -> str:
 
 def _set(link: Link, arguments: Arguments, _say: Say) -> str:
     name, value = arguments["name"], arguments["value"]
-    check_parameter(name, value)
+    if problem := problem_of(name, value):
+        raise CamtoolsError([problem])
     answer = ask_done(link, "set_parameter", NUMBERS["parameter"][name], value=value)
     return f"{name} = {answer.value:.0f}"
 
@@ -171,21 +147,6 @@ def _lock(link: Link, _arguments: Arguments, _say: Say) -> str:
     return _level(link)
 
 
-def _push_u(link: Link, arguments: Arguments, say: Say) -> str:
-    tuner: LoopTuner = arguments["tuner"]
-    return tuner.push(link, arguments["force_n"], say)
-
-
-def _measure_loop(link: Link, arguments: Arguments, say: Say) -> str:
-    tuner: LoopTuner = arguments["tuner"]
-    return tuner.measure(link, say, arguments["rests"])
-
-
-def _apply_loop(link: Link, arguments: Arguments, say: Say) -> str:
-    tuner: LoopTuner = arguments["tuner"]
-    return tuner.apply(link, say)
-
-
 def _take_over(link: Link, _arguments: Arguments, _say: Say) -> str:
     link.rights.take(over=True)
     return "you have command; the previous commander was notified"
@@ -194,16 +155,19 @@ def _take_over(link: Link, _arguments: Arguments, _say: Say) -> str:
 _PLAIN = ("stop", "disable", "enable", "manual", "start", "hold", "resume", "reset")
 ACTIONS: Mapping[str, Action] = {
     **{name: _plain(name) for name in _PLAIN},
-    **{what: _override(what) for what in ("feed", "spindle")},
     **{action: _memory(action) for action in ("keep", "revert", "defaults")},
     "home": _home,
     "jog_begin": _jog,
     "step": _step,
-    "zero": _zero,
-    "tool": _tool,
-    "tool_offset": _tool_offset,
-    "trim": _trim,
-    "parts": _parts,
+    "zero": lambda link, given, _say: set_zero(link, given["axis"], given["mm"]),
+    "tool": lambda link, given, _say: set_tool(link, given["number"]),
+    "tool_offset": lambda link, given, _say: set_tool_offset(
+        link, given["number"], given["axis"], given["mm"]
+    ),
+    "feed": lambda link, given, _say: set_override(link, "feed", given["percent"]),
+    "spindle": lambda link, given, _say: set_override(link, "spindle", given["percent"]),
+    "trim": lambda link, given, _say: set_trim(link, given["measure"], given["mm"]),
+    "parts": lambda link, given, _say: set_parts(link, given["number"]),
     "amplitude": _quick("amplitude", "percent"),
     "phase": _quick("phase", "deg"),
     "speed": _quick("speed", "rpm"),
@@ -215,9 +179,9 @@ ACTIONS: Mapping[str, Action] = {
     "params_load": _params_load,
     "unlock": _unlock,
     "lock": _lock,
-    "push_u": _push_u,
-    "measure_loop": _measure_loop,
-    "apply_loop": _apply_loop,
+    "push_u": lambda link, given, say: given["tuner"].push(link, given["force_n"], say),
+    "measure_loop": lambda link, given, say: given["tuner"].measure(link, say, given["rests"]),
+    "apply_loop": lambda link, given, say: given["tuner"].apply(link, say),
     "take_over": _take_over,  # of the service alone: no page orders it by its name
 }
 assert set(ACTIONS) - {"take_over"} == set(RULES) - {"jog_hold", "jog_end"}

@@ -34,18 +34,11 @@ _SILENT = "nothing was heard from the page for 250 ms"
 
 
 class Press:
-    """One press of one button.
-
-    Attributes
-    ----------
-    visitor : Visitor
-    number : int
-    ending : str
-        why it is dead; "" while it lives
-    """
+    """One press of one button."""
 
     def __init__(self, visitor: Visitor, number: int, clock: Callable[[], float]) -> None:
-        self.visitor, self.number, self.ending = visitor, number, ""
+        self.visitor, self.number = visitor, number
+        self.ending = ""  # why it is dead
         self._clock, self._heard_s = clock, clock()
         self._lock = threading.Lock()
 
@@ -95,25 +88,16 @@ class Presses:
         self._last: WeakKeyDictionary[Visitor, int] = WeakKeyDictionary()
         self._clocks: WeakKeyDictionary[Visitor, _Clock] = WeakKeyDictionary()
 
-    def _is_late(self, visitor: Visitor, sent_ms: float | None) -> bool:
+    def is_late(self, visitor: Visitor, sent_ms: float | None) -> bool:
+        """Take note of a page's clock; return whether its message was under way for too long."""
         if sent_ms is None:
             return False
         clock = self._clocks.setdefault(visitor, _Clock())
         return clock.late_s(self._clock(), sent_ms / 1000, visitor.back_at_s) > LATE_S
 
-    def synchronise(self, visitor: Visitor, sent_ms: float) -> None:
-        """Take note of a page's clock before it presses anything."""
-        self._is_late(visitor, sent_ms)
-
     def begin(self, visitor: Visitor, number: int, sent_ms: float | None = None) -> Press:
-        """Return a press that has just begun.
-
-        Raises
-        ------
-        CamtoolsError
-            The number is not above those of before, another press lives, or it came late.
-        """
-        is_late = self._is_late(visitor, sent_ms)
+        """Return a press that has just begun; raise CamtoolsError where it does not count."""
+        is_late = self.is_late(visitor, sent_ms)
         if number <= self._last.get(visitor, -1):
             raise CamtoolsError([f"jog: press {number} is over; press again"])
         self._last[visitor] = number
@@ -131,7 +115,7 @@ class Presses:
 
     def hold(self, visitor: Visitor, number: int, sent_ms: float | None = None) -> bool:
         """Keep a press alive; return whether it is."""
-        is_late = self._is_late(visitor, sent_ms)
+        is_late = self.is_late(visitor, sent_ms)
         press = self._mine(visitor, number)
         return press is not None and not is_late and press.hear()
 

@@ -21,6 +21,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Any
 
 from camtools.base.errors import CamtoolsError
@@ -39,7 +40,6 @@ from camtools.panel.orders.snapshot import (
     ParameterSet,
     Snapshot,
     parameter_set,
-    snapshot_of,
 )
 
 LOOK_S = 0.02  # longest wait before the next job is looked for
@@ -61,22 +61,14 @@ class _Overtaken(Exception):  # noqa: N818 - no error: it ends what runs
 
 @dataclass(eq=False)
 class Job:
-    """An order with checked arguments, on its way through the thread.
-
-    Attributes
-    ----------
-    still_allowed : callable
-        called when its turn comes: why it may not be done any more, "" when it may
-    is_attended : bool
-        whether it ends when that is no longer so
-    """
+    """An order with checked arguments, on its way through the thread."""
 
     name: str
     arguments: Mapping[str, Any]
     visitor: Visitor
     is_urgent: bool = False  # whether it overtakes
-    still_allowed: Callable[[], str] = lambda: ""
-    is_attended: bool = False
+    still_allowed: Callable[[], str] = lambda: ""  # when its turn comes; why not, or ""
+    is_attended: bool = False  # whether it ends when that is no longer so
     told: Future[Outcome] = field(default_factory=Future)  # gets the outcome
     given_s: float = field(default_factory=time.monotonic)
 
@@ -91,17 +83,11 @@ class Job:
 
 
 class LinkThread:
-    """Owner of the link.
+    """Owner of the link, with `open_link` as in ControllerService.
 
-    Parameters
-    ----------
-    open_link : callable
-        returns a Link with an open bus, or raises CamtoolsError
-    wants_command : callable
-        whether somebody at the panel commands; while that is so, the thread takes command over the
-        controller when nobody has it, and keeps it by its heartbeats
-    on_lost : callable
-        told why command over the controller was lost, and who has it now; 0: nobody
+    While somebody at the panel wants command, the thread takes it over the controller when nobody
+    has it, and keeps it by its heartbeats. `on_lost` is called with why it was lost and who has
+    it, 0: nobody.
     """
 
     def __init__(
@@ -138,9 +124,7 @@ class LinkThread:
         if newest.is_connected and time.monotonic() - newest.at_s > SILENT_S + SHOW_S:
             problem = f"{newest.where}: the controller does not answer; check its power and the bus"
             return replace(newest, is_connected=False, state="unknown", problem=problem)
-        is_new = (newest.work, newest.has_command) == (self._work, self._has_command)
-        own = {"work": self._work, "has_command": self._has_command}
-        return newest if is_new else replace(newest, **own)  # type: ignore[arg-type]
+        return replace(newest, work=self._work, has_command=self._has_command)
 
     def samples(self) -> Samples:
         """Return samples of the last turns; the controller sends them while this is called."""
@@ -254,8 +238,18 @@ class LinkThread:
             self._strobe.renew()
         if now_s - self._shown_s >= SHOW_S:
             self._shown_s = now_s
-            own = {"has_command": self._has_command}
-            self._snapshot = snapshot_of(status, link.where, self._work, **own)
+            self._snapshot = Snapshot(
+                is_connected=True,
+                where=link.where,
+                signals=MappingProxyType(dict(status.signals)),
+                state=status.state,
+                faults=tuple(status.faults),
+                table_name=status.table_name,
+                at_s=status.at_s,
+                problem="",
+                work=self._work,
+                has_command=self._has_command,
+            )
             self._convergence.add(status.signals)
 
     def _carry_out(self, link: Link, job: Job) -> None:
@@ -281,7 +275,7 @@ class LinkThread:
         finally:
             self._running = None
             link.rights.may = May.NEVER
-            self._say("")
+            self._work = ""
             job.tell(outcome.is_done, outcome.text)
 
     def _say(self, work: str) -> None:

@@ -31,34 +31,16 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Tuned:
-    """What a measurement of U shows, for pages.
+    """What a measurement of U shows, for pages."""
 
-    Attributes
-    ----------
-    text : str
-        the report of tools/tune
-    picture : bytes
-        of the loop, a PNG; empty where the loop is refused
-    settings : Mapping
-        parameters that `apply` sets; empty where the loop is refused, or set already
-    problem : str
-        why the loop is refused
-    """
-
-    text: str
-    picture: bytes
-    settings: Mapping[str, int]
-    problem: str = ""
+    text: str  # the report of tools/tune
+    picture: bytes  # of the loop, a PNG; empty where the loop is refused
+    settings: Mapping[str, int]  # that `apply` sets; empty where the loop is refused or set
+    problem: str = ""  # why the loop is refused
 
 
 def tuned(one: Recorded, where: str) -> Tuned:
-    """Return the report and the loop for a record, as tools/tune makes them.
-
-    Raises
-    ------
-    CamtoolsError
-        The record is of no use, or a constant is out of its range.
-    """
+    """Return the report and the loop for a record, as tools/tune makes them."""
     from camtools.tune.plots import loop_png  # matplotlib is slow to load
 
     subject = subject_of(fitted(one), {}, _NAME, where)
@@ -71,25 +53,13 @@ def tuned(one: Recorded, where: str) -> Tuned:
 
 
 class LoopTuner:
-    """The newest measurement of U.
-
-    Attributes
-    ----------
-    newest : Tuned or None
-        None: there is none, or a new one is under way
-    """
+    """The newest measurement of U; its orders raise CamtoolsError or Refused with the reason."""
 
     def __init__(self) -> None:
-        self.newest: Tuned | None = None
+        self.newest: Tuned | None = None  # also while a new one is under way
 
     def push(self, link: Link, force_n: float, say: Say) -> str:
-        """Push U in both directions; sign, mass and friction are what `apply` then sets.
-
-        Raises
-        ------
-        CamtoolsError, Refused
-            The controller refuses, U is reversed, or the pulse shows too little.
-        """
+        """Push U in both directions; sign, mass and friction are what `apply` then sets."""
         self.newest = None
         say("the pulse of U")
         found = measure_pulse(ConnectedU(link, keeps_command=True), force_n)
@@ -103,15 +73,7 @@ class LoopTuner:
     def measure(self, link: Link, say: Say, rests: Callable[[], None] = lambda: None) -> str:
         """Excite U and propose a loop; the link is served while that is computed.
 
-        Parameters
-        ----------
-        rests : callable
-            called when U stands again; what follows needs nobody at the page
-
-        Raises
-        ------
-        CamtoolsError, Refused
-            U takes positions, the controller refuses, or the record is of no use.
+        When U stands again `rests` is called: what follows needs nobody at the page.
         """
         self.newest = None
         say("the measurement of U")
@@ -133,13 +95,7 @@ class LoopTuner:
         return "a loop with the margins is proposed; see the report, then apply it"
 
     def apply(self, link: Link, say: Say) -> str:
-        """Switch the drives off and set what was proposed.
-
-        Raises
-        ------
-        Refused
-            Nothing is proposed, or the controller refuses; nothing is set then.
-        """
+        """Switch the drives off and set what was proposed, or nothing where that is refused."""
         newest = self.newest
         if newest is None or not newest.settings:
             raise Refused("nothing is proposed; measure first")

@@ -22,10 +22,9 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from camtools.base.errors import CamtoolsError, shown
-from camtools.link.kept_values import problem_of
 from camtools.link.operator import AXES, MEASURES, N_TOOLS
 
 
@@ -45,12 +44,11 @@ class Outcome:
     text: str  # one line for people: what is so now, or why not and what to do
 
 
-@dataclass(frozen=True)
-class OrderRule:
-    """What an order needs."""
+class OrderRule(NamedTuple):
+    """Types of an order's arguments by their names, and of those that may be missing."""
 
-    arguments: Mapping[str, type]  # type by name; all must be there but those of `optional`
-    optional: Mapping[str, type]  # type by name of those that may be missing
+    arguments: Mapping[str, type]
+    optional: Mapping[str, type]
 
 
 # They overtake everything, break off what runs, and drop what waits.
@@ -118,13 +116,7 @@ RULES = {
 
 
 def checked(order: Order) -> dict[str, Any]:
-    """Return the arguments of an order, each of its type.
-
-    Raises
-    ------
-    CamtoolsError
-        There is no such order, or an argument is missing, too many, or of the wrong type.
-    """
+    """Return the arguments of an order; raise CamtoolsError where one is none of its rule's."""
     rule = RULES.get(order.name)
     if rule is None:
         raise CamtoolsError([f"{shown(order.name)}: no such order"])
@@ -153,9 +145,3 @@ def _argument(order: str, name: str, kind: type, value: object) -> object:
     if choices and value not in choices:
         raise CamtoolsError([f"{what}: give one of {', '.join(map(str, choices))}"])
     return value
-
-
-def check_parameter(name: str, value: int) -> None:
-    """Raise when a parameter is unknown or its value out of its range."""
-    if problem := problem_of(name, value):
-        raise CamtoolsError([problem])

@@ -1,14 +1,10 @@
-"""The page /design of the panel: a part file as text and as a form, its preview, and its cut.
-
-Marks of elements: source, part, open, save-name, save, download, part-upload, undo, redo, editor,
-tab-text, tab-form, problems; those of the form, the preview and the cut stand in
-camtools.panel.pages.design_form, .design_preview and .design_cut.
-"""
+"""The page /design of the panel: a part file as text and as a form, its preview, and its cut."""
 
 from __future__ import annotations
 
 import asyncio
 import time
+from functools import partial
 from typing import Any
 
 from nicegui import background_tasks, events, ui
@@ -22,7 +18,7 @@ from camtools.panel.page_frame import framed
 from camtools.panel.pages.design_cut import CutView
 from camtools.panel.pages.design_form import FormView
 from camtools.panel.pages.design_preview import PreviewView
-from camtools.panel.pieces import confirmed, file_button
+from camtools.panel.pieces import Showing, confirmed, file_button
 from camtools.panel.runs.store import RunOptions
 from camtools.part.schema import Key
 
@@ -50,52 +46,39 @@ class DesignPage:
         self._draft = Draft("")
         self._height_mm: float | None = None
         self._changes = asyncio.Lock()
-        self._is_showing = False
+        self._showing = Showing()
         self._seat = designs.engine.seat(self._take)
-        self._body = ui.column().classes("full-width")
-        with self._body:
-            self._fill()
+        self.close = self._seat.close
+        with ui.column().classes("full-width") as self._body:
+            self._bar()
+            with ui.element("div").classes("design-columns"):
+                with ui.column().classes("design-left"):
+                    self._editors()
+                with ui.column().classes("design-right"):
+                    self._preview = PreviewView(self._height_chosen)
+            with ui.card().classes("full-width"):
+                self._cut = CutView(designs, visitor, self._cut_this)
         self._open(EXAMPLE, _FIRST)
-
-    def _fill(self) -> None:
-        """Make the elements of the page."""
-        self._bar()
-        with ui.element("div").classes("design-columns"):
-            with ui.column().classes("design-left"):
-                self._editors()
-            with ui.column().classes("design-right"):
-                self._preview = PreviewView(self._height_chosen)
-        with ui.card().classes("full-width"):
-            self._cut = CutView(self._designs, self._visitor, self._cut_this)
-
-    def close(self) -> None:
-        """Give the seat at the engine back."""
-        self._seat.close()
 
     def _bar(self) -> None:
         """Make the row that opens and saves parts."""
         with ui.row().classes("items-center q-gutter-sm full-width"):
-            sources = {EXAMPLE: "examples", OWN: "my parts"}
-            self._sources = ui.select(
-                sources, value=EXAMPLE, label="from", on_change=self._list_parts
-            ).props("data-testid=source")
-            self._parts = ui.select([], label="part", on_change=self._part_chosen).props(
-                'data-testid="part"'
-            )
-            self._name = ui.input("save as").props("data-testid=save-name")
-            for one in (self._sources, self._parts, self._name):
-                one.props("dense outlined options-dense").classes("bar-field")
+            sources, listed = {EXAMPLE: "examples", OWN: "my parts"}, self._list_parts
+            self._sources = ui.select(sources, value=EXAMPLE, label="from", on_change=listed)
+            self._parts = ui.select([], label="part", on_change=self._part_chosen)
+            self._name = ui.input("save as")
+            fields = {"source": self._sources, "part": self._parts, "save-name": self._name}
+            for name, field in fields.items():
+                field.props(f"dense outlined options-dense data-testid={name}").classes("bar-field")
             ui.button("Save", icon="save", on_click=self._save).props("data-testid=save")
-            undo = ui.button(icon="undo", on_click=lambda: self._step(self._draft.undo))
-            redo = ui.button(icon="redo", on_click=lambda: self._step(self._draft.redo))
-            undo.props('aria-label="undo" data-testid=undo')
-            redo.props('aria-label="redo" data-testid=redo')
+            for name in ("undo", "redo"):
+                step = ui.button(icon=name, on_click=partial(self._step, name))
+                step.props(f'aria-label="{name}" data-testid={name}')
             download = ui.button("Download", icon="download", on_click=self._download)
             download.props("flat data-testid=download")
             with ui.row():
-                file_button(
-                    "Upload", ".toml,.csv", _MAX_UPLOAD_BYTES, "part-upload", self._upload_later
-                )
+                take = self._upload_later
+                file_button("Upload", ".toml,.csv", _MAX_UPLOAD_BYTES, "part-upload", take)
         self._list_parts()
 
     def _editors(self) -> None:
@@ -104,33 +87,27 @@ class DesignPage:
             form = ui.tab("form").props("data-testid=tab-form")
         with ui.tab_panels(tabs, value=text, animated=False, keep_alive=True).classes("full-width"):
             with ui.tab_panel(text).classes("q-pa-none"):
-                self._editor = (
-                    ui.codemirror(language="TOML", theme="vscodeLight", on_change=self._typed)
-                    .props('aria-label="text of the part file"')
-                    .classes("part-editor")
-                    .props("data-testid=editor")
+                self._editor = ui.codemirror(
+                    language="TOML", theme="vscodeLight", on_change=self._typed
                 )
+                self._editor.props('aria-label="text of the part file" data-testid=editor')
+                self._editor.classes("part-editor")
                 name = _NAME_EDITOR % self._editor.id
                 ui.context.client.on_connect(lambda client: client.run_javascript(name))
             with ui.tab_panel(form).classes("q-pa-sm form-panel"):
                 self._form = FormView(self._form_changed)
-        self._problems = (
-            ui.column()
-            .classes("full-width q-gutter-none")
-            .props('role="status"')
-            .props("data-testid=problems")
-        )
+        self._problems = ui.column().classes("full-width q-gutter-none")
+        self._problems.props("role=status data-testid=problems")
 
     def _list_parts(self) -> None:
         library, source = self._designs.library, str(self._sources.value)
         names = library.examples() if source == EXAMPLE else library.own()
-        self._is_showing = True
         keeps = self._parts.value if self._parts.value in names else None
-        self._parts.set_options(names, value=keeps)
-        self._is_showing = False
+        with self._showing:
+            self._parts.set_options(names, value=keeps)
 
     def _part_chosen(self) -> None:
-        if not self._is_showing and self._parts.value:
+        if not self._showing.is_on and self._parts.value:
             self._open(str(self._sources.value), str(self._parts.value))
 
     def _open(self, source: str, name: str) -> None:
@@ -141,10 +118,8 @@ class DesignPage:
             ui.notify(str(error), type="negative")
             return
         self._source, self._height_mm = source, None
-        self._is_showing = True
-        self._parts.value = name
-        self._name.value = name
-        self._is_showing = False
+        with self._showing:
+            self._parts.value = self._name.value = name
         if self._draft.text:
             self._draft.change(text, time.monotonic(), is_step=True)
         else:
@@ -153,9 +128,8 @@ class DesignPage:
 
     def _show_text(self) -> None:
         """Show the draft's text in the editor, and ask for its preview."""
-        self._is_showing = True
-        self._editor.value = self._draft.text
-        self._is_showing = False
+        with self._showing:
+            self._editor.value = self._draft.text
         self._ask()
 
     def _ask(self) -> None:
@@ -163,7 +137,7 @@ class DesignPage:
         self._seat.preview(self._draft.text, folder, self._height_mm)
 
     def _typed(self, event: events.ValueChangeEventArguments[str]) -> None:
-        if self._is_showing:
+        if self._showing.is_on:
             return
         self._draft.change(event.value or "", time.monotonic())
         self._ask()
@@ -183,8 +157,8 @@ class DesignPage:
     def _form_changed(self, key: Key, value: Any) -> None:  # noqa: ANN401 (of TOML)
         background_tasks.create(self._form_changed_now(key, value))
 
-    def _step(self, step: Any) -> None:  # noqa: ANN401 (undo or redo)
-        step()
+    def _step(self, name: str) -> None:
+        getattr(self._draft, name)()
         self._show_text()
 
     def _height_chosen(self, height_mm: float) -> None:
@@ -223,29 +197,23 @@ class DesignPage:
         library, name = self._designs.library, str(self._name.value or "").strip()
         try:
             replaces = library.has(name)
-            if replaces and not await confirmed(f"Replace the part {name}?", _REPLACED, "Replace"):
+            if replaces and not await _may_replace(f"part {name}"):
                 return
-            self._check_files()
+            if self._source == EXAMPLE:  # the copy is to find the files that the example names
+                self._designs.bring_files(self._draft.text)
             library.save(name, self._draft.text, replaces=replaces)
         except CamtoolsError as error:
             ui.notify(str(error), type="negative")
             return
         self._designs.note(self._visitor, "save", {"name": name}, "saved")
         self._source = OWN
-        self._is_showing = True
-        self._sources.value = OWN
-        self._is_showing = False
-        self._list_parts()
-        self._is_showing = True
-        self._parts.value = name
-        self._is_showing = False
+        with self._showing:
+            self._sources.value = OWN
+            self._list_parts()
+        with self._showing:
+            self._parts.value = name
         ui.notify(f"{name} is saved among my parts", type="positive")
         self._ask()
-
-    def _check_files(self) -> None:
-        """Bring the files along that an example names, so that the copy finds them too."""
-        if self._source == EXAMPLE:
-            self._designs.bring_files(self._draft.text)
 
     def _download(self) -> None:
         name = str(self._name.value or "part")
@@ -257,30 +225,28 @@ class DesignPage:
     async def _uploaded(self, data: bytes, file: str) -> None:
         """Keep a file that somebody brings, and open it when it is a part."""
         with self._body:
-            await self._keep(data, file)
+            try:
+                is_kept = await self._keep(data, file)
+            except (CamtoolsError, UnicodeDecodeError) as error:
+                ui.notify(str(error), type="negative")
+                return
+            if is_kept:
+                self._designs.note(self._visitor, "upload", {"file": file}, "kept")
+                self._show_kept(file)
 
-    async def _keep(self, data: bytes, file: str) -> None:
-        library = self._designs.library
-        try:
-            if file.endswith(".csv"):
-                is_there = (library.folder(OWN) / file).exists()
-                if is_there and not await confirmed(
-                    f"Replace the file {file[:60]}?", _REPLACED, "Replace"
-                ):
-                    return
-                library.save_csv(file, data, replaces=is_there)
-            else:
-                name = file.removesuffix(".toml")
-                is_there = library.has(name)
-                if is_there and not await confirmed(
-                    f"Replace the part {name}?", _REPLACED, "Replace"
-                ):
-                    return
-                library.save(name, data.decode("utf-8"), replaces=is_there)
-        except (CamtoolsError, UnicodeDecodeError) as error:
-            ui.notify(str(error), type="negative")
-            return
-        self._designs.note(self._visitor, "upload", {"file": file}, "kept")
+    async def _keep(self, data: bytes, file: str) -> bool:
+        library, name = self._designs.library, file.removesuffix(".toml")
+        is_csv = file.endswith(".csv")
+        is_there = (library.folder(OWN) / file).exists() if is_csv else library.has(name)
+        if is_there and not await _may_replace(f"file {file[:60]}" if is_csv else f"part {name}"):
+            return False
+        if is_csv:
+            library.save_csv(file, data, replaces=is_there)
+        else:
+            library.save(name, data.decode("utf-8"), replaces=is_there)
+        return True
+
+    def _show_kept(self, file: str) -> None:
         if not file.endswith(".csv"):
             self._sources.value = OWN
             self._list_parts()
@@ -291,6 +257,10 @@ class DesignPage:
 
     async def _cut_this(self, options: RunOptions) -> str:
         return await self._designs.cut(self._draft.text, self._source, options)
+
+
+async def _may_replace(what: str) -> bool:
+    return await confirmed(f"Replace the {what}?", _REPLACED, "Replace")
 
 
 def add(context: AppContext) -> None:

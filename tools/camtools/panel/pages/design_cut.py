@@ -1,8 +1,5 @@
 """Cut it: machine, speed, feed, learning and seed; progress, time left, and the report beside.
 
-Marks of elements: cut-machine, cut-rpm, cut-feed, cut-learns, cut-seed, cut, cut-stop,
-cut-progress, cut-state, cut-report (the frame), cut-machine-upload.
-
 >>> time_left_text(12.3, 30.0)
 '12 s so far, about 18 s left'
 """
@@ -11,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Awaitable, Callable
+from dataclasses import asdict
 
 from nicegui import ui
 
@@ -37,10 +35,7 @@ def time_left_text(gone_s: float, whole_s: float | None) -> str:
 class CutView:
     """The card that cuts the part of the editor.
 
-    Parameters
-    ----------
-    cut : callable
-        Starts a run with options; returns its name, or raises CamtoolsError.
+    `cut`: starts a run with options; returns its name, or raises CamtoolsError.
     """
 
     def __init__(
@@ -51,55 +46,34 @@ class CutView:
         self._shown_report = ""
         with ui.row().classes("items-center q-gutter-sm"):
             self._choices()
-            self._button = ui.button("Cut it", icon="play_arrow", on_click=self._start).props(
-                'data-testid="cut"'
-            )
-            self._stop = ui.button(
-                "End the simulation", icon="cancel", on_click=self._stop_run
-            ).props('data-testid="cut-stop"')
-        self._bar = (
-            ui.linear_progress(value=0, show_value=False)
-            .props('aria-label="progress of the cut"')
-            .props("data-testid=cut-progress")
-        )
+            start = ui.button("Cut it", icon="play_arrow", on_click=self._start)
+            start.props("data-testid=cut")
+            self._stop = ui.button("End the simulation", icon="cancel", on_click=self._stop_run)
+            self._stop.props("data-testid=cut-stop")
+        self._bar = ui.linear_progress(value=0, show_value=False)
+        self._bar.props('aria-label="progress of the cut" data-testid=cut-progress')
         self._state = ui.label("").props('role="status" data-testid=cut-state')
-        self._frame = (
-            ui.element("iframe")
-            .props('sandbox="allow-scripts" title="report of the cut" loading="lazy"')
-            .classes("report-frame")
-            .props("data-testid=cut-report")
-        )
+        self._frame = ui.element("iframe").classes("report-frame").props("data-testid=cut-report")
+        self._frame.props('sandbox="allow-scripts" title="report of the cut" loading="lazy"')
         self._frame.set_visibility(False)
         ui.timer(_SHOW_S, self.show)
         self.show()
 
     def _choices(self) -> None:
-        self._machine = (
-            ui.select(self._machines(), value=OF_THE_PART, label="machine")
-            .props("dense outlined options-dense")
-            .classes("cut-field")
-            .props("data-testid=cut-machine")
-        )
-        self._rpm = ui.number("speed / r/min", min=0, placeholder="of the part").props(
-            'data-testid="cut-rpm"'
-        )
-        self._feed = ui.number("feed / mm/turn", min=0, placeholder="of the part").props(
-            'data-testid="cut-feed"'
-        )
-        self._seed = ui.number("seed", value=1, min=0, precision=0).props("data-testid=cut-seed")
-        for one in (self._rpm, self._feed, self._seed):
-            one.props("dense outlined stack-label").classes("cut-field")
+        self._machine = ui.select(self._machines(), value=OF_THE_PART, label="machine")
+        self._machine.props("dense outlined options-dense data-testid=cut-machine")
+        self._machine.classes("cut-field")
+        self._rpm = ui.number("speed / r/min", min=0, placeholder="of the part")
+        self._feed = ui.number("feed / mm/turn", min=0, placeholder="of the part")
+        self._seed = ui.number("seed", value=1, min=0, precision=0)
+        for name, field in {"rpm": self._rpm, "feed": self._feed, "seed": self._seed}.items():
+            field.props(f"dense outlined stack-label data-testid=cut-{name}").classes("cut-field")
         self._learns = ui.switch("learning", value=True).props("data-testid=cut-learns")
         with self._learns:
             ui.tooltip("off: the controller does not learn, even if it measures U")
         with ui.row():
-            file_button(
-                "Machine file",
-                ".toml",
-                _MAX_MACHINE_BYTES,
-                "cut-machine-upload",
-                self._take_machine,
-            )
+            name, take = "cut-machine-upload", self._take_machine
+            file_button("Machine file", ".toml", _MAX_MACHINE_BYTES, name, take)
 
     def _machines(self) -> dict[str, str]:
         names = self._designs.machine_names()
@@ -134,7 +108,7 @@ class CutView:
             for line in error.lines[:5]:
                 ui.notify(line, type="negative", timeout=10_000)
             return
-        self._designs.note(self._visitor, "cut", options.told() | {"run": self._mine}, "queued")
+        self._designs.note(self._visitor, "cut", asdict(options) | {"run": self._mine}, "queued")
         self.show()
 
     def _stop_run(self) -> None:

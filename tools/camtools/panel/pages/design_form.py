@@ -1,9 +1,6 @@
 """The form beside the text: a card for each table, a field for each key, made from the model.
 
 The field that was touched last has the dial on top: a slider around its value and two step buttons.
-
-Marks of elements: form, form-all, dial, dial-down, dial-up, and field-NAME of each field, where
-NAME is its dotted name.
 """
 
 from __future__ import annotations
@@ -14,19 +11,18 @@ from typing import Any
 from nicegui import ui
 
 from camtools.panel.design.document import dial_of, is_short, shown_text, step_of, typed, within
+from camtools.panel.pieces import Showing
 from camtools.part.schema import Key, Table, plain
 from camtools.pipeline.load import keys_of
 
 OnEdit = Callable[[Key, Any], None]
+_NO_DIAL = "select a number to adjust it here"
 
 
 class FormView:
     """Fields of a part file.
 
-    Parameters
-    ----------
-    on_edit : callable
-        Called with a field and its new value; None removes it from the text.
+    `on_edit`: called with a field and its new value; None removes it from the text.
     """
 
     def __init__(self, on_edit: OnEdit) -> None:
@@ -35,37 +31,32 @@ class FormView:
         self._inputs: dict[str, Any] = {}
         self._shape: tuple[object, ...] = ()
         self._tables: list[Table] = []
-        self._is_showing = False
+        self._showing = Showing()
         self._touched = ""
         with ui.row().classes("items-center full-width no-wrap dial"):
-            self._dial_name = ui.label("select a number to adjust it here")
-            ui.button(icon="remove", on_click=lambda: self._step(-1)).props(
-                'flat round dense aria-label="a step down"'
-            ).props("data-testid=dial-down")
-            self._dial = (
-                ui.slider(min=0, max=1, step=0.01, value=0, on_change=self._turned)
-                .props('aria-label="value of the last selected field"')
-                .props("data-testid=dial")
-            )
-            ui.button(icon="add", on_click=lambda: self._step(1)).props(
-                'flat round dense aria-label="a step up"'
-            ).props("data-testid=dial-up")
-        self._all = ui.switch("all keys, including those not in the text").props(
-            'data-testid="form-all"'
-        )
+            self._dial_name = ui.label(_NO_DIAL)
+            self._step_button("remove", "down", -1)
+            self._dial = ui.slider(min=0, max=1, step=0.01, value=0, on_change=self._turned)
+            self._dial.props('aria-label="value of the last selected field" data-testid=dial')
+            self._step_button("add", "up", 1)
+        self._all = ui.switch("all keys, including those not in the text")
+        self._all.props("data-testid=form-all")
         self._all.on_value_change(lambda: self._build(force=True))
         self._body = ui.column().classes("full-width q-gutter-sm").props("data-testid=form")
         self._dial.disable()
+
+    def _step_button(self, icon: str, sense: str, sign: int) -> None:
+        button = ui.button(icon=icon, on_click=lambda: self._step(sign))
+        button.props(f'flat round dense aria-label="a step {sense}" data-testid=dial-{sense}')
 
     def show(self, kind: str, tree: dict[str, Any]) -> None:
         """Show the values of a text."""
         self._tables = keys_of(kind).tables(tree)
         self._keys = {key.dotted: key for table in self._tables for key in table.keys}
         self._build(force=False)
-        self._is_showing = True
-        for name, element in self._inputs.items():
-            self._set(element, self._keys[name])
-        self._is_showing = False
+        with self._showing:
+            for name, element in self._inputs.items():
+                self._set(element, self._keys[name])
         self._show_dial()
 
     def problems(self, told: list[dict[str, Any]]) -> None:
@@ -74,9 +65,7 @@ class FormView:
         for name, element in self._inputs.items():
             text = by_field.get(name, "")
             if element.props.get("error-message", "") != text:
-                element.props["error"] = bool(text)
-                element.props["error-message"] = text
-                element.update()
+                _show_error(element, text)
 
     def _shown(self) -> list[tuple[Table, list[Key]]]:
         """Return the tables and keys that are shown."""
@@ -146,14 +135,12 @@ class FormView:
 
     def _typed(self, name: str, text: object) -> None:
         key = self._keys.get(name)
-        if self._is_showing or key is None or not is_short(key.value):
+        if self._showing.is_on or key is None or not is_short(key.value):
             return
         try:
             value = typed(key, str(text if text is not None else ""))
         except ValueError as error:
-            element = self._inputs[name]
-            element.props["error"], element.props["error-message"] = True, str(error)
-            element.update()
+            _show_error(self._inputs[name], str(error))
             return
         if repr(value) != repr(key.value):
             self._on_edit(key, value)
@@ -175,26 +162,25 @@ class FormView:
         found = self._number()
         if found is None:
             self._dial.disable()
-            self._dial_name.text = "select a number to adjust it here"
+            self._dial_name.text = _NO_DIAL
             return
         key, value = found
         low, high = dial_of(key, value)
         step = step_of(value) / 10 if key.sort != "whole" else 1
         if not low <= value <= high:
             return
-        self._is_showing = True
-        inside = self._dial.props.get("min", 0) < value < self._dial.props.get("max", 0)
-        if self._dial_name.text != key.dotted or not inside:
-            self._dial.props["min"], self._dial.props["max"] = low, high
-            self._dial.props["step"] = step
-        self._dial.value = value
-        self._dial.enable()
-        self._dial_name.text = key.dotted
-        self._is_showing = False
+        props = self._dial.props
+        with self._showing:
+            inside = props.get("min", 0) < value < props.get("max", 0)
+            if self._dial_name.text != key.dotted or not inside:
+                props["min"], props["max"], props["step"] = low, high, step
+            self._dial.value = value
+            self._dial.enable()
+            self._dial_name.text = key.dotted
 
     def _turned(self) -> None:
         found = self._number()
-        if self._is_showing or found is None:
+        if self._showing.is_on or found is None:
             return
         self._give(found[0], float(self._dial.value))
 
@@ -213,3 +199,9 @@ class FormView:
             rounded = int(rounded)
         if rounded != key.value:
             self._on_edit(key, rounded)
+
+
+def _show_error(element: Any, text: str) -> None:  # noqa: ANN401 (elements of several types)
+    """Show what is wrong beside a field; "": nothing."""
+    element.props["error"], element.props["error-message"] = bool(text), text
+    element.update()

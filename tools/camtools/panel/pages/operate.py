@@ -1,27 +1,4 @@
-"""The operator's page, "/", and its keys.
-
-Marks for tests are attributes `data-testid`:
-
-- state: `state` (the word), `first` (what to do first), `where`, `missing` (list), `faults` (each
-  with `data-fault`), `black-box`, `problem`, `stop`, `last-order`, `rights` (why orders are off)
-- numbers: `value-` and speed, following, angle, u-set, u-actual, x-radius, x-diameter, z,
-  progress, time-left, parts, error-max, error-rms, error-turns; `notes`, `progress-bar`,
-  `progress-text`, `load`, `learning`
-- charts: `error-unrolled`, `error-polar`; `getElement(id).chart.on("finished", ..)` counts updates
-- orders: `do-` and enable, start, hold, resume, disable, reset, home, manual; `question-yes`,
-  `question-cancel`
-- the cut: `slider-feed`, `slider-spindle`, `feed-100`, `spindle-100` .., `trim`, `parts-new`
-- by hand: `jog-xplus`, `jog-xminus` .. (held), `step-xplus` .., `home-x` .., `zero-x`, `do-tool`
-- table: `table-part`, `table-make`, `table-file`, `table-next`, `table-now`, `table-chosen`
-- drive of U: `pulse-force`, `do-push_u`, `do-measure_loop`, `do-apply_loop`, `drive-loop`,
-  `drive-report`, `drive-picture`, `drive-problem`
-- rights: `level`, `do-unlock`, `do-lock`
-- parameters: `params`, `params-search`, `param-value`, `param-set`, `params-file`, `params-load` ..
-- `log`, `help`, `help-open`, `help-close`, `keys-on`; command is in the frame
-
->>> FAST_S, SLOW_S, UNSEEN_S
-(0.08, 0.5, 2.0)
-"""
+"""The operator's page, "/", and its keys."""
 
 from __future__ import annotations
 
@@ -86,6 +63,7 @@ class Help:
         self._dialog.set_value(not self._dialog.value)
 
 
+_LOST = "The server of the panel does not answer: all values here are old."
 FAST_S, SLOW_S = 0.08, 0.5  # between two updates of numbers and charts, and of the rest
 UNSEEN_S = 2.0  # of a page whose tab is hidden
 
@@ -98,10 +76,7 @@ class OperatePage:
         self._is_seen = True
         self._beat = False
         with ui.element("div").classes("op-page op-beat-a") as self._page:
-            self._lost = ui.label(
-                "The server of the panel does not answer: all values here are old."
-            )
-            self._lost.classes("op-lost").props("aria-hidden=true")
+            ui.label(_LOST).classes("op-lost").props("aria-hidden=true")
             self._orders = Orders(context, visitor)
             self._state = StateBar(self._orders)
             self._draw_first()
@@ -130,7 +105,7 @@ class OperatePage:
         """Draw what is set up before a part is cut."""
         with ui.element("div").classes("op-columns op-below"):
             with ui.element("div").classes("op-column"):
-                self._hand = HandCard(self._orders)
+                HandCard(self._orders)
             with ui.element("div").classes("op-column"):
                 self._table = TableCard(self._orders)
             with ui.element("div").classes("op-column"):
@@ -180,8 +155,8 @@ class OperatePage:
         self._beat = not self._beat
         lost = "" if snapshot.is_connected else " op-silent"
         self._page.classes(replace=f"op-page op-beat-{'a' if self._beat else 'b'}{lost}")
-        for one in (self._adjust, self._hand, self._table):
-            one.show(snapshot)
+        self._adjust.show(snapshot)
+        self._table.show(snapshot)
         self._learning.show(snapshot, self._context.service.lessons())
         read = self._context.service.parameters()
         self._drive.show(snapshot, read)

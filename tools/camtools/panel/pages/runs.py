@@ -1,9 +1,4 @@
-"""The page /runs of the panel: all runs in a table, their reports, and what differs.
-
-Marks of elements: runs-table, remove-runs, stop-run, compare, comparison, settings, figures,
-diff-part, diff-machine, over-height, over-angle, section-error, section-height, error-map-N,
-reports, report (the frame of the chosen one).
-"""
+"""The page /runs of the panel: all runs in a table, their reports, and what differs."""
 
 from __future__ import annotations
 
@@ -26,7 +21,7 @@ from camtools.panel.page_frame import framed
 from camtools.panel.pages.design import STYLE
 from camtools.panel.pages.runs_comparison import MOST_COMPARED, ComparisonView
 from camtools.panel.pieces import confirmed
-from camtools.panel.runs.store import REPORT, Run
+from camtools.panel.runs.store import OWN, REPORT, Run
 
 _BOX = '<q-checkbox dense v-model="props.selected" {name} />'
 _SHOW_S = 0.5
@@ -43,19 +38,18 @@ def row_of(run: Run) -> dict[str, Any]:
     """Return a run as a row of the table; numbers stay numbers, so that they sort."""
     day = "%Y-%m-%d".replace("-", "\N{NON-BREAKING HYPHEN}")
     at = datetime.fromtimestamp(run.at_s, UTC).strftime(f"{day} %H:%M:%S")
-    place = "" if run.place == "own" else " (tools/run)"
     return {
         "key": run.key,
         "at": at,
-        "name": run.name + place,
+        "name": run.name if run.place == OWN else f"{run.name} (tools/run)",
         "part": run.part,
         "machine": run.machine or run.options.machine,
-        "settings": run.options.text() if run.place == "own" else "",
+        "settings": run.options.text() if run.place == OWN else "",
         "status": run.status + (f": {run.told[:120]}" if run.told else ""),
         "verdict": run.verdict,
-        "form": None if run.form_um is None else round(run.form_um, 4),
-        "following": None if run.following_um is None else round(run.following_um, 4),
-        "took": None if run.took_s is None else round(run.took_s, 1),
+        "form": run.form_um and round(run.form_um, 4),
+        "following": run.following_um and round(run.following_um, 4),
+        "took": run.took_s and round(run.took_s, 1),
     }
 
 
@@ -71,23 +65,18 @@ class RunsPage:
             for key, label in _COLUMNS
         ]
         with ui.row().classes("items-center q-gutter-sm"):
-            ui.button("Compare", icon="compare_arrows", on_click=self._compare).props(
-                'data-testid="compare"'
-            )
-            ui.button("End the simulation", icon="cancel", on_click=self._stop).props(
-                'data-testid="stop-run"'
-            )
-            ui.button("Remove", icon="delete", on_click=self._remove).props(
-                'data-testid="remove-runs"'
-            )
+            for label, icon, name, press in (
+                ("Compare", "compare_arrows", "compare", self._compare),
+                ("End the simulation", "cancel", "stop-run", self._stop),
+                ("Remove", "delete", "remove-runs", self._remove),
+            ):
+                ui.button(label, icon=icon, on_click=press).props(f"data-testid={name}")
             self._state = ui.label("").props('role="status"')
-        self._table = (
-            ui.table(columns=columns, rows=[], row_key="key", selection="multiple", pagination=12)
-            .props('dense flat aria-label="runs"')
-            .props(f'no-data-label="{_NOTHING}"')
-            .classes("full-width")
-            .props("data-testid=runs-table")
+        self._table = ui.table(
+            columns=columns, rows=[], row_key="key", selection="multiple", pagination=12
         )
+        self._table.props(f'dense flat aria-label="runs" no-data-label="{_NOTHING}"')
+        self._table.props("data-testid=runs-table").classes("full-width")
         # Quasar's own boxes have no names for those who do not see them.
         self._table.add_slot("header-selection", _BOX.format(name='aria-label="all runs"'))
         self._table.add_slot("body-selection", _BOX.format(name=':aria-label="props.key"'))

@@ -26,6 +26,7 @@ from camtools.panel.runs.compare import (
     settings_rows,
 )
 from camtools.panel.runs.store import Run
+from camtools.panel.views.echart import Options
 
 MOST_COMPARED = 4
 _BANDS = 60  # of the height, for a section
@@ -35,12 +36,8 @@ _DIFF_CLASS = {"+": "diff-add", "-": "diff-del", "@": "text-italic"}
 class ComparisonView:
     """Runs that were picked.
 
-    Parameters
-    ----------
-    runs : sequence of Run
-        The first one is what the others are compared with.
-    report_address : callable
-        returns where the report of a run with a key is served
+    `runs`: the first one is what the others are compared with. `report_address`: returns where the
+    report of a run with a key is served.
     """
 
     def __init__(self, runs: Sequence[Run], report_address: Callable[[str], str]) -> None:
@@ -184,7 +181,7 @@ def _diff(title: str, lines: list[DiffLine], *, is_open: bool = True) -> ui.expa
     return box
 
 
-def _chart(options: charts.Options, key: str) -> ui.echart:
+def _chart(options: Options, key: str) -> ui.echart:
     chart = ui.echart(options).classes("camturn-chart compare-chart")
     name = key.replace("-", " ")
     return chart.props(f'role="img" aria-label="{name}" data-testid={key}')

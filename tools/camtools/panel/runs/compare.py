@@ -20,8 +20,8 @@ import numpy as np
 
 from camtools.base.quantities import Floats
 from camtools.base.text import Json
-from camtools.panel.design.charts import BLUE, FAINT, GREEN, INK, ORANGE
 from camtools.panel.runs.store import PART, Run, summary_of
+from camtools.panel.views.echart import COLOURS, INK, TURN, Options, axis, line, titled
 from camtools.sim.results import (
     CUTTING,
     SURFACE,
@@ -53,9 +53,7 @@ class ComparedFigure(NamedTuple):
     def difference(self, i: int) -> str:
         """Return by how much a run differs from the first one."""
         first, value = self.values[0], self.values[i]
-        if first is None or value is None:
-            return ""
-        return f"{value - first:+.4g}"
+        return "" if first is None or value is None else f"{value - first:+.4g}"
 
 
 class DiffLine(NamedTuple):
@@ -65,20 +63,21 @@ class DiffLine(NamedTuple):
     text: str
 
 
-def part_text(run: Run) -> str | None:
-    """Return the part file of a run, nothing where it is not kept."""
-    path = run.folder / PART
+def _text_of(path: Path) -> str | None:
     if path.is_symlink() or not path.is_file() or path.stat().st_size > _MAX_PART_BYTES:
         return None
     return path.read_text(encoding="utf-8", errors="replace")
 
 
+def part_text(run: Run) -> str | None:
+    """Return the part file of a run, nothing where it is not kept."""
+    return _text_of(run.folder / PART)
+
+
 def machine_text_of(run: Run) -> str | None:
     """Return the machine file that a run was cut on."""
-    for path in sorted(run.folder.glob("*_machine.toml")):
-        if not path.is_symlink() and path.stat().st_size <= _MAX_PART_BYTES:
-            return path.read_text(encoding="utf-8", errors="replace")
-    return None
+    texts = map(_text_of, sorted(run.folder.glob("*_machine.toml")))
+    return next((text for text in texts if text is not None), None)
 
 
 def differing(one: str | None, other: str | None) -> list[DiffLine]:
@@ -86,11 +85,9 @@ def differing(one: str | None, other: str | None) -> list[DiffLine]:
     if one is None or other is None:
         missing = "the first" if one is None else "the other"
         return [] if one == other else [DiffLine("@", f"{missing} run does not have it")]
-    lines = difflib.unified_diff(one.splitlines(), other.splitlines(), n=_DIFF_CONTEXT, lineterm="")
-    found = []
-    for line in list(lines)[2:]:
-        found.append(DiffLine("@", line) if line[0] == "@" else DiffLine(line[0], line[1:]))
-    return found
+    texts = one.splitlines(), other.splitlines()
+    rows = list(difflib.unified_diff(*texts, n=_DIFF_CONTEXT, lineterm=""))[2:]
+    return [DiffLine("@", row) if row[0] == "@" else DiffLine(row[0], row[1:]) for row in rows]
 
 
 def settings_rows(runs: Sequence[Run]) -> list[tuple[str, list[str]]]:
@@ -144,12 +141,11 @@ _FIGURES: tuple[tuple[str, str, tuple[str, ...]], ...] = (
 def figures_of(runs: Sequence[Run]) -> list[ComparedFigure]:
     """Return the figures of runs, from their summaries."""
     summaries = [summary_of(run.folder) or {} for run in runs]
-    found = []
-    for name, unit, path in _FIGURES:
-        values = tuple(_number(summary, path) for summary in summaries)
-        if any(value is not None for value in values):
-            found.append(ComparedFigure(name, unit, values))
-    return found
+    figures = (
+        ComparedFigure(name, unit, tuple(_number(summary, path) for summary in summaries))
+        for name, unit, path in _FIGURES
+    )
+    return [figure for figure in figures if any(value is not None for value in figure.values)]
 
 
 def _number(summary: Json, path: tuple[str, ...]) -> float | None:
@@ -168,7 +164,6 @@ class ErrorCurves(NamedTuple):
     map_um: Floats  # shape (N_HEIGHTS, N_ANGLES): of each cell the error of largest magnitude
     angle_deg: Floats  # shape (N_ANGLES,): middles
     following_um: Floats | None  # shape (N_ANGLES,): mean of the following error while cutting
-    spread_um: Floats | None  # its largest distance from that mean
 
 
 def cells_of(surface: GaugedSurface, heights_mm: tuple[float, float]) -> Floats:
@@ -195,13 +190,16 @@ def _surface(path: Path, _written_ns: int) -> GaugedSurface:
     return read_surface(path)
 
 
+def _surface_of(folder: Path) -> GaugedSurface | None:
+    path = folder / SURFACE
+    written_ns = _stamp(path)
+    return None if written_ns is None else _surface(path, written_ns)
+
+
 def error_curves(folder: Path, heights_mm: tuple[float, float] | None = None) -> ErrorCurves | None:
     """Return the errors of a run as curves, nothing where it cut nothing."""
-    path = folder / SURFACE
-    if (written_ns := _stamp(path)) is None:
-        return None
-    surface = _surface(path, written_ns)
-    if surface.turn.size == 0:
+    surface = _surface_of(folder)
+    if surface is None or surface.turn.size == 0:
         return None
     ends = heights_mm or (float(surface.z_mm.min()), float(surface.z_mm.max()))
     cells = cells_of(surface, ends)
@@ -209,39 +207,34 @@ def error_curves(folder: Path, heights_mm: tuple[float, float] | None = None) ->
         worst = np.nanmax(np.where(np.isnan(cells), -np.inf, np.abs(cells)), axis=1)
     worst = np.where(np.isfinite(worst), worst, np.nan)
     middles = ends[0] + (ends[1] - ends[0]) * (np.arange(N_HEIGHTS) + 0.5) / N_HEIGHTS
-    mean, spread = following_over_angle(folder)
     angles = (np.arange(N_ANGLES, dtype=np.float64) + 0.5) * (_DEG / N_ANGLES)
-    return ErrorCurves(middles, worst, cells, angles, mean, spread)
+    return ErrorCurves(middles, worst, cells, angles, following_over_angle(folder))
 
 
-def following_over_angle(folder: Path) -> tuple[Floats | None, Floats | None]:
-    """Return mean and spread of the following error over the drawing's angle while cutting."""
+def following_over_angle(folder: Path) -> Floats | None:
+    """Return the mean following error over the drawing's angle while cutting."""
     path = folder / TRACE
     written_ns = _stamp(path)
-    return (None, None) if written_ns is None else _following(path, written_ns)
+    return None if written_ns is None else _following(path, written_ns)
 
 
 @lru_cache(maxsize=_REMEMBERED)
-def _following(path: Path, _written_ns: int) -> tuple[Floats | None, Floats | None]:
+def _following(path: Path, _written_ns: int) -> Floats | None:
     trace = read_trace(path)
     cut = trace.pick(np.asarray(trace.state == CUTTING))
     if cut.turn.size == 0:
-        return None, None
+        return None
     column = np.floor(np.mod(cut.turn, 1.0) * N_ANGLES).astype(np.int64) % N_ANGLES
     count = np.bincount(column, minlength=N_ANGLES)
     with np.errstate(all="ignore"):
-        mean = np.bincount(column, weights=cut.following_um, minlength=N_ANGLES) / count
-    spread = np.zeros(N_ANGLES)
-    np.maximum.at(spread, column, np.abs(cut.following_um - mean[column]))
-    return mean, np.where(count > 0, spread, np.nan)
+        return np.bincount(column, weights=cut.following_um, minlength=N_ANGLES) / count
 
 
 def section_error(folder: Path, z_mm: float, band_mm: float) -> tuple[Floats, Floats] | None:
     """Return angles [degrees] and form errors [um] of a band of the height, by angle."""
-    path = folder / SURFACE
-    if (written_ns := _stamp(path)) is None:
+    surface = _surface_of(folder)
+    if surface is None:
         return None
-    surface = _surface(path, written_ns)
     near = np.abs(surface.z_mm - z_mm) <= band_mm / 2
     if not near.any():
         return None
@@ -250,25 +243,9 @@ def section_error(folder: Path, z_mm: float, band_mm: float) -> tuple[Floats, Fl
     return angle[order], error[order]
 
 
-COLOURS = (BLUE, ORANGE, GREEN, "#6a3d9a")
 # From metal taken too much to metal left, with the tolerance of the eye in the middle.
 _MAP_COLOURS = ["#08306b", "#2171b5", "#9ecae1", "#f7f7f7", "#fdae6b", "#d94801", "#7f2704"]
-
-Options = dict[str, Any]
-
-
-def _axis(name: str, gap: int) -> Options:
-    return {
-        "type": "value",
-        "scale": True,
-        "name": name,
-        "nameLocation": "middle",
-        "nameGap": gap,
-        "nameTextStyle": {"color": INK, "fontSize": 13},
-        "axisLabel": {"color": INK, "fontSize": 12, "hideOverlap": True},
-        "axisLine": {"lineStyle": {"color": INK}},
-        "splitLine": {"lineStyle": {"color": FAINT}},
-    }
+_STYLES = ("solid", "dashed", "dotted", "solid")
 
 
 def _points(x: Floats, y: Floats) -> list[list[float | None]]:
@@ -280,30 +257,21 @@ def _points(x: Floats, y: Floats) -> list[list[float | None]]:
 
 
 def _lines(
-    title: str, axes: tuple[Options, Options], named: Sequence[tuple[str, list[Any]]]
+    name: str, axes: tuple[Options, Options], named: Sequence[tuple[str, list[Any]]]
 ) -> Options:
-    return {
-        "animation": False,
-        "title": {"text": title, "left": "center", "textStyle": {"color": INK, "fontSize": 15}},
-        "legend": {"bottom": 0, "textStyle": {"color": INK}},
-        "tooltip": {"trigger": "axis"},
-        "grid": {"left": 72, "right": 24, "top": 40, "bottom": 76},
-        "xAxis": axes[0],
-        "yAxis": axes[1],
-        "series": [
-            {
-                "name": name,
-                "type": "line",
-                "showSymbol": False,
-                "data": data,
-                "itemStyle": {"color": colour},
-                "lineStyle": {"color": colour, "width": 2, "type": style},
-            }
-            for (name, data), colour, style in zip(
-                named, COLOURS, ("solid", "dashed", "dotted", "solid"), strict=False
-            )
-        ],
-    }
+    series = [
+        line(run, data, colour, lineStyle={"color": colour, "width": 2, "type": style})
+        for (run, data), colour, style in zip(named, COLOURS, _STYLES, strict=False)
+    ]
+    return titled(
+        name,
+        legend={"bottom": 0, "textStyle": {"color": INK}},
+        tooltip={"trigger": "axis"},
+        grid={"left": 72, "right": 24, "top": 40, "bottom": 76},
+        xAxis=axes[0],
+        yAxis=axes[1],
+        series=series,
+    )
 
 
 def over_height(names: Sequence[str], curves: Sequence[ErrorCurves | None]) -> Options:
@@ -313,8 +281,12 @@ def over_height(names: Sequence[str], curves: Sequence[ErrorCurves | None]) -> O
         for name, one in zip(names, curves, strict=True)
         if one is not None
     ]
-    axes = _axis("height / mm", 28), _axis("largest |form error| / µm", 52) | {"scale": False}
+    axes = axis("height / mm", 28), axis("largest |form error| / µm", 52, scale=False)
     return _lines("form error over the height", axes, named)
+
+
+def _around(y_name: str) -> tuple[Options, Options]:
+    return axis("drawing's angle / °", 28, **TURN), axis(y_name, 52)
 
 
 def over_angle(names: Sequence[str], curves: Sequence[ErrorCurves | None]) -> Options:
@@ -324,9 +296,7 @@ def over_angle(names: Sequence[str], curves: Sequence[ErrorCurves | None]) -> Op
         for name, one in zip(names, curves, strict=True)
         if one is not None and one.following_um is not None
     ]
-    x_axis = _axis("drawing's angle / °", 28) | {"min": 0, "max": 360, "interval": 45}
-    axes = x_axis, _axis("mean following error / µm", 52)
-    return _lines("following error over the angle", axes, named)
+    return _lines("following error over the angle", _around("mean following error / µm"), named)
 
 
 def sections(
@@ -336,9 +306,8 @@ def sections(
     named = [
         (name, _points(*one)) for name, one in zip(names, found, strict=True) if one is not None
     ]
-    x_axis = _axis("drawing's angle / °", 28) | {"min": 0, "max": 360, "interval": 45}
-    axes = x_axis, _axis("form error / µm", 52)
-    return _lines(f"form error of the section at {z_mm:.4g} mm", axes, named)
+    text = f"form error of the section at {z_mm:.4g} mm"
+    return _lines(text, _around("form error / µm"), named)
 
 
 def scale_of(maps: Sequence[Floats]) -> float:
@@ -348,49 +317,36 @@ def scale_of(maps: Sequence[Floats]) -> float:
 
 
 def error_map(name: str, curves: ErrorCurves, scale_um: float) -> Options:
-    """Return a map of the form error over angle and height.
-
-    Parameters
-    ----------
-    scale_um : float
-        Where the colours end; the same for maps that stand side by side.
-    """
+    """Return a map of the form error over angle and height; its colours end at the scale."""
     cells = [
-        [column, row, round(float(value), 5)]
-        for row, line in enumerate(curves.map_um)
-        for column, value in enumerate(line)
-        if np.isfinite(value)
+        [int(column), int(row), round(float(curves.map_um[row, column]), 5)]
+        for row, column in np.argwhere(np.isfinite(curves.map_um))
     ]
-    every = len(curves.angle_deg) // 8
     angles = [f"{angle - curves.angle_deg[0]:.0f}°" for angle in curves.angle_deg]
-    shown = {"color": INK, "interval": every - 1}
     heights = [f"{z:.1f}" for z in curves.z_mm]
-    return {
-        "animation": False,
-        "title": {"text": name, "left": "center", "textStyle": {"color": INK, "fontSize": 15}},
-        "grid": {"left": 64, "right": 20, "top": 40, "bottom": 96},
-        "tooltip": {"formatter": "{c}"},
-        "xAxis": {"type": "category", "data": angles, "axisLabel": shown},
-        "yAxis": {
-            "type": "category",
-            "data": heights,
-            "name": "height / mm",
-            "nameLocation": "middle",
-            "nameGap": 44,
-            "nameTextStyle": {"color": INK},
-            "axisLabel": {"color": INK, "interval": len(heights) // 6},
-        },
-        "visualMap": {
-            "min": -scale_um,
-            "max": scale_um,
-            "precision": 3,
-            "calculable": False,
-            "orient": "horizontal",
-            "left": "center",
-            "bottom": 4,
-            "text": [f"+{scale_um:g} µm: metal left", f"{-scale_um:g} µm"],
-            "textStyle": {"color": INK},
-            "inRange": {"color": _MAP_COLOURS},
-        },
-        "series": [{"type": "heatmap", "data": cells, "silent": False, "progressive": 0}],
+    named = {"name": "height / mm", "nameLocation": "middle", "nameGap": 44}
+    colours = {
+        "min": -scale_um,
+        "max": scale_um,
+        "precision": 3,
+        "calculable": False,
+        "orient": "horizontal",
+        "left": "center",
+        "bottom": 4,
+        "text": [f"+{scale_um:g} µm: metal left", f"{-scale_um:g} µm"],
+        "textStyle": {"color": INK},
+        "inRange": {"color": _MAP_COLOURS},
     }
+    return titled(
+        name,
+        grid={"left": 64, "right": 20, "top": 40, "bottom": 96},
+        tooltip={"formatter": "{c}"},
+        xAxis=_categories(angles, len(angles) // 8 - 1),
+        yAxis=_categories(heights, len(heights) // 6) | named | {"nameTextStyle": {"color": INK}},
+        visualMap=colours,
+        series=[{"type": "heatmap", "data": cells, "silent": False, "progressive": 0}],
+    )
+
+
+def _categories(data: list[str], interval: int) -> Options:
+    return {"type": "category", "data": data, "axisLabel": {"color": INK, "interval": interval}}

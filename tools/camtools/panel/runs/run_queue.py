@@ -61,15 +61,7 @@ _BREAK = re.compile(rb"[\r\n]+")
 
 
 class RunQueue:
-    """Runs that wait, and the one that goes on.
-
-    Parameters
-    ----------
-    on_change : callable
-        Called in the event loop when anything has changed.
-    command : list of str, optional
-        That cuts; the words of a run follow.
-    """
+    """Runs that wait, and the one that goes on; a command cuts, which the words of a run follow."""
 
     def __init__(
         self,
@@ -88,17 +80,9 @@ class RunQueue:
         self.begun_s = 0.0
 
     def add(self, folder: Path, options: RunOptions, machine: str | None = None) -> None:
-        """Let a run begin when those before it have ended; within a running event loop.
+        """Let a run begin when those before it have ended; its machine may be a file of one's own.
 
-        Parameters
-        ----------
-        machine : str, optional
-            Path of the machine file, where it is one of one's own.
-
-        Raises
-        ------
-        CamtoolsError
-            Too many wait.
+        Raises CamtoolsError where too many wait. Needs an event loop that runs.
         """
         self.check_room()
         self._waiting.append((folder, options.words(PART, machine)))

@@ -20,9 +20,9 @@ from __future__ import annotations
 import json
 import re
 import shutil
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
-from math import isfinite
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -38,62 +38,35 @@ _MAX_RPM, _MAX_FEED_MM = 60_000.0, 10.0
 
 @dataclass(frozen=True)
 class RunOptions:
-    """What a cut is done with.
+    """What a cut is done with."""
 
-    Attributes
-    ----------
-    machine : str
-        A name of host_sim/machines, the name of a machine file of one's own, or "": a machine with
-        the limits of the part.
-    rpm, feed_mm : float or None
-        None: those of the part.
-    learns : bool
-        The controller may learn, where it measures U; else it learns nothing.
-    seed : int
-        Of the encoder's noise.
-    """
-
-    machine: str = OF_THE_PART
-    rpm: float | None = None
+    machine: str = OF_THE_PART  # a name of host_sim/machines, or of a machine file of one's own
+    rpm: float | None = None  # of the part by default, as is the feed
     feed_mm: float | None = None
-    learns: bool = True
-    seed: int = 1
+    learns: bool = True  # the controller may learn, where it measures U
+    seed: int = 1  # of the encoder's noise
 
-    def checked(self) -> RunOptions:
-        """Return the options, or refuse what no cut can be done with.
-
-        Raises
-        ------
-        CamtoolsError
-            With the range.
-        """
+    def check(self) -> None:
+        """Refuse what no cut can be done with."""
         _check("speed", self.rpm, _MAX_RPM, "r/min")
         _check("feed", self.feed_mm, _MAX_FEED_MM, "mm per turn")
         if not 0 <= self.seed <= _MAX_SEED:
             raise CamtoolsError([f"seed {self.seed}: give a whole number of 0 .. {_MAX_SEED}"])
-        return self
 
     def words(self, part: str, machine: str | None = None) -> list[str]:
         """Return the words of tools/run, results in the working folder.
 
-        Parameters
-        ----------
-        machine : str, optional
-            Path that the machine is given by, instead of its name.
+        The machine may be given by a path instead of its name.
         """
-        found = [part, "-o", "."]
-        if self.rpm is not None:
-            found += ["--rpm", repr(self.rpm)]
-        if self.feed_mm is not None:
-            found += ["--feed", repr(self.feed_mm)]
-        if self.machine != OF_THE_PART:
-            found += ["--machine", machine or self.machine]
-        return [*found, "--", "--seed", str(self.seed), *([] if self.learns else ["--no-learning"])]
+        given: dict[str, object] = {"--rpm": self.rpm, "--feed": self.feed_mm}
+        given["--machine"] = (machine or self.machine) if self.machine != OF_THE_PART else None
+        options = {name: str(value) for name, value in given.items() if value is not None}
+        found = [part, "-o", ".", *chain(*options.items()), "--", "--seed", str(self.seed)]
+        return found if self.learns else [*found, "--no-learning"]
 
     def text(self) -> str:
         """Return them in a line for people."""
-        machine = f"machine {self.machine}" if self.machine else "machine of the part"
-        found = [machine]
+        found = [f"machine {self.machine}" if self.machine else "machine of the part"]
         if self.rpm is None and self.feed_mm is None:
             found.append("speed and feed of the part")
         else:
@@ -102,21 +75,14 @@ class RunOptions:
         found += [] if self.learns else ["learning off"]
         return ", ".join([*found, f"seed {self.seed}"])
 
-    def told(self) -> dict[str, Any]:
-        """Return them for JSON."""
-        return asdict(self)
-
     @classmethod
-    def of(cls, told: dict[str, Any]) -> RunOptions:
-        """Return what `told` gave; keys of another version are left out."""
-        names = {one.name for one in fields(cls)}
-        return cls(**{name: value for name, value in told.items() if name in names})
+    def of(cls, kept: dict[str, Any]) -> RunOptions:
+        """Return what was kept of them; keys of another version are left out."""
+        return cls(**{name: kept[name] for name in cls.__dataclass_fields__ if name in kept})
 
 
 def _check(name: str, value: float | None, most: float, unit: str) -> None:
-    if value is None:
-        return
-    if not isfinite(value) or not 0 < value <= most:
+    if value is not None and not 0 < value <= most:
         problem = f"{name} {value:g}: must be above 0 and at most {most:g}"
         raise CamtoolsError([f"{problem}; give {unit}, or leave it empty for the part's own"])
 
@@ -147,7 +113,6 @@ class Run:
     took_s: float | None = None  # how long it took
     verdict: str = ""
     form_um: float | None = None
-    tolerance_um: float | None = None
     following_um: float | None = None
     machine: str = ""
     has_report: bool = False
@@ -179,13 +144,7 @@ class RunStore:
         at_s: float,
         files: dict[str, bytes] | None = None,
     ) -> Path:
-        """Return a new folder NAME-NNN with a part file and what it will be cut with.
-
-        Parameters
-        ----------
-        files : dict, optional
-            What else lies in it: files that the part names, by their place seen from it.
-        """
+        """Return a new folder NAME-NNN with a part file, what it names, and how it will be cut."""
         if not _NAME.match(name):
             raise CamtoolsError([f"name {name[:40]!r}: not usable; give letters and digits"])
         place = self._folders[OWN]
@@ -198,9 +157,8 @@ class RunStore:
             (folder / file).parent.mkdir(parents=True, exist_ok=True)
             (folder / file).write_bytes(data)
         (folder / PART).write_bytes(text.encode("utf-8"))
-        self.note(
-            folder, {"part": name, "at_s": at_s, "options": options.told(), "status": WAITING}
-        )
+        about = {"part": name, "at_s": at_s, "options": asdict(options), "status": WAITING}
+        self.note(folder, about)
         return folder
 
     def note(self, folder: Path, about: Json) -> None:
@@ -216,37 +174,20 @@ class RunStore:
             for place, folder in self._folders.items()
             if folder.is_dir()
             for path in folder.iterdir()
-            if _NAME.match(path.name) and path.is_dir() and not path.is_symlink()
             if (run := _read(place, path)) is not None
         ]
         return sorted(found, key=lambda run: (-run.at_s, run.name))
 
     def run(self, key: str) -> Run:
-        """Return a run by its key.
-
-        Raises
-        ------
-        CamtoolsError
-            There is none.
-        """
+        """Return a run by its key; raise CamtoolsError where there is none."""
         place, _, name = key.partition("/")
         folder = self._folders.get(place)
-        if folder is not None and _NAME.match(name):
-            path = folder / name
-            if path.is_dir() and not path.is_symlink():
-                found = _read(place, path)
-                if found is not None:
-                    return found
+        if folder is not None and (found := _read(place, folder / name)) is not None:
+            return found
         raise CamtoolsError([f"run {key[:80]!r}: no such run; it may have been removed"])
 
     def remove(self, key: str) -> None:
-        """Remove a run of the panel.
-
-        Raises
-        ------
-        CamtoolsError
-            It is going on, or it is one of tools/run.
-        """
+        """Remove a run of the panel that does not go on."""
         run = self.run(key)
         if run.place != OWN:
             raise CamtoolsError([f"{run.name}: made by tools/run; remove it with tools/run --keep"])
@@ -273,10 +214,8 @@ class RunStore:
         """Mark runs as stopped that an earlier panel did not end."""
         for run in self.runs():
             if run.place == OWN and run.status in (WAITING, RUNNING):
-                self.note(
-                    run.folder,
-                    {"status": STOPPED, "told": "the panel was closed before the run ended"},
-                )
+                told = "the panel was closed before the run ended"
+                self.note(run.folder, {"status": STOPPED, "told": told})
 
 
 def _about(folder: Path) -> Json:
@@ -324,24 +263,22 @@ def verdict_word(summary: Json) -> str:
 
 def _read(place: str, folder: Path) -> Run | None:
     """Return a run, nothing where a folder is none."""
+    if not _NAME.match(folder.name) or not folder.is_dir() or folder.is_symlink():
+        return None
     about, summary = _about(folder), summary_of(folder)
     if place == OTHER and (summary is None or "run_wall_time_s" not in summary):
         return None
     if place == OWN and "part" not in about:
         return None
-    at_s = about.get("at_s")
-    if at_s is None:
-        at_s = (folder / SUMMARY).stat().st_mtime
+    at_s = about["at_s"] if "at_s" in about else (folder / SUMMARY).stat().st_mtime
     run = Run(
-        place,
-        folder.name,
-        folder,
-        str(about.get("part", (summary or {}).get("part", folder.name))),
-        float(at_s),
-        RunOptions.of(about.get("options", {})),
-        str(about.get("status", DONE)),
-        str(about.get("told", "")),
-        about.get("took_s"),
+        *(place, folder.name, folder),
+        part=str(about.get("part", (summary or {}).get("part", folder.name))),
+        at_s=float(at_s),
+        options=RunOptions.of(about.get("options", {})),
+        status=str(about.get("status", DONE)),
+        told=str(about.get("told", "")),
+        took_s=about.get("took_s"),
         has_report=(folder / REPORT).is_file(),
     )
     if summary is None:
@@ -351,7 +288,6 @@ def _read(place: str, folder: Path) -> Run | None:
         run,
         verdict=verdict_word(summary),
         form_um=form["max"],
-        tolerance_um=form["tolerance"],
         following_um=following["max"],
         machine=str(summary.get("machine", "")),
         took_s=run.took_s or summary.get("run_wall_time_s"),

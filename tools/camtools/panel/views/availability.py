@@ -20,72 +20,42 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from camtools.link.messages import NAMES
 from camtools.link.status_text import name_of
 
-_IDLE = ("off", "ready")
-_BY_HAND = ("off", "manual", "ready")
-_AT_REST = ("off", "ready", "manual", "fault", "homing")
-_RAMPED = ("off", "ready", "rehearsing", "engaging", "cutting", "disengaging", "holding")
-_ANY = (
-    *("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault", "rehearsing"),
-    *("identifying", "manual", "holding"),
+_ANY = tuple(NAMES["state"].values())
+_STOPS = {"homing": "disable", "ready": "disable"}
+_ONLY_BY_HAND = (("manual",), "only by hand; press By hand first")
+_WITH_PLACES = (("off", "manual", "ready"), "only in off, ready and by hand")
+_WITH_RAMPS = (
+    ("off", "ready", "rehearsing", "engaging", "cutting", "disengaging", "holding"),
+    "not in this state",
 )
-_STOPS = {
-    "rehearsing": "stop",
-    "engaging": "stop",
-    "cutting": "stop",
-    "holding": "stop",
-    "manual": "stop",
-    "identifying": "stop",
-    "homing": "disable",
-    "ready": "disable",
-}
-
-
-@dataclass(frozen=True)
-class Rule:
-    """When an order is accepted."""
-
-    states: tuple[str, ...]
-    otherwise: str
-
-
-RULES = {
-    "enable": Rule(("off",), "only in off"),
-    "disable": Rule(("homing", "ready", "manual"), "only in homing, ready and by hand"),
-    "start": Rule(("ready",), "only in ready"),
-    "hold": Rule(("rehearsing", "engaging", "cutting"), "only during a cut"),
-    "resume": Rule(("rehearsing", "engaging", "cutting", "holding"), "only while the feed is held"),
-    "reset": Rule(("fault",), "only after a fault"),
-    "home": Rule(("off", "ready"), "only in off and ready"),
-    "manual": Rule(("off",), "only in off"),
-    "jog": Rule(("manual",), "only by hand; press By hand first"),
-    "step": Rule(("manual",), "only by hand; press By hand first"),
-    "home_axis": Rule(("manual",), "only by hand; press By hand first"),
-    "zero": Rule(_BY_HAND, "only in off, ready and by hand"),
-    "tool": Rule(_BY_HAND, "only in off, ready and by hand"),
-    "feed": Rule(_RAMPED, "not in this state"),
-    "spindle": Rule(_RAMPED, "not in this state"),
-    "trim": Rule(_RAMPED, "not in this state"),
-    "parts": Rule(_ANY, ""),
-    "table": Rule(_IDLE, "only in off and ready"),
-    "params": Rule(_ANY, ""),
-    "keep": Rule(("off",), "only in off"),
-    "revert": Rule(_IDLE, "only in off and ready"),
-    "defaults": Rule(_IDLE, "only in off and ready"),
-    "push_u": Rule(("ready",), "only in ready"),
-    "measure_loop": Rule(("ready",), "only in ready"),
-    "apply_loop": Rule(("ready",), "only in ready"),
-    "unlock": Rule(_AT_REST, "only while the machine is at rest"),
-    "lock": Rule(_ANY, ""),
+_WHILE_IDLE = (("off", "ready"), "only in off and ready")
+_IN_OFF, _IN_READY = (("off",), "only in off"), (("ready",), "only in ready")
+_ALWAYS = (_ANY, "")
+# The states in which an order is accepted, and why not in others.
+RULES: dict[str, tuple[tuple[str, ...], str]] = {
+    **dict.fromkeys(("enable", "manual", "keep"), _IN_OFF),
+    **dict.fromkeys(("start", "push_u", "measure_loop", "apply_loop"), _IN_READY),
+    **dict.fromkeys(("home", "table", "revert", "defaults"), _WHILE_IDLE),
+    **dict.fromkeys(("jog", "step", "home_axis"), _ONLY_BY_HAND),
+    **dict.fromkeys(("zero", "tool"), _WITH_PLACES),
+    **dict.fromkeys(("feed", "spindle", "trim"), _WITH_RAMPS),
+    **dict.fromkeys(("parts", "params", "lock"), _ALWAYS),
+    "disable": (("homing", "ready", "manual"), "only in homing, ready and by hand"),
+    "hold": (("rehearsing", "engaging", "cutting"), "only during a cut"),
+    "resume": (("rehearsing", "engaging", "cutting", "holding"), "only while the feed is held"),
+    "reset": (("fault",), "only after a fault"),
+    "unlock": (("off", "ready", "manual", "fault", "homing"), "only while the machine is at rest"),
 }
 
 
 def why_not(order: str, state: str, signals: Mapping[str, float]) -> str:
     """Return why an order would be refused now, a clause; "" when it makes sense."""
-    rule = RULES[order]
-    if state not in rule.states:
-        return rule.otherwise
+    states, otherwise = RULES[order]
+    if state not in states:
+        return otherwise
     is_held = bool(signals.get("is_held", 0.0))
     if order == "hold" and is_held:
         return "the feed is held already"
@@ -187,77 +157,68 @@ def _is_reversed(s: Signals, p: Values) -> bool:
     return s.get("speed", 0.0) * _M_PER_UNIT < -p.get("stopped_mrpm", _STOPPED_MRPM)
 
 
-_ESTOP = (_is("is_estop"), Missing("estop", "Release the emergency stop."))
-_DRIVES = (
-    _lacks("is_drive_ready"),
-    Missing("drive", "Get the drives ready: switch on their power and clear their own faults."),
-)
-_BUS = (_is("is_bus_lost"), Missing("bus", "Reconnect the silent node of the field bus."))
-_BUTTON = (
-    _says("acknowledge", "needed"),
-    Missing(
-        "acknowledge",
+# What may be missing, by stable names: by what it is known, and what is to be done.
+_ITEMS: dict[str, tuple[Look, str]] = {
+    "estop": (_is("is_estop"), "Release the emergency stop."),
+    "drive": (
+        _lacks("is_drive_ready"),
+        "Get the drives ready: switch on their power and clear their own faults.",
+    ),
+    "bus": (_is("is_bus_lost"), "Reconnect the silent node of the field bus."),
+    "acknowledge": (
+        _says("acknowledge", "needed"),
         "Press acknowledge at the machine for half a second, then Enable within 60 s.",
     ),
-)
-_NO_BUTTON = (
-    _says("acknowledge", "none"),
-    Missing(
-        "no_button",
+    "no_button": (
+        _says("acknowledge", "none"),
         "This controller has no acknowledge button, so its drives stay off: wire one, or waive it "
         "in the port's settings.",
     ),
-)
-_TABLE = (_lacks("table_size"), Missing("table", "Load a table in the Table box below."))
-_U_PLACE = (_is_u_outside, Missing("u_place", "Move U back into its stroke by hand."))
-_HOMES = tuple(
-    (
-        _lacks_home(axis),
-        Missing(f"home_{axis}", f"Home {axis.upper()}: press By hand, then Home {axis.upper()}."),
-    )
-    for axis in "uxz"
-)
-_TURN = (_has_stopped, Missing("turn", "The spindle does not turn: check its drive."))
-_SENSE = (
-    _is_reversed,
-    Missing("sense", "The spindle turns against the cutting direction: reverse it."),
-)
-_INDEX = (_lacks("is_synced"), Missing("index", "Wait for the spindle index: none seen yet."))
-_STEADY = (
-    _says("start_wait", "waits"),
-    Missing("steady", "Wait until the spindle turns steadily."),
-)
-_UNSTEADY = (
-    _says("start_wait", "unsteady"),
-    Missing(
-        "unsteady",
+    "table": (_lacks("table_size"), "Load a table in the Table box below."),
+    "u_place": (_is_u_outside, "Move U back into its stroke by hand."),
+    **{
+        f"home_{axis}": (
+            _lacks_home(axis),
+            f"Home {axis.upper()}: press By hand, then Home {axis.upper()}.",
+        )
+        for axis in "uxz"
+    },
+    "turn": (_has_stopped, "The spindle does not turn: check its drive."),
+    "sense": (_is_reversed, "The spindle turns against the cutting direction: reverse it."),
+    "index": (_lacks("is_synced"), "Wait for the spindle index: none seen yet."),
+    "steady": (_says("start_wait", "waits"), "Wait until the spindle turns steadily."),
+    "unsteady": (
+        _says("start_wait", "unsteady"),
         "The spindle did not turn steadily, so the last start was ended: check its drive.",
     ),
-)
-_RETRACT = (_lacks("is_retracted"), Missing("retract", "Wait until the tool has left the work."))
-_HELD_BY_FEED = (
-    lambda s, p: not s.get("is_held", 0.0) and s.get("override_of_feed", 100.0) < 1.0,
-    Missing("feed", "Raise the feed override: below 1 %, Z does not move."),
-)
-# A reset would be accepted while a cause is still there, and the next enable refused.
-_CAUSES = (_ESTOP, _DRIVES, _BUS)
-_ENABLES = (*_CAUSES, _TABLE, _U_PLACE, *_HOMES, _NO_BUTTON, _BUTTON)
-_STEPS: dict[str, tuple[tuple[tuple[Look, Missing], ...], str, str]] = {
-    "off": (_ENABLES, "enable", "Press Enable to switch the drives on and find the spindle index."),
-    "homing": ((_TURN, _SENSE, _INDEX), "", "Wait: the machine will be ready in a moment."),
-    "ready": ((_TABLE, *_HOMES, _UNSTEADY), "start", "Press Start to cut the part."),
-    "rehearsing": (
-        (_STEADY,),
-        "",
-        "The tool moves clear of the work, to learn; the cut follows automatically.",
+    "retract": (_lacks("is_retracted"), "Wait until the tool has left the work."),
+    "feed": (
+        lambda s, p: not s.get("is_held", 0.0) and s.get("override_of_feed", 100.0) < 1.0,
+        "Raise the feed override: below 1 %, Z does not move.",
     ),
-    "engaging": ((_STEADY,), "", "The tool enters the work; STOP retracts it."),
-    "cutting": ((), "", "Cutting. Hold pauses Z, STOP retracts the tool."),
-    "holding": ((_HELD_BY_FEED,), "resume", "Press Resume to continue, or STOP."),
-    "disengaging": ((), "", "The tool leaves the work; wait until it is ready."),
-    "fault": ((*_CAUSES, _RETRACT), "reset", "Press Reset when the cause is gone."),
-    "identifying": ((), "", "U is being measured; wait for the end, or press STOP."),
-    "manual": ((), "disable", "Move the axes; press Disable when you are done."),
+}
+# A reset would be accepted while a cause is still there, and the next enable refused.
+_CAUSES = "estop drive bus"
+_HOMES = "home_u home_x home_z"
+# By state: what may be missing, in the order of doing, the order that leads on, and what to do.
+_STEPS = {
+    "off": (
+        f"{_CAUSES} table u_place {_HOMES} no_button acknowledge",
+        *("enable", "Press Enable to switch the drives on and find the spindle index."),
+    ),
+    "homing": ("turn sense index", "", "Wait: the machine will be ready in a moment."),
+    "ready": (f"table {_HOMES} unsteady", "start", "Press Start to cut the part."),
+    "rehearsing": (
+        "steady",
+        *("", "The tool moves clear of the work, to learn; the cut follows automatically."),
+    ),
+    "engaging": ("steady", "", "The tool enters the work; STOP retracts it."),
+    "cutting": ("", "", "Cutting. Hold pauses Z, STOP retracts the tool."),
+    "holding": ("feed", "resume", "Press Resume to continue, or STOP."),
+    "disengaging": ("", "", "The tool leaves the work; wait until it is ready."),
+    "fault": (f"{_CAUSES} retract", "reset", "Press Reset when the cause is gone."),
+    "identifying": ("", "", "U is being measured; wait for the end, or press STOP."),
+    "manual": ("", "disable", "Move the axes; press Disable when you are done."),
 }
 _SILENT = (
     Missing(
@@ -270,20 +231,17 @@ _SILENT = (
 def way_on(state: str, signals: Signals, values: Values, *, is_connected: bool = True) -> Way:
     """Return what is missing, the order that it is missing for, and what to do then.
 
-    Parameters
-    ----------
-    signals : Mapping
-        of the status, by their names in the DBC, in their units
-    values : Mapping
-        parameters that are known; may be empty
+    `signals`: of the status, by their names in the DBC, in their units. `values`: parameters that
+    are known; may be empty.
     """
     if not is_connected:
         return Way(_SILENT, "", "Then this page continues automatically.")
     if state not in _STEPS:
         first = Missing("status", "Wait for the controller's first status.")
         return Way((first,), "", "Then this box shows what is missing.")
-    steps, order, then = _STEPS[state]
-    missing = tuple(item for is_so, item in steps if is_so(signals, values))
+    keys, order, then = _STEPS[state]
+    items = ((key, *_ITEMS[key]) for key in keys.split())
+    missing = tuple(Missing(key, text) for key, is_so, text in items if is_so(signals, values))
     if state == "holding" and missing:
         order = ""
     return Way(missing, order, then)

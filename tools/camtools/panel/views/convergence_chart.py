@@ -13,9 +13,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from camtools.link.messages import NAMES
+from camtools.panel.views.echart import text_style
 
 MOST_POINTS = 300
-_INK, _FAINT, _LINE = "#37474f", "#c4ccd0", "#0d47a1"
+_FAINT, _LINE = "#c4ccd0", "#0d47a1"
 
 
 def points_of(turns: Sequence[int], errors_um: Sequence[float]) -> list[list[float]]:
@@ -40,23 +41,14 @@ def words(signals: Mapping[str, float]) -> str:
 
 def options() -> dict[str, Any]:
     """Return the options of an empty chart."""
-    label = {"color": _INK, "fontSize": 13}
+    label, line = text_style(13), {"color": _LINE, "width": 2}
     axis = {"axisLabel": label, "splitLine": {"lineStyle": {"color": _FAINT}}}
     named = {"nameTextStyle": label, "nameLocation": "middle"}
+    lessons = {"id": "lessons", "type": "line", "symbolSize": 5, "silent": True, "data": []}
     return {
         "animation": False,
         "grid": [{"left": 64, "right": 18, "top": 12, "bottom": 46}],
         "xAxis": [{"type": "value", "name": "turns learned", "nameGap": 28, **axis, **named}],
         "yAxis": [{"type": "log", "name": "rms / µm", "nameGap": 46, **axis, **named}],
-        "series": [
-            {
-                "id": "lessons",
-                "type": "line",
-                "symbolSize": 5,
-                "silent": True,
-                "lineStyle": {"color": _LINE, "width": 2},
-                "itemStyle": {"color": _LINE},
-                "data": [],
-            }
-        ],
+        "series": [lessons | {"lineStyle": line, "itemStyle": {"color": _LINE}}],
     }

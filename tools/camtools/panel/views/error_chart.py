@@ -9,8 +9,6 @@ Series(slot=1, age=0, points=[[90.0, 0.1], [180.0, -0.3]])
 >>> statistics(turns)
 Statistics(max_um=0.3, rms_um=0.22360679774997896, turns=1, samples=2)
 
-The charts are drawn for a light page; a style sheet inverts them on a dark one.
-
 >>> [axis["max"] for axis in whole(POLAR, 0.2, 5.0)["radiusAxis"]]
 [0.2]
 >>> whole(POLAR, 0.2, 5.0)["radiusAxis"][0]["axisLabel"]["showMaxLabel"]
@@ -33,7 +31,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+from camtools.base.quantities import Floats
+from camtools.panel.views.echart import INK, RED, text_style
+
 Whole = npt.NDArray[np.int64]
 SHOWN_TURNS = 50
 TURNS_PER_SERIES = 5
@@ -98,14 +98,9 @@ def statistics(samples: Ticks) -> Statistics:
 
 
 def mean_by_angle(samples: Ticks) -> list[list[float | None]]:
-    """Return the mean error in each of BINS parts of a turn; None where a wide part was not seen.
+    """Return angle [degrees] and mean error [um] of each of BINS parts of a turn that was seen.
 
-    A line may join the parts over narrow ones in which there is no sample.
-
-    Returns
-    -------
-    list
-        of angle [degrees], the middle of a part, and mean error [um]
+    None stands where a wide part was not; a line may join parts over narrow ones without a sample.
     """
     which = np.minimum((samples.angle_turn * BINS).astype(np.int64), BINS - 1)
     n = np.bincount(which, minlength=BINS)
@@ -169,8 +164,7 @@ class Trail:
 
 
 UNROLLED, POLAR = "unrolled", "polar"
-_INK, _FAINT = "#37474f", "#c4ccd0"
-_DOTS, _NEWEST, _MEAN, _LIMIT = "#1565c0", "#0d47a1", "#bf360c", "#b00020"
+_FAINT, _DOTS, _NEWEST, _MEAN = "#c4ccd0", "#1565c0", "#0d47a1", "#bf360c"
 _MEAN_ID, _LIMITS = "mean", ("limit-high", "limit-low")
 _ANGLES = [float(angle) for angle in range(0, 361, 6)]
 _QUARTER_DEG = 90
@@ -188,80 +182,51 @@ def _placed(kind: str, points: Points | Means) -> list[list[float | None]]:
     return [[error, angle] if kind == POLAR else [angle, error] for angle, error in points]
 
 
+def _series(kind: str, name: str, form: str, **more: Any) -> Option:  # noqa: ANN401
+    system = "polar" if kind == POLAR else "cartesian2d"
+    fixed = {"coordinateSystem": system, "silent": True, "data": []}
+    return {"id": name, "type": form, **fixed, **more}
+
+
 def _slot(kind: str, slot: int) -> Option:
-    return {
-        "id": f"turns-{slot}",
-        "type": "scatter",
-        "coordinateSystem": "polar" if kind == POLAR else "cartesian2d",
-        "symbolSize": 3,
-        "large": True,
-        "largeThreshold": 50,
-        "silent": True,
-        "itemStyle": {"color": _DOTS, "opacity": opacity(slot)},
-        "data": [],
-    }
+    style = {"color": _DOTS, "opacity": opacity(slot)}
+    large = {"symbolSize": 3, "large": True, "largeThreshold": 50}
+    return _series(kind, f"turns-{slot}", "scatter", itemStyle=style, **large)
 
 
 def _line(kind: str, name: str, colour: str, width: float, dash: str) -> Option:
-    return {
-        "id": name,
-        "type": "line",
-        "coordinateSystem": "polar" if kind == POLAR else "cartesian2d",
-        "showSymbol": False,
-        "silent": True,
-        "clip": True,
-        "lineStyle": {"color": colour, "width": width, "type": dash},
-        "data": [],
-    }
+    style = {"color": colour, "width": width, "type": dash}
+    return _series(kind, name, "line", showSymbol=False, clip=True, lineStyle=style)
 
 
-def _value_axis(full_um: float) -> Option:
+def _axis(low: float, high: float, interval: float, **label: Any) -> Option:  # noqa: ANN401
     return {
         "type": "value",
-        "min": -full_um,
-        "max": full_um,
-        "interval": full_um / 2,
-        "axisLabel": {"color": _INK, "fontSize": 13},
+        "min": low,
+        "max": high,
+        "interval": interval,
+        "axisLabel": text_style(13) | label,
         "splitLine": {"lineStyle": {"color": _FAINT}},
-    }
-
-
-def _angle_axis() -> Option:
-    return {
-        "type": "value",
-        "min": 0,
-        "max": 360,
-        "interval": _QUARTER_DEG // 2,
-        "axisLabel": {"color": _INK, "fontSize": 13, "formatter": "{value}°", "hideOverlap": True},
-        "splitLine": {"lineStyle": {"color": _FAINT}},
-        "axisLine": {"lineStyle": {"color": _INK}},
     }
 
 
 def _system(kind: str, full_um: float) -> Option:
     """Return the axes; the drawing's angle counts counter-clockwise, seen from the headstock."""
+    angles = _axis(0, 360, _QUARTER_DEG // 2, formatter="{value}°", hideOverlap=True)
+    angles["axisLine"] = {"lineStyle": {"color": INK}}
     if kind == POLAR:
-        round_axis = _angle_axis() | {"startAngle": 0, "clockwise": False}
         # Its largest label would touch that of 0 degrees; the unrolled chart has the same scale.
-        scale = _value_axis(full_um)
-        scale["axisLabel"] |= {"showMaxLabel": False}
+        scale = _axis(-full_um, full_um, full_um / 2, showMaxLabel=False)
         zero = {"axisLine": {"show": False}, "axisTick": {"show": False}}
         return {
             "polar": [{"radius": "76%", "center": ["50%", "51%"]}],
-            "angleAxis": [round_axis],
+            "angleAxis": [angles | {"startAngle": 0, "clockwise": False}],
             "radiusAxis": [scale | zero],
         }
-    name = {
-        "name": "following error / µm",
-        "nameLocation": "middle",
-        "nameGap": 48,
-        "nameTextStyle": {"color": _INK, "fontSize": 13},
-    }
-    return {
-        "grid": [{"left": 72, "right": 18, "top": 14, "bottom": 30}],
-        "xAxis": [_angle_axis()],
-        "yAxis": [_value_axis(full_um) | name],
-    }
+    name = {"name": "following error / µm", "nameLocation": "middle", "nameGap": 48}
+    scale = _axis(-full_um, full_um, full_um / 2) | name | {"nameTextStyle": text_style(13)}
+    grid = {"left": 72, "right": 18, "top": 14, "bottom": 30}
+    return {"grid": [grid], "xAxis": [angles], "yAxis": [scale]}
 
 
 def _limits(kind: str, limit_um: float, full_um: float) -> list[Option]:
@@ -279,8 +244,8 @@ def _limits(kind: str, limit_um: float, full_um: float) -> list[Option]:
 def whole(kind: str, full_um: float, limit_um: float) -> Option:
     """Return the options of an empty chart."""
     limits = [
-        _line(kind, name, _LIMIT, 1.5, "dashed") | data
-        for name, data in zip(_LIMITS, _limits(kind, limit_um, full_um), strict=True)
+        _line(kind, data["id"], RED, 1.5, "dashed") | data
+        for data in _limits(kind, limit_um, full_um)
     ]
     mean = _line(kind, _MEAN_ID, _MEAN, 2.5, "solid")
     series = [*(_slot(kind, slot) for slot in range(SLOTS)), *limits, mean]
@@ -292,12 +257,7 @@ def change(
 ) -> Option:
     """Return what an update sets: the data that are new, and the scale where it has changed.
 
-    Parameters
-    ----------
-    means : sequence
-        of angle and mean error, empty: that of before stays
-    scale_um : tuple of float or None
-        full scale and tolerance; None: as before
+    Without `means` the mean of before stays, without `scale_um` full scale and tolerance.
     """
     told: list[Option] = [
         {
@@ -340,10 +300,7 @@ def step_above(value: float) -> float:
 class Scale:
     """Full scale of a plot that is symmetric about 0.
 
-    Parameters
-    ----------
-    least : float
-        it never gets smaller; a step of 1, 2 or 5
+    `least`: it never gets smaller; a step of 1, 2 or 5.
     """
 
     def __init__(self, least: float) -> None:

@@ -20,43 +20,29 @@ from typing import Any
 from camtools.link.kept_values import INFOS, group_of
 from camtools.tune.parameters import ranges
 
-_UNITS = {
-    "nm": "nm",
-    "um_per_s": "um/s",
-    "mm_per_s2": "mm/s2",
-    "nm_per_s": "nm/s",
-    "ns": "ns",
-    "us": "us",
-    "us2": "us2",
-    "ms": "ms",
-    "mHz": "mHz",
-    "mrpm": "r/min / 1000",
-    "mrad_per_s2": "mrad/s2",
-    "udeg": "1e-6 deg",
-    "mdeg": "1e-3 deg",
-    "udeg_per_s": "1e-6 deg/s",
-    "mdeg_per_s": "1e-3 deg/s",
-    "deg_per_s2": "deg/s2",
-    "ppm": "ppm",
-    "ppm_per_s": "ppm/s",
-    "percent": "%",
-    "counts": "counts",
-    "turns": "turns",
-    "nturn": "1e-9 turn",
-    "per_turn": "per turn",
-}
+# Ends of names that are units, and how those are written that do not stand for themselves.
+_UNITS = (
+    *("nm", "um_per_s", "mm_per_s2", "nm_per_s", "ns", "us", "us2", "ms", "mHz", "mrpm"),
+    *("mrad_per_s2", "udeg", "mdeg", "udeg_per_s", "mdeg_per_s", "deg_per_s2", "ppm"),
+    *("ppm_per_s", "percent", "counts", "turns", "nturn", "per_turn"),
+)
+_WRITTEN = {"mrpm": "r/min / 1000", "percent": "%", "nturn": "1e-9 turn", "per_turn": "per turn"}
+_SMALL = (("udeg", "1e-6 deg"), ("mdeg", "1e-3 deg"))
 
 
 def unit_of(name: str) -> str:
     """Return the unit that ends a parameter's name; "" where it is a number or a choice.
 
-    >>> unit_of("u_speed_um_per_s"), unit_of("tool")
-    ('um/s', '')
+    >>> unit_of("u_speed_um_per_s"), unit_of("swing_mdeg_per_s"), unit_of("tool")
+    ('um/s', '1e-3 deg/s', '')
     """
     if name == "counts_per_turn":
         return "counts per turn"
-    found = [end for end in _UNITS if name.endswith(f"_{end}")]
-    return _UNITS[max(found, key=len)] if found else ""
+    unit = max((end for end in _UNITS if name.endswith(f"_{end}")), key=len, default="")
+    text = _WRITTEN.get(unit) or unit.replace("_per_", "/")
+    for letters, words in _SMALL:
+        text = text.replace(letters, words)
+    return text
 
 
 def rows(values: Mapping[str, int]) -> list[dict[str, Any]]:

@@ -44,27 +44,17 @@ NOTHING = "\N{EN DASH}"
 _MINUS = "\N{MINUS SIGN}"  # as wide as a plus, unlike the hyphen
 
 
-def _digits(value: float, decimals: int) -> str:
-    return f"{abs(value):.{decimals}f}"
-
-
-def _is_negative(value: float, decimals: int) -> bool:
-    """Whether a value is below 0 as it is shown: no minus stands in front of zeros."""
-    return value < 0 and float(_digits(value, decimals)) > 0
+def plain(value: float | None, decimals: int, plus: str = "") -> str:
+    """Return a number; a minus stands before what is below 0 as it is shown, not before zeros."""
+    if value is None or not isfinite(value):
+        return NOTHING
+    digits = f"{abs(value):.{decimals}f}"
+    return f"{_MINUS if value < 0 and float(digits) > 0 else plus}{digits}"
 
 
 def signed(value: float | None, decimals: int) -> str:
     """Return a number with its sign, so that its width does not depend on it."""
-    if value is None or not isfinite(value):
-        return NOTHING
-    return f"{_MINUS if _is_negative(value, decimals) else '+'}{_digits(value, decimals)}"
-
-
-def plain(value: float | None, decimals: int) -> str:
-    """Return a number with a minus only where it is below 0."""
-    if value is None or not isfinite(value):
-        return NOTHING
-    return f"{_MINUS if _is_negative(value, decimals) else ''}{_digits(value, decimals)}"
+    return plain(value, decimals, "+")
 
 
 def clock(seconds: float | None) -> str:
@@ -79,18 +69,11 @@ def clock(seconds: float | None) -> str:
 
 @dataclass(frozen=True)
 class Field:
-    """A number of the status.
-
-    Attributes
-    ----------
-    label, unit : str
-        for people
-    decimals : int
-    """
+    """A number of the status."""
 
     key: str  # stable name, also of the test
     label: str
-    unit: str
+    unit: str  # for people
     signal: str  # of the DBC
     decimals: int
     factor: float = 1.0  # that unit per unit of the signal
@@ -107,9 +90,8 @@ SPEED = Field("speed", "Spindle speed", "r/min", "speed", 1)
 ANGLE = Field("angle", "Angle of the drawing", "°", "angle", 1)
 U_SET = Field("u-set", "U set", "mm", "u_set", 4, is_signed=True)
 U_ACTUAL = Field("u-actual", "U actual", "mm", "u_actual", 4, is_signed=True)
-FOLLOWING = Field(
-    "following", "Following error", "µm", "following_error", 2, UM_PER_MM, is_signed=True
-)
+_FOLLOWING = ("following", "Following error", "µm", "following_error")
+FOLLOWING = Field(*_FOLLOWING, 2, UM_PER_MM, is_signed=True)
 X_RADIUS = Field("x-radius", "X radius", "mm", "x", 4)
 X_DIAMETER = Field("x-diameter", "X diameter ⌀", "mm", "x", 4, 2.0)
 Z_HEIGHT = Field("z", "Z height", "mm", "z", 3, is_signed=True)
@@ -182,24 +164,14 @@ LOOKS = {
         "BY HAND", "hand", "pan_tool", "Axes are moved by hand; the spindle is stopped."
     ),
 }
-SILENT = Look(
-    "NO CONNECTION",
-    "silent",
-    "link_off",
-    "The controller does not answer: all values here are old.",
-)
+_LOST = "The controller does not answer: all values here are old."
+SILENT = Look("NO CONNECTION", "silent", "link_off", _LOST)
 UNKNOWN = Look("WAITING", "silent", "hourglass_empty", "No status received yet.")
 IN_WORK = ("rehearsing", "engaging", "cutting", "holding", "disengaging")
 
 
 def look(state: str, *, is_connected: bool) -> Look:
-    """Return how a state is shown.
-
-    Parameters
-    ----------
-    is_connected : bool
-        whether the controller's status comes
-    """
+    """Return how a state is shown, as long as the controller's status comes."""
     return LOOKS.get(state, UNKNOWN) if is_connected else SILENT
 
 
