@@ -2,6 +2,7 @@
 
 import asyncio
 import random
+import time
 import zlib
 from collections.abc import Callable
 from pathlib import Path
@@ -13,8 +14,11 @@ from camtools.link.controller import Link
 from camtools.link.kept_values import INFOS
 from camtools.link.messages import COMMAND, Answer, Refused
 from camtools.link.refusal_text import ask_done
+from camtools.panel.orders.snapshot import ParameterSet
 from tests.tools.cases.camctl_bench import Bench, named
 from tests.tools.cases.controller_cases import Seat, until
+
+LEAD = "lead_ns"
 
 
 def last(seat: Seat) -> tuple[str, str, bool]:
@@ -44,10 +48,10 @@ def test_a_part_is_cut_with_overrides(seat: Seat) -> None:
     until(lambda: not seat.service.snapshot().signals["is_held"])
     seat.do("stop")
     seat.wait_for("ready")
-    signals = seat.service.snapshot().signals
-    assert signals["override_of_feed"] == pytest.approx(90)
-    assert signals["trim_of_x"] == pytest.approx(0.001)
-    assert seat.service.snapshot().table_name == "short skirt"
+    shown = seat.service.snapshot()
+    assert shown.signals["override_of_feed"] == pytest.approx(90)
+    assert shown.signals["trim_of_x"] == pytest.approx(0.001)
+    assert shown.table_name == "short skirt"
     for name, value in (("feed", 100), ("spindle", 100), ("amplitude", 100)):
         seat.do(name, percent=value)
     seat.do("phase", deg=0)
@@ -164,11 +168,6 @@ def test_a_busy_controller_is_asked_again_and_then_told() -> None:
     link.bus.shutdown()
 
 
-def large_image() -> bytes:
-    """Return what looks like a table and takes long to download."""
-    return b"CAMTAB" + random.Random(1).randbytes(60_000)
-
-
 @pytest.mark.parametrize("urgent", ["disable", "stop"])
 def test_what_is_urgent_overtakes_a_download(seat: Seat, urgent: str) -> None:
     """From any page; the download breaks off, the old table is in use."""
@@ -176,7 +175,7 @@ def test_what_is_urgent_overtakes_a_download(seat: Seat, urgent: str) -> None:
     seat.wait_for("ready")
 
     async def session() -> tuple[str, str, str]:
-        image = large_image()
+        image = b"CAMTAB" + random.Random(1).randbytes(60_000)
         download = asyncio.create_task(seat.order("download", image=image, name="big"))
         while not download.done() and "download of big" not in seat.service.snapshot().work:
             await asyncio.sleep(0.01)
@@ -192,9 +191,11 @@ def test_what_is_urgent_overtakes_a_download(seat: Seat, urgent: str) -> None:
     assert seat.service.snapshot().table_name == "short skirt"
 
 
-def test_a_table_is_downloaded_and_taken_into_use(seat: Seat, bench_table: bytes) -> None:
+def test_a_table_is_downloaded_and_taken_into_use(
+    seat: Seat, table_of: Callable[[str], Path]
+) -> None:
     """Its progress is shown; a damaged one is refused and the old one stays."""
-    shown = set()
+    shown, table = set(), named(table_of("perkins240").read_bytes(), "other part")
 
     async def session(image: bytes) -> tuple[bool, str]:
         download = asyncio.create_task(seat.order("table_next", image=image, name="other"))
@@ -204,10 +205,10 @@ def test_a_table_is_downloaded_and_taken_into_use(seat: Seat, bench_table: bytes
         outcome = await download
         return outcome.is_done, outcome.text
 
-    damaged = bench_table[:-1] + bytes([bench_table[-1] ^ 1])
+    damaged = table[:-1] + bytes([table[-1] ^ 1])
     assert not asyncio.run(session(damaged))[0]
     assert seat.service.snapshot().table_name == "short skirt"
-    is_done, text = asyncio.run(session(bench_table))
+    is_done, text = asyncio.run(session(table))
     assert is_done and text.startswith("table other part; ")
     until(lambda: seat.service.snapshot().table_name == "other part")
     assert any(work.startswith("download of other, ") for work in shown)
@@ -216,29 +217,23 @@ def test_a_table_is_downloaded_and_taken_into_use(seat: Seat, bench_table: bytes
 def test_parameters_are_read_set_saved_loaded_and_kept(seat: Seat) -> None:
     """The page has them all, with the checksum of the controller; a change is seen."""
     seat.do("defaults")
-    until(lambda: seat.service.parameters() is not None, "they are read while somebody asks")
-    read = seat.service.parameters()
-    assert read is not None
+
+    def read_with(value: int | None = None) -> ParameterSet:
+        """Return the parameters when they are read, with a lead if one is given."""
+        while (now := seat.service.parameters()) is None or value not in (None, now.values[LEAD]):
+            time.sleep(0.01)
+        return now
+
+    read = read_with()
     assert set(read.values) == set(INFOS)
-    saved = read.text().encode()
-    value = read.values["lead_ns"] + 1000
-    assert seat.do("set", name="lead_ns", value=value) == f"lead_ns = {value}"
-
-    def is_seen() -> bool:
-        now = seat.service.parameters()
-        return now is not None and now.values["lead_ns"] == value
-
-    until(is_seen)
-    now = seat.service.parameters()
-    assert now is not None
-    assert now.differences(saved, "a.toml") == {"lead_ns": (value - 1000, value)}
+    saved, old, value = read.text().encode(), read.values[LEAD], read.values[LEAD] + 1000
+    assert seat.do("set", name=LEAD, value=value) == f"lead_ns = {value}"
+    assert read_with(value).differences(saved, "a.toml") == {LEAD: (old, value)}
     seat.do("keep")
-    text = seat.do("params_load", text=saved, name="a.toml")
-    assert (
-        text == f"a.toml: 1 of {len(INFOS)} parameters changed: lead_ns {value} -> {value - 1000}"
-    )
+    head = f"a.toml: 1 of {len(INFOS)} parameters changed"
+    assert seat.do("params_load", text=saved, name="a.toml") == f"{head}: {LEAD} {value} -> {old}"
     assert seat.do("revert").startswith("revert: done")
-    until(is_seen)
+    read_with(value)
     assert seat.do("defaults").startswith("defaults: done")
 
 
@@ -247,12 +242,6 @@ def test_the_strobe_is_asked_for_while_a_page_looks(seat: Seat) -> None:
     seat.do("home")
     seat.wait_for("ready")
     until(lambda: len(seat.service.strobe().tick) > 50)
-
-
-@pytest.fixture(scope="module")
-def bench_table(table_of: Callable[[str], Path]) -> bytes:
-    """Return a table with another name."""
-    return named(table_of("perkins240").read_bytes(), "other part")
 
 
 def test_a_controller_that_falls_silent_is_seen_and_comes_back(

@@ -30,13 +30,12 @@ from camtools.panel.views.error_chart import (
 
 def samples(first_turn: int, turns: int, per_turn: int) -> Ticks:
     """Return an error of two waves a turn."""
-    n = turns * per_turn
-    at = np.arange(n) / per_turn
-    return Ticks(
-        first_turn + np.arange(n, dtype=np.int64) // per_turn,
-        at % 1.0,
-        0.1 * np.cos(4 * math.pi * at),
-    )
+    turn = np.arange(turns * per_turn) // per_turn
+    at = np.arange(turns * per_turn) / per_turn
+    return Ticks(first_turn + turn, at % 1.0, 0.1 * np.cos(4 * math.pi * at))
+
+
+NO_TICKS = Ticks(*(np.array([]) for _ in range(3)))
 
 
 def test_turns_that_begin_anew_leave_no_older_ones() -> None:
@@ -89,7 +88,7 @@ def test_turns_that_are_too_old_leave() -> None:
                 drawn[one.slot] = len(one.points)
     assert len(recent(samples(0, 60, 6)).turn) == SHOWN_TURNS * 6
     assert sum(drawn.values()) <= (SHOWN_TURNS + 5) * 6
-    trail.changes(Ticks(np.array([]), np.array([]), np.array([])))
+    trail.changes(NO_TICKS)
     assert set(drawn) == set(range(SLOTS))
 
 
@@ -98,7 +97,7 @@ def test_statistics_are_those_of_the_wave() -> None:
     told = statistics(samples(3, 50, 100))
     assert told.max_um == pytest.approx(0.1) and told.turns == 50 and told.samples == 5000
     assert told.rms_um == pytest.approx(0.1 / math.sqrt(2))
-    empty = statistics(Ticks(np.array([]), np.array([]), np.array([])))
+    empty = statistics(NO_TICKS)
     assert empty.samples == 0 and math.isnan(empty.max_um)
 
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
+from unittest.mock import MagicMock
 
 import pytest
 
@@ -90,16 +91,10 @@ def test_an_old_question_starts_nothing_else(
         return True
 
     monkeypatch.setattr(command_card, "confirmed", agreed)
-    context = SimpleNamespace(commander=commander, service=service)
-    orders = SimpleNamespace(
-        context=context,
-        visitor="me",
-        why_no_rights="",
-        give=give,
-        refuse=lambda name, why: told.append(why),
-    )
     card = CommandCard.__new__(CommandCard)
-    card._orders = orders  # type: ignore[assignment]
+    card._orders = orders = MagicMock(visitor="me", why_no_rights="", give=give)
+    orders.context.commander, orders.context.service = commander, service
+    orders.refuse = lambda name, why: told.append(why)
     asyncio.run(card.start())
     assert (told == ["start"]) is is_started
     assert is_started or told == [command_card._CHANGED]

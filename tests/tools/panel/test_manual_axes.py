@@ -8,7 +8,7 @@ import pytest
 from tests.tools.cases.controller_cases import Seat, until
 
 
-async def hold(seat: Seat, press: int, seconds: float, visitor: object = None) -> None:
+async def hold(seat: Seat, press: int, seconds: float) -> None:
     """Send heartbeats for a time."""
     end_s = time.monotonic() + seconds
     while time.monotonic() < end_s:
@@ -36,11 +36,19 @@ def test_an_axis_moves_while_the_button_is_held(seat: Seat) -> None:
     assert seat.place() == after
 
 
-@pytest.mark.parametrize("what", ["page lost", "taken over", "stop by another"])
+# By what ends a press: its number and the words of its outcome.
+ENDS = {
+    "page lost": (20, "the page was closed"),
+    "taken over": (21, "you do not command"),
+    "stop by another": (22, "interrupted by stop"),
+}
+
+
+@pytest.mark.parametrize("what", ENDS)
 def test_a_held_button_dies_with_its_right(seat: Seat, what: str) -> None:
     """Heartbeats go on, but the page is gone, commands no more, or somebody stops."""
     seat.do("manual")
-    number = {"page lost": 20, "taken over": 21, "stop by another": 22}[what]
+    number, wanted = ENDS[what]
 
     async def press() -> str:
         jog = asyncio.create_task(seat.order("jog_begin", press=number, axis="x", mm_per_s=1.0))
@@ -55,13 +63,7 @@ def test_a_held_button_dies_with_its_right(seat: Seat, what: str) -> None:
         await hold(seat, number, 0.3)
         return (await jog).text
 
-    text = asyncio.run(press())
-    wanted = {
-        "page lost": "the page was closed",
-        "taken over": "you do not command",
-        "stop by another": "interrupted by stop",
-    }
-    assert wanted[what] in text
+    assert wanted in asyncio.run(press())
     there = seat.place()
     assert seat.place() == there
 

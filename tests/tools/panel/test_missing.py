@@ -18,14 +18,12 @@ INPUTS = {
     "is_retracted": (0.0, 1.0),
     "speed": (-100.0, 0.0, 2500.0),
 }
-GOOD = {
-    "is_estop": 0.0,
-    "is_drive_ready": 1.0,
-    "table_size": 3456.0,
-    "is_synced": 1.0,
-    "is_retracted": 1.0,
-    "speed": 2500.0,
-}
+GOOD = {name: values[-1] for name, values in INPUTS.items()} | {"is_estop": 0.0, "is_bus_lost": 0.0}
+
+
+def missing(state: str, values: dict[str, int] | None = None, **changed: float) -> list[str]:
+    """Return the names of what is missing when all is well but for some signals."""
+    return [item.key for item in way_on(state, GOOD | changed, values or {}).missing]
 
 
 def test_every_state_has_a_look_of_its_own() -> None:
@@ -71,17 +69,14 @@ def test_what_is_missing_is_told_in_the_order_of_doing() -> None:
 def test_a_z_that_others_lead_needs_no_home() -> None:
     """As cam_machine_jog.c has it."""
     values = {"homing_required": 1, "z_home": 2, "z_is_measured": 1}
-    assert way_on("off", GOOD, values).missing == ()
+    assert missing("off", values) == []
 
 
 def test_homing_waits_for_the_spindle_and_its_index() -> None:
     """A spindle that stands, one that turns the other way, one without an index."""
-    for changed, key in (
-        ({"speed": 0.0}, "turn"),
-        ({"speed": -100.0}, "sense"),
-        ({"is_synced": 0.0}, "index"),
-    ):
-        assert [item.key for item in way_on("homing", GOOD | changed, {}).missing] == [key]
+    assert missing("homing", speed=0.0) == ["turn"]
+    assert missing("homing", speed=-100.0) == ["sense"]
+    assert missing("homing", is_synced=0.0) == ["index"]
 
 
 def test_the_wait_for_a_steady_spindle_is_told() -> None:

@@ -2,7 +2,8 @@
 
 import errno
 import json
-import threading
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
 from io import FileIO
 from pathlib import Path
 
@@ -11,84 +12,85 @@ import pytest
 from camtools.base.errors import CamtoolsError
 from camtools.panel.orders import commander
 from camtools.panel.orders.commander import Commander, CommandLog, Visitor
-from camtools.panel.orders.jog_press import LATE_S, SILENT_S, Presses
+from camtools.panel.orders.jog_press import LATE_S, SILENT_S, Press, Presses
 from camtools.panel.orders.order import Outcome
 from tests.tools.cases.command_cases import files_end_at
 
 DONE = Outcome(True, "done")
 
 
-class Clock:
-    """A clock that a test turns."""
+@dataclass
+class Bench:
+    """Presses by a clock that a test turns, and a visitor."""
 
-    def __init__(self) -> None:
-        self.now_s = 1000.0
+    now_s: float = 1000.0
+    visitor: Visitor = field(default_factory=lambda: Visitor("v1"))
 
-    def __call__(self) -> float:
-        """Return the time [s]."""
-        return self.now_s
+    def __post_init__(self) -> None:
+        """Make the presses."""
+        self.presses = Presses(lambda: self.now_s)
+
+    def hold(self, number: int, sent_ms: float | None = None) -> bool:
+        """Send a heartbeat."""
+        return self.presses.hold(self.visitor, number, sent_ms)
+
+    def begin(self, number: int, sent_ms: float | None = None) -> Press:
+        """Begin a press."""
+        return self.presses.begin(self.visitor, number, sent_ms)
 
 
 def test_a_press_lives_by_its_heartbeats() -> None:
     """Silence ends it for good, whatever comes then."""
-    clock = Clock()
-    presses, visitor = Presses(clock), Visitor("v1")
-    press = presses.begin(visitor, 1)
+    bench = Bench()
+    press = bench.begin(1)
     for _ in range(20):
-        clock.now_s += SILENT_S - 0.01
-        assert presses.hold(visitor, 1) and press.is_alive()
-    clock.now_s += SILENT_S + 0.001
+        bench.now_s += SILENT_S - 0.01
+        assert bench.hold(1) and press.is_alive()
+    bench.now_s += SILENT_S + 0.001
     assert not press.is_alive()
-    for number in (1, 1, 1, 0, 2):
-        assert not presses.hold(visitor, number)
+    assert not any(bench.hold(number) for number in (1, 1, 1, 0, 2))
     assert not press.is_alive()
 
 
 def test_a_heap_of_heartbeats_that_were_kept_back_moves_nothing() -> None:
     """They all tell when they were sent: the connection stood still for two seconds."""
-    clock = Clock()
-    presses, visitor = Presses(clock), Visitor("v1")
-    presses.is_late(visitor, 0.0)
-    begun_s = clock.now_s
-    press = presses.begin(visitor, 1, 10.0)
-    clock.now_s += 2.0
+    bench = Bench()
+    bench.presses.is_late(bench.visitor, 0.0)
+    begun_s = bench.now_s
+    press = bench.begin(1, 10.0)
+    bench.now_s += 2.0
     assert not press.is_alive()
-    for i in range(1, 20):
-        assert not presses.hold(visitor, 1, 1e2 * i)
+    assert not any(bench.hold(1, 1e2 * i) for i in range(1, 20))
     with pytest.raises(CamtoolsError, match="took too long to arrive"):
-        presses.begin(visitor, 2, 500.0)
-    clock.now_s = begun_s + 3.0
-    assert presses.begin(visitor, 3, 3000.0).is_alive()
+        bench.begin(2, 500.0)
+    bench.now_s = begun_s + 3.0
+    assert bench.begin(3, 3000.0).is_alive()
 
 
 def test_late_heartbeats_do_not_keep_a_press_alive() -> None:
     """Each comes 100 ms behind the other, but all of them half a second late."""
-    clock = Clock()
-    presses, visitor = Presses(clock), Visitor("v1")
-    start_s = clock.now_s
-    presses.is_late(visitor, 0.0)
-    press = presses.begin(visitor, 1, 0.0)
+    bench = Bench()
+    start_s = bench.now_s
+    press = bench.begin(1, 0.0)
     for i in range(1, 6):
-        clock.now_s = start_s + 0.1 * i
-        assert presses.hold(visitor, 1, 1e3 * (0.1 * i - LATE_S - 0.05)) is False
+        bench.now_s = start_s + 0.1 * i
+        assert not bench.hold(1, 1e3 * (0.1 * i - LATE_S - 0.05))
     assert not press.is_alive()
 
 
 def test_a_browser_whose_clock_goes_slowly_is_heard_all_day() -> None:
     """By 1e-4 slower than ours, for ten hours."""
-    clock = Clock()
-    presses, visitor = Presses(clock), Visitor("v1")
-    start_s = clock.now_s
+    bench = Bench()
+    start_s = bench.now_s
     for number in range(600):
-        clock.now_s += 60.0
-        sent_ms = 1e3 * (clock.now_s - start_s) * (1 - 1e-4)
-        assert presses.begin(visitor, number, sent_ms).is_alive()
-        presses.end(visitor, number)
+        bench.now_s += 60.0
+        assert bench.begin(number, 1e3 * (bench.now_s - start_s) * (1 - 1e-4)).is_alive()
+        bench.presses.end(bench.visitor, number)
 
 
 def test_numbers_of_presses_rise() -> None:
     """What is duplicated on the way begins nothing; another's press is not held or ended."""
-    presses, one, other = Presses(Clock()), Visitor("v1"), Visitor("v2")
+    presses, one, other = Bench().presses, Visitor("v1"), Visitor("v2")
     press = presses.begin(one, 5)
     with pytest.raises(CamtoolsError, match="another button is held"):
         presses.begin(other, 1)
@@ -105,15 +107,8 @@ def test_of_many_who_take_the_command_at_once_one_has_it() -> None:
     """Each from a thread of its own."""
     commander = Commander(CommandLog(None))
     visitors = [Visitor(f"v{i}") for i in range(32)]
-    results: list[bool] = []
-    threads = [
-        threading.Thread(target=lambda v=v: results.append(commander.take(v).is_done))
-        for v in visitors
-    ]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    with ThreadPoolExecutor(32) as pool:
+        results = [outcome.is_done for outcome in pool.map(commander.take, visitors)]
     assert sum(results) == 1
     guest = Visitor("g")
     assert not commander.take(guest).is_done and not commander.release(guest).is_done

@@ -6,6 +6,7 @@ import sys
 import time
 from dataclasses import asdict
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from camtools.panel.runs.compare import (
     error_curves,
     error_map,
     figures_of,
+    heights_of,
     over_height,
     scale_of,
     section_error,
@@ -131,16 +133,22 @@ def test_what_an_earlier_panel_left_is_stopped(store: RunStore) -> None:
     assert [run.status for run in store.runs()] == [STOPPED]
 
 
+class Watched(RunQueue):
+    """Runs whose progress is noted."""
+
+    seen: ClassVar[list[str]] = []
+
+    def _take(self, line: bytes) -> None:
+        super()._take(line)
+        self.seen.append(f"{self.progress.text} {self.progress.left_s}")
+
+
 def cut(store: RunStore, *many: RunOptions, stop: bool = False) -> list[str]:
     """Cut runs by the program in place of tools/run; return what was told of progress."""
-    seen: list[str] = []
+    Watched.seen.clear()
 
     async def whole() -> None:
-        queue = RunQueue(
-            store,
-            lambda: seen.append(f"{queue.progress.text} {queue.progress.left_s}"),
-            [sys.executable, "-c", CUT],
-        )
+        queue = Watched(store, [sys.executable, "-c", CUT])
         given = {"given.json": json.dumps(SUMMARY).encode()}
         for options in many:
             folder = store.new("skirt", "x", options, at_s=time.time(), files=given)
@@ -158,7 +166,7 @@ def cut(store: RunStore, *many: RunOptions, stop: bool = False) -> list[str]:
         await queue.close()
 
     asyncio.run(whole())
-    return seen
+    return Watched.seen
 
 
 def test_runs_are_cut_one_after_the_other(store: RunStore) -> None:
@@ -239,7 +247,7 @@ def test_errors_over_height_and_angle_are_those_of_the_surface(
     (tmp_path / "surface.csv").write_text(text)
     found = error_curves(tmp_path, (0.0, 60.0))
     monkeypatch.setattr(compare, "read_surface", None)  # it is not read again
-    assert error_curves(tmp_path) is not None and section_error(tmp_path, 30.0, 1.0) is not None
+    assert len(heights_of(tmp_path)) == 2 and section_error(tmp_path, 30.0, 1.0) is not None
     assert found is not None
     wanted = np.full((N_HEIGHTS, N_ANGLES), np.nan)
     for turn, z_mm, _, error_nm in rows:

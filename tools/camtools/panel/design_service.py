@@ -4,8 +4,6 @@
 'DesignService'
 """
 
-from __future__ import annotations
-
 import asyncio
 import secrets
 import time
@@ -28,7 +26,7 @@ from camtools.part.file import files_named, read_tree
 from camtools.part.model import is_inside
 from camtools.pipeline.job import RUNS
 from camtools.pipeline.load import parse
-from camtools.sim.machine_file import machine_path, names
+from camtools.sim.machine_file import names
 
 _MAX_FILE_BYTES = 20_000_000
 
@@ -45,10 +43,6 @@ class DesignService:
         self.report_key = secrets.token_urlsafe()  # shows reports, and opens nothing else
         self._log = context.log
 
-    def start(self) -> None:
-        """Mark what an earlier panel left; the first page that asks starts the previews."""
-        self.store.end_lost()
-
     async def close(self) -> None:
         """End all processes."""
         await self.queue.close()
@@ -61,6 +55,14 @@ class DesignService:
     def note(self, visitor: Visitor, what: str, arguments: dict[str, object], told: str) -> None:
         """Log what a visitor did."""
         self._log.add(visitor, what, arguments, Outcome(True, told))
+
+    def stop_runs(self, visitor: Visitor, chosen: list[str]) -> None:
+        """Stop the chosen runs that wait or go on, by default the one that goes on."""
+        running = [] if self.queue.running is None else [self.queue.running.name]
+        there = [*running, *self.queue.waiting]
+        for name in [name for name in chosen if name in there] or running:
+            self.queue.stop(name)
+            self.note(visitor, "stop a run", {"run": name}, "asked to stop")
 
     def machine_names(self) -> list[str]:
         """Return the machines of the simulator, and those of one's own."""
@@ -111,20 +113,18 @@ class DesignService:
         self.queue.check_room()
         folder = self.library.folder(source)
         data = text.encode("utf-8", "replace")
-        machine = self._machine(options.machine)
+        machine = self._own_machine(options.machine)
         name, files = await asyncio.to_thread(_checked, data, folder)
         self.queue.check_room()
-        if machine is not None and options.machine not in names():
+        if machine is not None:
             files["machine.toml"] = machine.read_bytes()
         place = self.store.new(name, text, options, at_s=time.time(), files=files)
-        self.queue.add(place, options, "machine.toml" if "machine.toml" in files else None)
+        self.queue.add(place, options, None if machine is None else "machine.toml")
         return place.name
 
-    def _machine(self, name: str) -> Path | None:
-        if not name:
+    def _own_machine(self, name: str) -> Path | None:
+        if not name or name in names():
             return None
-        if name in names():
-            return machine_path(name)
         if name in self.own_machines():
             return self.machines / f"{name}.toml"
         known = ", ".join(self.machine_names())
@@ -154,6 +154,6 @@ def _files(names: list[str], folder: Path) -> dict[str, bytes]:
 def design_service_of(context: AppContext) -> DesignService:
     """Return the design service of a panel, which begins and ends with it."""
     designs = DesignService(context)
-    app.on_startup(designs.start)
+    app.on_startup(designs.store.end_lost)
     app.on_shutdown(designs.close)
     return designs

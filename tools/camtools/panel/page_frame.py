@@ -1,33 +1,14 @@
 """The frame of every page: navigation, who commands, STOP, theme, visitor, the connection.
 
-Each field for a file (ui.upload) has a route of its own. FastAPI remembers of the functions behind
-the last routes whether they are coroutines, and with a function all of the page that it is part of:
-0.7 MB for each operator's page. Nothing but speed is lost when that is forgotten.
-
-NiceGUI repeats the messages that the lost connection swallowed, but after the updates that have
-waited meanwhile, so that an old state of an element replaces a newer one: an open question
-vanishes, and a number stays old until it changes again.
-
->>> from types import SimpleNamespace
->>> outbox = SimpleNamespace(messages=[("page", "update", {7: "old", "_id": 3})], updates={})
->>> repeat_newest(SimpleNamespace(outbox=outbox, elements={7: "new"}))
->>> outbox.updates, outbox.messages
-({7: 'new'}, [])
-
-The operator's page has a larger one beside the state. Escape does the same (static/panel.js) for
+The operator's page has a larger STOP beside the state. Escape does the same (static/panel.js) for
 who commands, since he may look at any page when something goes wrong. For others it does not: who
 closes a menu while he draws a part must not end somebody else's cut.
-
->>> machine_text("cutting", is_connected=True), machine_text("unknown", is_connected=False)
-('machine: cutting', 'machine: no connection')
 
 Classes of elements are those of Quasar and of static/panel.css; Tailwind is off, since it watches
 every change of the page in the browser. What a page adds is a file in static/, by a relative
 address, since the address of a page begins with the token. All text of strangers goes through
 ui.label or props, never through ui.html or ui.markdown.
 """
-
-from __future__ import annotations
 
 import asyncio
 from collections.abc import Iterator
@@ -48,7 +29,11 @@ from camtools.panel.views.wording import IN_WORK, other_sender
 
 
 def forget_routes() -> None:
-    """Forget functions of routes, so that pages which are gone can be freed."""
+    """Forget functions of routes, so that pages which are gone can be freed.
+
+    Each ui.upload has a route of its own, whose function FastAPI remembers, and with it its page:
+    0.7 MB for each operator's page. Nothing but speed is lost.
+    """
     for cached in vars(models).values():
         clear = getattr(cached, "cache_clear", None)
         if callable(clear):
@@ -56,7 +41,11 @@ def forget_routes() -> None:
 
 
 def repeat_newest(client: Client) -> None:
-    """Send elements of repeated updates as they are now; to be called as the page connects."""
+    """Send elements of repeated updates as they are now; to be called as the page connects.
+
+    NiceGUI repeats what the lost connection swallowed after the updates that have waited meanwhile:
+    an old state would replace a newer one, and an open question vanish.
+    """
     outbox = client.outbox
     repeated = list(outbox.messages)
     outbox.messages.clear()
@@ -68,11 +57,6 @@ def repeat_newest(client: Client) -> None:
         else:
             for i in set(data) - {"_id"}:
                 outbox.updates[i] = client.elements.get(i, deleted)
-
-
-def machine_text(state: str, *, is_connected: bool) -> str:
-    """Return what the machine does, in the words of its controller."""
-    return f"machine: {state}" if is_connected else "machine: no connection"
 
 
 class FrameStop:
@@ -87,7 +71,6 @@ class FrameStop:
         ui.on("stop", self._stop_by_key)
 
     async def _stop_by_key(self) -> None:
-        """Stop, where the visitor commands."""
         if self._context.commander.holder is self._visitor:
             await self.stop()
 
@@ -103,7 +86,8 @@ class FrameStop:
     def show(self) -> None:
         """Show what the machine does now."""
         snapshot = self._context.service.snapshot()
-        self._machine.text = machine_text(snapshot.state, is_connected=snapshot.is_connected)
+        state = snapshot.state if snapshot.is_connected else "no connection"
+        self._machine.text = f"machine: {state}"
 
 
 OPERATE = "/"
@@ -249,6 +233,4 @@ def _who(commander: Commander, visitor: Visitor, other: int) -> str:
     if other:
         return f"{sender_text(other)} commands the controller"
     holder = commander.holder
-    if holder is visitor:
-        return "you command"
-    return f"{holder} commands" if holder is not None else "nobody commands"
+    return "you command" if holder is visitor else f"{holder or 'nobody'} commands"

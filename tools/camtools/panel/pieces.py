@@ -5,14 +5,14 @@ presses it in need shall not have closed a dialog only. They leave the page besi
 that the button can be pressed as well. What was asked is withdrawn then.
 """
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 from weakref import WeakKeyDictionary, WeakSet
 
 from nicegui import Client, ui
 from nicegui.events import UploadEventArguments
+
+from camtools.base.errors import CamtoolsError
 
 Ask = Callable[[], Awaitable[object]]
 _open: WeakKeyDictionary[Client, WeakSet[ui.dialog]] = WeakKeyDictionary()
@@ -115,6 +115,15 @@ class Figure:
     def show(self, text: str) -> None:
         """Show a number."""
         self._value.set_text(text)
+
+
+@contextmanager
+def refusals_shown() -> Iterator[None]:
+    """Show why what is done within the block was refused, and go on after it."""
+    try:
+        yield
+    except (CamtoolsError, UnicodeDecodeError) as error:
+        ui.notify(str(error), type="negative")
 
 
 class Showing:

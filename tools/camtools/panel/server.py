@@ -6,12 +6,7 @@ TrustedHostMiddleware refuses names that were made to point at this computer (DN
 
 >>> [layer.cls.__name__ for layer in middleware(["token"], [])]
 ['TrustedHostMiddleware', 'KeyGate']
-
->>> application.__name__
-'application'
 """
-
-from __future__ import annotations
 
 import hmac
 import socket

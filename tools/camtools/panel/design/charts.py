@@ -9,8 +9,6 @@
 ('feasible', 'at most 3000.0 r/min, limited by spindle_rpm; required 2500 r/min')
 """
 
-from __future__ import annotations
-
 from math import floor, log10
 from typing import Any
 

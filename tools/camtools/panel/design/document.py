@@ -1,17 +1,8 @@
 r"""The text of a part file: a key changed with comments kept, and what is typed into its field.
 
->>> text = '[process]\nfeed_mm = 0.1   # per turn\n'
->>> edited(text, ("process", "feed_mm"), 0.2)
+>>> edited('[process]\nfeed_mm = 0.1   # per turn\n', ("process", "feed_mm"), 0.2)
 '[process]\nfeed_mm = 0.2   # per turn\n'
->>> [one] = problems_of(["process.feed_mm = 0: must be above 0; give mm"], text)
->>> one.field, one.line, one.text
-('process.feed_mm', 2, 'process.feed_mm = 0: must be above 0; give mm')
-
->>> typed(Key(("a",), "numbers", None, None, False), "0, 1.5")
-[0, 1.5]
 """
-
-from __future__ import annotations
 
 import copy
 import math
@@ -77,7 +68,6 @@ def _by_hand(path: Path) -> CamtoolsError:
 
 
 def _changed(root: Any, path: Path, value: Value) -> Any:  # noqa: ANN401 (dict, or tomlkit's)
-    """Change a value in a tree or a document, and return that."""
     is_document, at = isinstance(root, tomlkit.TOMLDocument), root
     for i, step in enumerate(path[:-1]):
         if isinstance(step, str) and step not in at:

@@ -2,19 +2,11 @@
 
 Names are checked, files are replaced only when that was said, and all of a file is written or none.
 
->>> import tempfile
->>> library = PartLibrary(Path(tempfile.mkdtemp()))
->>> library.save("my-part", "[part]", replaces=False)
->>> library.own(), library.read(OWN, "my-part")
-(['my-part'], '[part]')
-
 >>> draft = Draft("a")
 >>> draft.change("ab", at_s=0.0); draft.change("abc", at_s=0.1); draft.change("x", at_s=5.0)
 >>> draft.undo(), draft.undo(), draft.redo()
 ('abc', 'a', 'abc')
 """
-
-from __future__ import annotations
 
 import re
 from pathlib import Path

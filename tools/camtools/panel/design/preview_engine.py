@@ -8,8 +8,6 @@ computed. A process that takes too long, too much memory, or dies is replaced, a
 20.0
 """
 
-from __future__ import annotations
-
 import asyncio
 import json
 import signal
@@ -42,7 +40,7 @@ class PreviewLimits(NamedTuple):
 
 @dataclass(eq=False)
 class _Job:
-    seat: Seat
+    seat: "Seat"
     request: Answer
     is_droppable: bool
     on_answer: OnAnswer
@@ -54,7 +52,7 @@ class _Job:
 class Seat:
     """A page at the engine; made by `Engine.seat`."""
 
-    def __init__(self, engine: Engine, on_answer: OnAnswer) -> None:
+    def __init__(self, engine: "Engine", on_answer: OnAnswer) -> None:
         self._engine, self._on_answer = engine, on_answer
         self.waiting: deque[_Job] = deque()
         self.is_open = True
@@ -184,7 +182,6 @@ class Engine:
         task.add_done_callback(self._tasks.discard)
 
     async def _spawn(self) -> None:
-        """Start a process and wait until it is ready."""
         environment = child_environment() | {"PYTHONDONTWRITEBYTECODE": "1"}  # it writes no file
         process = await asyncio.create_subprocess_exec(
             *(sys.executable, "-m", _WORKER, str(self.limits.memory_mb)),
@@ -268,7 +265,6 @@ async def _heard(worker: _Worker) -> Answer | None:
 
 
 async def _killed(process: asyncio.subprocess.Process) -> None:
-    """End a process, and close its pipes."""
     with suppress(ProcessLookupError):
         process.kill()
     await process.communicate()

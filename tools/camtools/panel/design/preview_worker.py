@@ -1,12 +1,5 @@
 """The process that computes previews: curves first, then what the table costs.
 
->>> from camtools.skirt.part.part_file import example_part
->>> from camtools.pipeline.load import kinds
->>> part = example_part()
->>> shown = curves_of(kinds()[0].exact(part), part.process.spindle_rpm, 20.0)
->>> shown["height_mm"], shown["nominal_mm"], len(shown["motion"]["velocity_mm_s"])
-(20.0, 46.0, 1440)
-
 It is kept ready with everything imported. SIGUSR1 drops what it computes, for a newer change;
 what was made on the way is remembered. It can write no file, and has a limit of memory.
 
@@ -14,8 +7,6 @@ what was made on the way is remembered. It can write no file, and has a limit of
 >>> [answer["stage"] for answer in answers_to(request, Memory(8))]
 ['form', 'problems']
 """
-
-from __future__ import annotations
 
 import json
 import os

@@ -1,7 +1,5 @@
 """The orders of every day: enable, start, hold, resume, reset; and overrides, trim, parts."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

@@ -4,8 +4,6 @@ An update sends the series that have changed by ECharts' own setOption; nothing 
 that is hidden.
 """
 
-from __future__ import annotations
-
 from contextlib import suppress
 
 from nicegui import ui
@@ -35,7 +33,6 @@ _SAID = "Following error of U over one turn, the last 50 turns over each other, 
 
 
 def _known(seen: strobe.Samples) -> Ticks:
-    """Return the samples whose angle was known."""
     is_known = seen.is_synced
     return Ticks(seen.turn[is_known], seen.angle_turn[is_known], seen.error_um[is_known])
 

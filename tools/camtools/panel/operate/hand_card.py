@@ -4,8 +4,6 @@ A held button is watched by jog.js in the browser, which tells begin, hold ten t
 end; the service lets a press die that was silent, whatever comes late.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 from nicegui import ui

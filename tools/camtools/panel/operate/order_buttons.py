@@ -1,7 +1,5 @@
 """How a page gives orders: buttons that state why they are off; the last order and its outcome."""
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 

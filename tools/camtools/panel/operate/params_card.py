@@ -1,7 +1,5 @@
 """All parameters: searched, edited, kept, compared; and the loop of a U that takes forces."""
 
-from __future__ import annotations
-
 from base64 import b64encode
 from collections.abc import Mapping
 from functools import partial
@@ -29,6 +27,7 @@ from camtools.panel.pieces import (
 from camtools.panel.views.parameter_rows import has_force_drive, judged, loop_text, rows
 
 _MOST_BYTES = 1 << 20
+_DEFAULTS = "All parameters are set to the controller's defaults, including those of the machine."
 _COLUMNS = [
     {"name": name, "label": label, "field": name, "sortable": True}
     | {"align": "right" if name == "value" else "left"}
@@ -123,13 +122,11 @@ class ParamsCard:
         return None if answer is None else str(answer)
 
     def _save(self) -> None:
-        if self._read is None:
-            self._orders.refuse(
-                "save the parameters", "not read from the controller yet; wait a moment"
-            )
-            return
-        ui.download.content(self._read.text(), "parameters.toml")
-        self._orders.tell("save the parameters", Outcome(True, "sent to the browser as a file"))
+        outcome = Outcome(False, "not read from the controller yet; wait a moment")
+        if self._read is not None:
+            ui.download.content(self._read.text(), "parameters.toml")
+            outcome = Outcome(True, "sent to the browser as a file")
+        self._orders.tell("save the parameters", outcome)
 
     def _take(self, text: bytes, name: str) -> None:
         self._text, self._name = text, name
@@ -164,10 +161,7 @@ class ParamsCard:
             await self._orders.give("params_load", words, text=self._text, name=self._name)
 
     async def _defaults(self) -> None:
-        text = (
-            "All parameters are set to the controller's defaults, including those of the machine."
-        )
-        if await confirmed("Defaults?", text, "Defaults"):
+        if await confirmed("Defaults?", _DEFAULTS, "Defaults"):
             await self._orders.give("defaults", "defaults of all parameters")
 
     def show(self, read: ParameterSet | None) -> None:

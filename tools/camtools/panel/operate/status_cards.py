@@ -1,7 +1,5 @@
 """What the operator's page shows: numbers, progress, what is missing, the log, STOP."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from math import floor
 from typing import Any

@@ -1,7 +1,5 @@
 """Tables: from a file or made of a part file, downloaded with progress, taken into use."""
 
-from __future__ import annotations
-
 import asyncio
 import sys
 import tempfile

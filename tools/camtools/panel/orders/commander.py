@@ -1,27 +1,13 @@
 """Who looks at the panel, who of them commands, and the log of what was commanded.
 
->>> str(Visitor("v1"))
-'page v1'
-
-The file is its owner's alone. At 4 MB it gets the name FILE.1, that one FILE.2, and what was before
-is gone.
-
->>> log = CommandLog(None)
->>> log.add(Visitor("v1"), "start", {}, Outcome(False, "refused: state off"))
->>> log.newest(1)[0]["order"], log.newest(1)[0]["is_done"]
-('start', False)
+The file of the log is its owner's alone. At 4 MB it gets the name FILE.1, that one FILE.2, and what
+was before is gone.
 
 >>> commander = Commander(CommandLog(None))
 >>> one, other = Visitor("v1"), Visitor("v2")
->>> commander.take(one).is_done, commander.take(other).is_done, commander.holder is one
-(True, False, True)
->>> commander.take_over(other).is_done, commander.holder is other
-(True, True)
->>> commander.news(one)[:17]
-'page v2 took over'
+>>> commander.take(one).is_done, commander.take_over(other).is_done, commander.news(one)[:17]
+(True, True, 'page v2 took over')
 """
-
-from __future__ import annotations
 
 import errno
 import fcntl
@@ -77,7 +63,6 @@ def utc(seconds: float) -> str:
 
 
 def _open(path: Path) -> FileIO:
-    """Open a log for this process alone."""
     path.parent.mkdir(parents=True, exist_ok=True)
     stream = FileIO(os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, _OWN), "a")
     try:
@@ -178,19 +163,9 @@ class Commander:
     def __init__(self, log: CommandLog) -> None:
         self._log = log
         self._lock = threading.Lock()
-        self._holder: Visitor | None = None
-        self._since_s = 0.0
+        self.holder: Visitor | None = None  # who commands
+        self.since_s = 0.0  # when the holder took the command [s of time.time]
         self._news: WeakKeyDictionary[Visitor, str] = WeakKeyDictionary()
-
-    @property
-    def holder(self) -> Visitor | None:
-        """The visitor who commands; None: nobody."""
-        return self._holder
-
-    @property
-    def since_s(self) -> float:
-        """When the holder took the command [s of time.time]."""
-        return self._since_s
 
     def news(self, visitor: Visitor) -> str:
         """Return who took the command from a visitor, and when; "" when nobody did."""
@@ -199,53 +174,53 @@ class Commander:
     def take(self, visitor: Visitor) -> Outcome:
         """Take the command when nobody has it."""
         with self._lock:
-            if self._holder in (None, visitor):
+            if self.holder in (None, visitor):
                 outcome = self._give(visitor)
             else:
-                told = f"{self._holder} commands; take over to command yourself"
+                told = f"{self.holder} commands; take over to command yourself"
                 outcome = Outcome(False, told)
         return self._told("take", visitor, outcome)
 
     def take_over(self, visitor: Visitor) -> Outcome:
         """Take the command from whoever has it, who is told."""
         with self._lock:
-            loser = self._holder
+            loser = self.holder
             outcome = self._give(visitor)
             if loser is not None and loser is not visitor:
-                at = utc(self._since_s)
+                at = utc(self.since_s)
                 self._news[loser] = f"{visitor} took over command at {at}"
                 outcome = Outcome(True, f"taken over from {loser}")
         return self._told("take_over", visitor, outcome)
 
     def _give(self, visitor: Visitor) -> Outcome:
-        self._holder, self._since_s = visitor, time.time()
+        self.holder, self.since_s = visitor, time.time()
         self._news.pop(visitor, None)
         return Outcome(True, "you command")
 
     def release(self, visitor: Visitor) -> Outcome:
         """Give the command back."""
         with self._lock:
-            is_held = self._holder is visitor
+            is_held = self.holder is visitor
             if is_held:
-                self._holder = None
+                self.holder = None
         text = "nobody commands" if is_held else "you do not command"
         return self._told("release", visitor, Outcome(is_held, text))
 
     def lose(self, visitor: Visitor, why: str = "the page was closed") -> None:
         """Take note that a page is gone; if it commanded, nobody does, and it shows why."""
         with self._lock:
-            if self._holder is not visitor:
+            if self.holder is not visitor:
                 return
-            self._holder = None
+            self.holder = None
             self._news[visitor] = f"{why}: nobody commands ({utc(time.time())})"
         self._told("lose", visitor, Outcome(True, f"{why}: nobody commands"))
 
     def pass_on(self, before: Visitor, visitor: Visitor) -> None:
         """Give the command of a page that is gone to the one that was loaded in its place."""
         with self._lock:
-            if self._holder is not before or before.is_here:
+            if self.holder is not before or before.is_here:
                 return
-            self._holder = visitor
+            self.holder = visitor
         self._told("pass_on", visitor, Outcome(True, f"the page of {before} was loaded anew"))
 
     def lose_on_bus(self, why: str, sender: int) -> None:
@@ -254,10 +229,10 @@ class Commander:
         Where nobody else has it, as when the panel was stopped for a second, he commands on.
         """
         with self._lock:
-            loser = self._holder
+            loser = self.holder
             if loser is None:
                 return
-            self._holder = None if sender else loser
+            self.holder = None if sender else loser
             self._news[loser] = f"{why} ({utc(time.time())})"
         self._told("lose", loser, Outcome(True, why))
 

@@ -1,14 +1,12 @@
 """The service: pages ask it for what the controller does, and give it orders.
 
-`snapshot()`, `strobe()` and `parameters()` never wait and may be called by every page as often as
-it draws. `do()` judges each order by the visitor who gives it, whatever buttons his page shows: the
-rights are here and nowhere else. Every order and its outcome is logged.
+`snapshot()`, `strobe()`, `lessons()`, `parameters()` and `tuned()` never wait and may be called by
+every page as often as it draws. `do()` judges each order by the visitor who gives it, whatever
+buttons his page shows: the rights are here and nowhere else. Every order and its outcome is logged.
 
 >>> _told({"image": b"123456789", "name": "a part"})
 {'image': '9 bytes, CRC-32 cbf43926', 'name': "'a part'"}
 """
-
-from __future__ import annotations
 
 import asyncio
 import time
@@ -17,13 +15,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from camtools.base.errors import CamtoolsError, shown
-from camtools.link.strobe import Lessons, Samples
 from camtools.panel.orders.commander import Commander, CommandLog, Visitor
 from camtools.panel.orders.jog_press import Presses
 from camtools.panel.orders.link_thread import Job, LinkThread, OpenLink
 from camtools.panel.orders.loop_tuner import LoopTuner, Tuned
 from camtools.panel.orders.order import ATTENDED, URGENT, Order, Outcome, checked
-from camtools.panel.orders.snapshot import ParameterSet, Snapshot
 
 BACK_S = 0.5  # what comes so soon behind a lost connection may have been pressed long ago
 NOT_YOU = "you do not command; take the command first"
@@ -46,31 +42,10 @@ class ControllerService:
     ) -> None:
         self._commander, self._log, self._secret = commander, log, secret
         self._presses, self._tuner = Presses(), LoopTuner()
-        self._thread = LinkThread(
-            open_link, lambda: commander.holder is not None, commander.lose_on_bus
-        )
-
-    def snapshot(self) -> Snapshot:
-        """Return the newest status; never waits."""
-        return self._thread.snapshot()
-
-    def strobe(self) -> Samples:
-        """Return the following error at single ticks of the last turns; never waits.
-
-        The controller sends them only while somebody asks at least every two seconds.
-        """
-        return self._thread.samples()
-
-    def lessons(self) -> Lessons:
-        """Return how the error fell while the controller learned; never waits."""
-        return self._thread.lessons()
-
-    def parameters(self) -> ParameterSet | None:
-        """Return all parameters, None while they are not read; never waits.
-
-        They are read, and again after each change, while somebody asks at least every two seconds.
-        """
-        return self._thread.parameters()
+        thread = LinkThread(open_link, lambda: bool(commander.holder), commander.lose_on_bus)
+        self._thread = thread
+        self.snapshot, self.strobe = thread.snapshot, thread.samples
+        self.lessons, self.parameters = thread.lessons, thread.parameters
 
     def tuned(self) -> Tuned | None:
         """Return what the newest measurement of U shows, None where there is none; never waits."""

@@ -4,8 +4,6 @@
 ['jog_end', 'jog_hold', 'take_over']
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

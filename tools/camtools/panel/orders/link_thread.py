@@ -5,13 +5,10 @@ dropped. A job that is attended ends likewise when its visitor may not give it a
 While no controller is heard the bus is closed and opened again, once a second.
 
 >>> job = Job("start", {}, Visitor("v1"))
->>> job.tell(False, "busy")
->>> job.tell(True, "start: engaging")
+>>> job.tell(False, "busy"); job.tell(True, "start: engaging")
 >>> job.told.result()
 Outcome(is_done=False, text='busy')
 """
-
-from __future__ import annotations
 
 import threading
 import time
@@ -127,7 +124,10 @@ class LinkThread:
         return replace(newest, work=self._work, has_command=self._has_command)
 
     def samples(self) -> Samples:
-        """Return samples of the last turns; the controller sends them while this is called."""
+        """Return the following error at single ticks of the last turns.
+
+        The controller sends them only while this is called at least every two seconds.
+        """
         self._strobe_asked_s = time.monotonic()
         strobe = self._strobe
         return strobe.samples() if strobe is not None else NO_SAMPLES

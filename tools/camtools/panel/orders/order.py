@@ -1,23 +1,11 @@
 """Orders of the panel: their arguments, what right each needs, and what came of them.
 
->>> order = Order("feed", {"percent": 90.0})
->>> order.name, Outcome(True, "feed override = 90 %").is_done
-('feed', True)
-
 All but those of `URGENT` need the command: every page may end what moves, at once. Numbers are in
 the unit of their name.
 
->>> RULES["step"].arguments["mm"] is float
-True
 >>> checked(Order("step", {"axis": "x", "mm": 1}))
 {'axis': 'x', 'mm': 1.0}
->>> checked(Order("step", {"axis": "y", "mm": 1}))
-Traceback (most recent call last):
-    ...
-camtools.base.errors.CamtoolsError: step: axis = 'y': give one of u, x, z
 """
-
-from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping
@@ -129,7 +117,6 @@ def checked(order: Order) -> dict[str, Any]:
 
 
 def _argument(order: str, name: str, kind: type, value: object) -> object:
-    """Return an argument as its type has it."""
     what = f"{order}: {name} = {shown(value)}"
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
         value = float(value)

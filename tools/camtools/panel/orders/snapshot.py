@@ -2,15 +2,7 @@
 
 >>> SILENT.is_connected, SILENT.state, SILENT.faults
 (False, 'unknown', ())
-
->>> from camtools.link.kept_values import INFOS
->>> values = {name: info.default for name, info in INFOS.items()}
->>> read = ParameterSet(values, 3, "kept")
->>> read.differences(b"lead_ns = 17", "a.toml")
-{'lead_ns': (17, 100000)}
 """
-
-from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """The page /design of the panel: a part file as text and as a form, its preview, and its cut."""
 
-from __future__ import annotations
-
 import asyncio
 import time
 from functools import partial
@@ -18,7 +16,7 @@ from camtools.panel.page_frame import framed
 from camtools.panel.pages.design_cut import CutView
 from camtools.panel.pages.design_form import FormView
 from camtools.panel.pages.design_preview import PreviewView
-from camtools.panel.pieces import Showing, confirmed, file_button
+from camtools.panel.pieces import Showing, confirmed, file_button, refusals_shown
 from camtools.panel.runs.store import RunOptions
 from camtools.part.schema import Key
 
@@ -61,7 +59,6 @@ class DesignPage:
         self._open(EXAMPLE, _FIRST)
 
     def _bar(self) -> None:
-        """Make the row that opens and saves parts."""
         with ui.row().classes("items-center q-gutter-sm full-width"):
             sources, listed = {EXAMPLE: "examples", OWN: "my parts"}, self._list_parts
             self._sources = ui.select(sources, value=EXAMPLE, label="from", on_change=listed)
@@ -111,20 +108,16 @@ class DesignPage:
             self._open(str(self._sources.value), str(self._parts.value))
 
     def _open(self, source: str, name: str) -> None:
-        """Show a part of the library."""
-        try:
+        with refusals_shown():
             text = self._designs.library.read(source, name)
-        except CamtoolsError as error:
-            ui.notify(str(error), type="negative")
-            return
-        self._source, self._height_mm = source, None
-        with self._showing:
-            self._parts.value = self._name.value = name
-        if self._draft.text:
-            self._draft.change(text, time.monotonic(), is_step=True)
-        else:
-            self._draft = Draft(text)
-        self._show_text()
+            self._source, self._height_mm = source, None
+            with self._showing:
+                self._parts.value = self._name.value = name
+            if self._draft.text:
+                self._draft.change(text, time.monotonic(), is_step=True)
+            else:
+                self._draft = Draft(text)
+            self._show_text()
 
     def _show_text(self) -> None:
         """Show the draft's text in the editor, and ask for its preview."""
@@ -166,7 +159,6 @@ class DesignPage:
         self._ask()
 
     def _take(self, answer: dict[str, Any]) -> None:
-        """Show an answer of the engine."""
         stage = answer["stage"]
         if stage == "form":
             self._form.show(answer["kind"], answer["tree"])
@@ -195,16 +187,16 @@ class DesignPage:
     async def _save(self) -> None:
         """Save the text under a name; a part that is there is replaced when that is confirmed."""
         library, name = self._designs.library, str(self._name.value or "").strip()
-        try:
+        with refusals_shown():
             replaces = library.has(name)
             if replaces and not await _may_replace(f"part {name}"):
                 return
             if self._source == EXAMPLE:  # the copy is to find the files that the example names
                 self._designs.bring_files(self._draft.text)
             library.save(name, self._draft.text, replaces=replaces)
-        except CamtoolsError as error:
-            ui.notify(str(error), type="negative")
-            return
+            self._show_saved(name)
+
+    def _show_saved(self, name: str) -> None:
         self._designs.note(self._visitor, "save", {"name": name}, "saved")
         self._source = OWN
         with self._showing:
@@ -224,13 +216,8 @@ class DesignPage:
 
     async def _uploaded(self, data: bytes, file: str) -> None:
         """Keep a file that somebody brings, and open it when it is a part."""
-        with self._body:
-            try:
-                is_kept = await self._keep(data, file)
-            except (CamtoolsError, UnicodeDecodeError) as error:
-                ui.notify(str(error), type="negative")
-                return
-            if is_kept:
+        with self._body, refusals_shown():
+            if await self._keep(data, file):
                 self._designs.note(self._visitor, "upload", {"file": file}, "kept")
                 self._show_kept(file)
 

@@ -4,8 +4,6 @@
 '12 s so far, about 18 s left'
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Awaitable, Callable
 from dataclasses import asdict
@@ -17,7 +15,7 @@ from camtools.base.text import duration_text
 from camtools.panel.design.part_library import checked_name
 from camtools.panel.design_service import DesignService
 from camtools.panel.orders.commander import Visitor
-from camtools.panel.pieces import file_button
+from camtools.panel.pieces import file_button, refusals_shown
 from camtools.panel.runs.store import DONE, OF_THE_PART, OWN, RUNNING, WAITING, RunOptions
 
 _SHOW_S = 0.25
@@ -33,10 +31,7 @@ def time_left_text(gone_s: float, whole_s: float | None) -> str:
 
 
 class CutView:
-    """The card that cuts the part of the editor.
-
-    `cut`: starts a run with options; returns its name, or raises CamtoolsError.
-    """
+    """The card that cuts the part of the editor; `cut` starts a run and returns its name."""
 
     def __init__(
         self, designs: DesignService, visitor: Visitor, cut: Callable[[RunOptions], Awaitable[str]]
@@ -80,15 +75,11 @@ class CutView:
         return {OF_THE_PART: "limits of the part"} | {name: name for name in names}
 
     def _take_machine(self, data: bytes, file: str) -> None:
-        """Keep a machine file of one's own."""
-        try:
+        with refusals_shown():
             name = checked_name(file.removesuffix(".toml"))
             self._designs.keep_machine(name, data)
-        except CamtoolsError as error:
-            ui.notify(str(error), type="negative")
-            return
-        self._machine.set_options(self._machines(), value=name)
-        self._designs.note(self._visitor, "machine upload", {"name": name}, "kept")
+            self._machine.set_options(self._machines(), value=name)
+            self._designs.note(self._visitor, "machine upload", {"name": name}, "kept")
 
     def _options(self) -> RunOptions:
         rpm, feed = self._rpm.value, self._feed.value
@@ -112,12 +103,7 @@ class CutView:
         self.show()
 
     def _stop_run(self) -> None:
-        queue = self._designs.queue
-        running = queue.running.name if queue.running else ""
-        name = self._mine if self._mine in (running, *queue.waiting) else running
-        if name:
-            queue.stop(name)
-            self._designs.note(self._visitor, "stop a run", {"run": name}, "asked to stop")
+        self._designs.stop_runs(self._visitor, [self._mine])
 
     def show(self) -> None:
         """Bring progress and report up to date."""
@@ -150,8 +136,7 @@ class CutView:
         try:
             run = self._designs.store.run(f"{OWN}/{self._mine}")
         except CamtoolsError as error:
-            self._state.text = str(error)
-            self._shown_report = self._mine
+            self._state.text, self._shown_report = str(error), self._mine
             return
         if run.status in (WAITING, RUNNING):
             return

@@ -3,8 +3,6 @@
 The field that was touched last has the dial on top: a slider around its value and two step buttons.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -68,7 +66,6 @@ class FormView:
                 _show_error(element, text)
 
     def _shown(self) -> list[tuple[Table, list[Key]]]:
-        """Return the tables and keys that are shown."""
         found = []
         for table in self._tables:
             keys = [
@@ -202,6 +199,5 @@ class FormView:
 
 
 def _show_error(element: Any, text: str) -> None:  # noqa: ANN401 (elements of several types)
-    """Show what is wrong beside a field; "": nothing."""
     element.props["error"], element.props["error-message"] = bool(text), text
     element.update()

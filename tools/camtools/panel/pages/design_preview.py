@@ -1,7 +1,5 @@
 """The preview beside the editor: charts, verdict, margins, size; the last good one stays."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The operator's page, "/", and its keys."""
 
-from __future__ import annotations
-
 from nicegui import ui
 from nicegui.events import GenericEventArguments, KeyEventArguments
 
@@ -102,7 +100,6 @@ class OperatePage:
                 self._error = ErrorCard()
 
     def _draw_second(self) -> None:
-        """Draw what is set up before a part is cut."""
         with ui.element("div").classes("op-columns op-below"):
             with ui.element("div").classes("op-column"):
                 HandCard(self._orders)

@@ -1,7 +1,5 @@
 """The page /runs of the panel: all runs in a table, their reports, and what differs."""
 
-from __future__ import annotations
-
 import asyncio
 from datetime import UTC, datetime
 from typing import Any
@@ -20,7 +18,7 @@ from camtools.panel.orders.commander import Visitor
 from camtools.panel.page_frame import framed
 from camtools.panel.pages.design import STYLE
 from camtools.panel.pages.runs_comparison import MOST_COMPARED, ComparisonView
-from camtools.panel.pieces import confirmed
+from camtools.panel.pieces import confirmed, refusals_shown
 from camtools.panel.runs.store import OWN, REPORT, Run
 
 _BOX = '<q-checkbox dense v-model="props.selected" {name} />'
@@ -122,13 +120,8 @@ class RunsPage:
             view.show()
 
     def _stop(self) -> None:
-        queue = self._designs.queue
-        running = [] if queue.running is None else [queue.running.name]
-        picked = [key.removeprefix("own/") for key in self._picked()]
-        names = [name for name in picked if name in (*running, *queue.waiting)] or running
-        for name in names:
-            queue.stop(name)
-            self._designs.note(self._visitor, "stop a run", {"run": name}, "asked to stop")
+        picked = [key.removeprefix(f"{OWN}/") for key in self._picked()]
+        self._designs.stop_runs(self._visitor, picked)
 
     async def _remove(self) -> None:
         keys = self._picked()
@@ -139,11 +132,9 @@ class RunsPage:
         if not await confirmed(f"Remove {runs}?", "All files of it are gone then.", "Remove"):
             return
         for key in keys:
-            try:
+            with refusals_shown():
                 self._designs.store.remove(key)
                 self._designs.note(self._visitor, "remove runs", {"run": key}, "removed")
-            except CamtoolsError as error:
-                ui.notify(str(error), type="negative")
         self._table.selected = []
 
 

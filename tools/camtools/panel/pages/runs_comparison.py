@@ -4,8 +4,6 @@
 4
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 from nicegui import run as background
@@ -20,6 +18,7 @@ from camtools.panel.runs.compare import (
     differing,
     error_curves,
     figures_of,
+    heights_of,
     machine_text_of,
     part_text,
     section_error,
@@ -34,11 +33,7 @@ _DIFF_CLASS = {"+": "diff-add", "-": "diff-del", "@": "text-italic"}
 
 
 class ComparisonView:
-    """Runs that were picked.
-
-    `runs`: the first one is what the others are compared with. `report_address`: returns where the
-    report of a run with a key is served.
-    """
+    """Runs that were picked, compared with the first one."""
 
     def __init__(self, runs: Sequence[Run], report_address: Callable[[str], str]) -> None:
         self._runs, self._report_address = list(runs), report_address
@@ -49,13 +44,9 @@ class ComparisonView:
 
     def read(self) -> None:
         """Read what the runs left; it takes a second or so, and touches no element."""
-        alone = [error_curves(run.folder) for run in self._runs]
-        there = [one for one in alone if one is not None]
-        if there:
-            self._ends_mm = (
-                min(_end(one, 0) for one in there),
-                max(_end(one, -1) for one in there),
-            )
+        heights_mm = [height for run in self._runs for height in heights_of(run.folder)]
+        if heights_mm:
+            self._ends_mm = min(heights_mm), max(heights_mm)
         self._curves = [error_curves(run.folder, self._ends_mm) for run in self._runs]
         self._read_sections(sum(self._ends_mm) / 2)
 
@@ -94,15 +85,13 @@ class ComparisonView:
     def _show_differences(self) -> None:
         first = self._runs[0]
         for other in self._runs[1:]:
-            _diff(
-                f"part file: {first.name} to {other.name}",
-                differing(part_text(first), part_text(other)),
-            ).props("data-testid=diff-part")
-            _diff(
-                f"machine: {first.name} to {other.name}",
-                differing(machine_text_of(first), machine_text_of(other)),
-                is_open=False,  # two machines may differ in every line
-            ).props("data-testid=diff-machine")
+            names = f"{first.name} to {other.name}"
+            parts = differing(part_text(first), part_text(other))
+            _diff(f"part file: {names}", parts).props("data-testid=diff-part")
+            machines = differing(machine_text_of(first), machine_text_of(other))
+            # Two machines may differ in every line.
+            box = _diff(f"machine: {names}", machines, is_open=False)
+            box.props("data-testid=diff-machine")
 
     def _show_curves(self) -> None:
         with ui.element("div").classes("compare-pair"):
@@ -111,9 +100,7 @@ class ComparisonView:
         low, high = self._ends_mm
         middle = (low + high) / 2
         slider = ui.slider(min=low, max=high, step=(high - low) / _BANDS, value=middle)
-        slider.props('aria-label="height of the section" label').props(
-            'data-testid="section-height"'
-        )
+        slider.props('aria-label="height of the section" label data-testid=section-height')
         chart = _chart(charts.sections(self._names, self._sections, middle), "section-error")
 
         async def moved() -> None:
@@ -151,12 +138,6 @@ class ComparisonView:
         ui.toggle(there, clearable=True, on_change=chosen).props("no-caps data-testid=reports")
         frame = ui.element("iframe").classes("report-frame").props("data-testid=report")
         frame.props('sandbox="allow-scripts" title="report"').set_visibility(False)
-
-
-def _end(curves: ErrorCurves, i: int) -> float:
-    """Return where the first or the last band of a run ends [mm]."""
-    half = float(curves.z_mm[1] - curves.z_mm[0]) / 2
-    return float(curves.z_mm[i]) + (half if i else -half)
 
 
 def _table(

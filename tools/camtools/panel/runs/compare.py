@@ -3,12 +3,7 @@
 >>> same = ComparedFigure("form error", "um", (0.25, 0.5))
 >>> same.difference(1), same.text(0)
 ('+0.25', '0.25')
-
->>> scale_of([np.array([[0.1, -0.4]]), np.array([[np.nan, 0.2]])])
-0.4
 """
-
-from __future__ import annotations
 
 import difflib
 from collections.abc import Sequence
@@ -180,7 +175,6 @@ def cells_of(surface: GaugedSurface, heights_mm: tuple[float, float]) -> Floats:
 
 
 def _stamp(path: Path) -> int | None:
-    """Return when a file of a run was written, nothing where there is none."""
     return None if path.is_symlink() or not path.is_file() else path.stat().st_mtime_ns
 
 
@@ -196,12 +190,19 @@ def _surface_of(folder: Path) -> GaugedSurface | None:
     return None if written_ns is None else _surface(path, written_ns)
 
 
-def error_curves(folder: Path, heights_mm: tuple[float, float] | None = None) -> ErrorCurves | None:
-    """Return the errors of a run as curves, nothing where it cut nothing."""
+def heights_of(folder: Path) -> list[float]:
+    """Return the lowest and the highest height of a run [mm], none where it cut nothing."""
+    surface = _surface_of(folder)
+    if surface is None or surface.turn.size == 0:
+        return []
+    return [float(surface.z_mm.min()), float(surface.z_mm.max())]
+
+
+def error_curves(folder: Path, ends: tuple[float, float]) -> ErrorCurves | None:
+    """Return the errors of a run as curves between two heights, nothing where it cut nothing."""
     surface = _surface_of(folder)
     if surface is None or surface.turn.size == 0:
         return None
-    ends = heights_mm or (float(surface.z_mm.min()), float(surface.z_mm.max()))
     cells = cells_of(surface, ends)
     with np.errstate(all="ignore"):
         worst = np.nanmax(np.where(np.isnan(cells), -np.inf, np.abs(cells)), axis=1)

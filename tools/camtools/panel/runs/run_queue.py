@@ -1,16 +1,10 @@
 """Cuts on the simulator, one at a time: tools/run as a process that can be stopped.
 
->>> seen = RunProgress()
->>> seen = seen.after("run: cutting 622 turns, 15 s of machine time on the host simulator")
+>>> seen = RunProgress().after("run: cutting 622 turns, 15 s of machine time on the host simulator")
 >>> seen = seen.after("camsim:  42.5 %, 6.4 s of machine time, about 3 s left")
 >>> seen.share, seen.left_s, seen.text
 (0.425, 3.0, 'cutting 622 turns, 15 s of machine time on the host simulator')
-
->>> MOST_WAITING
-5
 """
-
-from __future__ import annotations
 
 import asyncio
 import os
@@ -19,7 +13,6 @@ import re
 import signal
 import sys
 import time
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -42,7 +35,7 @@ class RunProgress:
     left_s: float | None = None  # of the cut [s]
     last: str = ""  # the last line that was no progress: why it failed, where it does
 
-    def after(self, line: str) -> RunProgress:
+    def after(self, line: str) -> "RunProgress":
         """Return the progress after another line."""
         line = line.strip()[:_MOST_CHARS]
         if found := _CAMSIM.match(line):
@@ -63,13 +56,8 @@ _BREAK = re.compile(rb"[\r\n]+")
 class RunQueue:
     """Runs that wait, and the one that goes on; a command cuts, which the words of a run follow."""
 
-    def __init__(
-        self,
-        store: RunStore,
-        on_change: Callable[[], None] = lambda: None,
-        command: list[str] | None = None,
-    ) -> None:
-        self._store, self._on_change = store, on_change
+    def __init__(self, store: RunStore, command: list[str] | None = None) -> None:
+        self._store = store
         self._command = command or [sys.executable, "-m", "camtools.cli.run"]
         self._waiting: list[tuple[Path, list[str]]] = []
         self._task: asyncio.Task[None] | None = None
@@ -88,7 +76,6 @@ class RunQueue:
         self._waiting.append((folder, options.words(PART, machine)))
         if self._task is None or self._task.done():
             self._task = asyncio.get_running_loop().create_task(self._work())
-        self._on_change()
 
     def check_room(self) -> None:
         """Refuse another run where too many wait."""
@@ -106,7 +93,6 @@ class RunQueue:
             if one[0].name == name:
                 self._waiting.remove(one)
                 self._store.note(one[0], {"status": STOPPED, "told": "stopped before it started"})
-                self._on_change()
                 return
         if self.running is not None and self.running.name == name:
             self._is_stopped = True
@@ -141,7 +127,6 @@ class RunQueue:
             self.running, self.begun_s, self._is_stopped = folder, time.time(), False
             self.progress = RunProgress()
             self._store.note(folder, {"status": RUNNING})
-            self._on_change()
             try:
                 status = await self._cut(folder, words)
             except OSError as error:
@@ -150,7 +135,6 @@ class RunQueue:
             self._note_end(folder, status)
             self.running, self._process = None, None
             self._store.tidy()
-            self._on_change()
 
     def _note_end(self, folder: Path, status: int) -> None:
         has_cut = status in (_GOOD, _POOR) and (folder / SUMMARY).is_file()
@@ -218,7 +202,4 @@ class RunQueue:
             loop.remove_reader(terminal)
 
     def _take(self, line: bytes) -> None:
-        before = self.progress
-        self.progress = before.after(line.decode("utf-8", "replace"))
-        if self.progress != before:
-            self._on_change()
+        self.progress = self.progress.after(line.decode("utf-8", "replace"))

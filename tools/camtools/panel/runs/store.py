@@ -1,21 +1,11 @@
 """Runs that are kept: a folder each, with the part file, what it was cut with, and the results.
 
->>> RunOptions(rpm=2000.0, seed=3, learns=False).words("part.toml")[:4]
-['part.toml', '-o', '.', '--rpm']
->>> RunOptions(machine="real").text()
-'machine real, speed and feed of the part, seed 1'
-
 Of the panel's own runs the newest 40 are kept, and 4 GB of them at most; what goes first is the
 oldest. Runs of tools/run in build/run are shown too, and never changed.
 
->>> import tempfile
->>> store = RunStore(Path(tempfile.mkdtemp()), Path(tempfile.mkdtemp()))
->>> folder = store.new("skirt", "[part]", RunOptions(), at_s=0.0)
->>> folder.name, [run.status for run in store.runs()]
-('skirt-001', ['waiting'])
+>>> RunOptions(machine="real").text()
+'machine real, speed and feed of the part, seed 1'
 """
-
-from __future__ import annotations
 
 import json
 import re
@@ -24,7 +14,7 @@ from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.files import write_all
@@ -76,7 +66,7 @@ class RunOptions:
         return ", ".join([*found, f"seed {self.seed}"])
 
     @classmethod
-    def of(cls, kept: dict[str, Any]) -> RunOptions:
+    def of(cls, kept: dict[str, Any]) -> Self:
         """Return what was kept of them; keys of another version are left out."""
         return cls(**{name: kept[name] for name in cls.__dataclass_fields__ if name in kept})
 
@@ -262,7 +252,6 @@ def verdict_word(summary: Json) -> str:
 
 
 def _read(place: str, folder: Path) -> Run | None:
-    """Return a run, nothing where a folder is none."""
     if not _NAME.match(folder.name) or not folder.is_dir() or folder.is_symlink():
         return None
     about, summary = _about(folder), summary_of(folder)

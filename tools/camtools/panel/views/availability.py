@@ -1,21 +1,13 @@
 """Which orders make sense in a state, and what is missing before the next one can be given.
 
->>> why_not("start", "off", {})
-'only in ready'
->>> why_not("start", "ready", {})
-''
-
 What the controller refuses stands in firmware/machine/cam_machine.c; the list names what can be
 seen from its status and its parameters. A speed that is not feasible is told by the refusal itself.
 
->>> way = way_on("off", {"is_estop": 1.0, "is_drive_ready": 1.0, "table_size": 3456.0}, {})
->>> [item.key for item in way.missing], way.order
-(['estop'], 'enable')
->>> way.sentence
+>>> why_not("start", "off", {})
+'only in ready'
+>>> way_on("off", {"is_estop": 1.0, "is_drive_ready": 1.0, "table_size": 3456.0}, {}).sentence
 'Release the emergency stop.'
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -2,12 +2,7 @@
 
 >>> points_of([1, 2, 4], [8.0, 0.0, 0.5])
 [[1, 8.0], [4, 0.5]]
->>> words({"learn_phase": 3.0, "learn_reason": 0.0, "learn_error": 0.5, "learn_begin_error": 8.0,
-...        "learn_turns": 4.0})
-'drive; 0.500 µm rms now, 8.000 µm at first, after 4 turns'
 """
-
-from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -6,8 +6,6 @@ They are drawn for a light page; a style sheet inverts them on a dark one.
 'profile'
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 INK, FAINT, BLUE, ORANGE, RED, GREEN = (

@@ -6,22 +6,9 @@ last one, so that what is sent stays small however many samples are shown.
 >>> turns = Ticks(np.array([7, 7]), np.array([0.25, 0.5]), np.array([0.1, -0.3]))
 >>> Trail().changes(turns)[0]
 Series(slot=1, age=0, points=[[90.0, 0.1], [180.0, -0.3]])
->>> statistics(turns)
-Statistics(max_um=0.3, rms_um=0.22360679774997896, turns=1, samples=2)
-
->>> [axis["max"] for axis in whole(POLAR, 0.2, 5.0)["radiusAxis"]]
-[0.2]
 >>> whole(POLAR, 0.2, 5.0)["radiusAxis"][0]["axisLabel"]["showMaxLabel"]
 False
->>> change(POLAR, [Series(0, 1, [[90.0, 0.1]])], [])["series"][0]["data"]
-[[0.1, 90.0]]
-
->>> scale = Scale(0.1)
->>> [scale.follow(peak) for peak in (0.03, 0.3, 0.3, 0.15)]
-[0.1, 0.5, 0.5, 0.5]
 """
-
-from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass

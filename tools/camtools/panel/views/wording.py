@@ -2,32 +2,12 @@
 
 >>> signed(0.5, 4), signed(-0.00001, 4), plain(None, 1) == NOTHING
 ('+0.5000', '+0.0000', True)
->>> clock(3725.4), clock(59.6)
-('1:02:05', '1:00')
-
->>> share_of("download, 40 %"), share_of(""), share_of("keep")
-(0.4, 0.0, 0.0)
-
->>> look("cutting", is_connected=True).word
-'CUTTING'
->>> look("cutting", is_connected=False).word
-'NO CONNECTION'
-
->>> from dataclasses import replace
->>> from camtools.panel.orders.snapshot import SILENT
->>> other = replace(SILENT, is_connected=True, signals={"commander": 0.0})
->>> other_sender(other), other_sender(replace(other, signals={"commander": 300.0}))
-(0, 300)
->>> held_text(replace(other, signals={"commander": 300.0}))
-'sender 300 commands the controller; take over, top right'
+>>> clock(3725.4), clock(59.6), share_of("download, 40 %")
+('1:02:05', '1:00', 0.4)
 
 >>> box_text({"recorder_use": 2.0, "recorder_phase": 3.0, "recorder_faults": 1.0})[:59]
 'The black box holds the recording from before the fault est'
->>> box_text({})
-''
 """
-
-from __future__ import annotations
 
 import re
 from collections.abc import Mapping
