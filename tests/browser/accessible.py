@@ -1,4 +1,6 @@
-"""What axe finds wrong with a page for people who see, hear or move otherwise."""
+"""What axe finds wrong with a page for people who see, hear or move otherwise; what all read."""
+
+import re
 
 from axe_playwright_python.base import AXE_SCRIPT
 from playwright.sync_api import Page
@@ -27,3 +29,10 @@ def grave_findings(page: Page) -> list[str]:
         if rule["impact"] in _GRAVE
         for node in rule["nodes"]
     ]
+
+
+def told_um(text: str) -> float:
+    """Return the first length of a text, as a person reads it [um]."""
+    found = re.search(r"([\d.]+) (nm|um|\N{MICRO SIGN}m)", text)
+    assert found is not None, text
+    return float(found[1]) * (1e-3 if found[2] == "nm" else 1.0)

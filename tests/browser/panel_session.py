@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from camtools.base.project import ROOT
 from camtools.link.controller import Link, Status
 from camtools.link.live_lathes import LiveLathe, live_lathes
 from camtools.link.rights import May
@@ -23,6 +24,13 @@ from checks.patience import limit_s
 from tests.tools.cases.background import Background, background, python
 from tests.tools.cases.live_cases import live_case
 
+WEAK_LOOP = {
+    "servo_crossover_hz": 60,
+    "servo_lead_percent": 2000,
+    "servo_pole_hz": 1000,
+    "servo_integral_mHz": 3000,
+}
+_FORCE = ROOT / "tests" / "scenarios" / "cases" / "machines" / "force.toml"
 _ENDS = {"fault": "reset", "homing": "disable", "ready": "disable", "manual": "disable"}
 _CALM_S = 0.1
 _ADDRESS = re.compile(r"http://\S+/")
@@ -30,15 +38,11 @@ _ADDRESS = re.compile(r"http://\S+/")
 
 @dataclass
 class Panel:
-    """A panel while it runs.
-
-    `panel`: tools/panel. `url`: of the operator's page, with the token; those of other pages begin
-    with it. `log`: of its commands; beside it are the folders parts and runs.
-    """
+    """A panel while it runs."""
 
     panel: Background
-    url: str
-    log: Path
+    url: str  # of the operator's page, with the token; those of other pages begin with it
+    log: Path  # of its commands; beside it are the folders parts and runs
 
     def logged(self) -> list[dict[str, Any]]:
         """Return the lines of the log of commands."""
@@ -48,15 +52,11 @@ class Panel:
 
 @dataclass
 class PanelSession(Panel):
-    """Lathe and panel while both run.
+    """Lathe and panel while both run."""
 
-    `lathe`: tools/live, to which faults are typed. `witness`: a link of the test's own: what it
-    hears the panel has not touched. `live`: by which others of this user find the controller.
-    """
-
-    lathe: Background
-    witness: Link
-    live: LiveLathe
+    lathe: Background  # tools/live, to which faults are typed
+    witness: Link  # the test's own: what it hears the panel has not touched
+    live: LiveLathe  # by which others of this user find the controller
 
     def status(self) -> Status:
         """Return the controller's status, not older than this call."""
@@ -91,6 +91,14 @@ class PanelSession(Panel):
         return f"--- lathe\n{self.lathe.text()}\n--- panel\n{self.panel.text()}\n"
 
 
+def weak_machine(folder: Path) -> Path:
+    """Write the machine whose U takes forces, with a weak loop that holds it; return its file."""
+    keys = "\n".join(f"{name} = {value}" for name, value in WEAK_LOOP.items())
+    machine = folder / "weak.toml"
+    machine.write_text(f"{_FORCE.read_text('utf-8')}[controller]\n{keys}\n", "utf-8")
+    return machine
+
+
 @contextmanager
 def panel_alone(folder: Path, *words: str | Path) -> Iterator[Panel]:
     """Run tools/panel with some options on a free port; it finds the live lathe of a folder."""
@@ -106,11 +114,7 @@ def panel_alone(folder: Path, *words: str | Path) -> Iterator[Panel]:
 def panel_session(
     folder: Path, live_words: Sequence[str | Path] = (), panel_words: Sequence[str | Path] = ()
 ) -> Iterator[PanelSession]:
-    """Run both, on free ports.
-
-    `folder`: for what they announce and keep. `live_words`, `panel_words`: options of tools/live
-    and tools/panel.
-    """
+    """Run both with some options, on free ports; they announce and keep all in the folder."""
     with live_case(folder, *live_words) as case, panel_alone(folder, *panel_words) as one:
         (announced,) = live_lathes(folder / "camturn")
         yield PanelSession(one.panel, one.url, one.log, case.lathe, case.link, announced)

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.accessible import grave_findings
+from tests.browser.accessible import grave_findings, told_um
 from tests.browser.conftest import Keep
 from tests.browser.panel_session import PanelSession
 from tests.browser.windows import NO_3D, OpenWindow
@@ -49,13 +49,6 @@ def cut(page: Page, folder: Path, n_runs: int) -> dict[str, Any]:
     assert len(runs) == n_runs
     summary: dict[str, Any] = json.loads(runs[-1].read_text("utf-8"))
     return summary
-
-
-def told_um(text: str) -> float:
-    """Return the first length of a text [um]."""
-    found = re.search(r"([\d.]+) (nm|um|\N{MICRO SIGN}m)", text)
-    assert found is not None, text
-    return float(found[1]) * (1e-3 if found[2] == "nm" else 1.0)
 
 
 def test_part_is_edited_cut_and_compared(

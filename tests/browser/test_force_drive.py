@@ -8,28 +8,17 @@ from playwright.sync_api import expect
 from tests.browser.accessible import grave_findings
 from tests.browser.conftest import Keep
 from tests.browser.panel_page import command, give, order
-from tests.browser.panel_session import PanelSession, panel_session
+from tests.browser.panel_session import PanelSession, panel_session, weak_machine
 from tests.browser.windows import OpenWindow
-from tests.tools.cases.part_cases import ROOT
 
 pytestmark = pytest.mark.long
-
-_MACHINE = ROOT / "tests" / "scenarios" / "cases" / "machines" / "force.toml"
-_WEAK = """[controller]
-servo_crossover_hz = 60
-servo_lead_percent = 2000
-servo_pole_hz = 1000
-servo_integral_mHz = 3000
-"""
 
 
 @pytest.fixture(scope="module")
 def force_session(tmp_path_factory: pytest.TempPathFactory) -> Iterator[PanelSession]:
     """Run a lathe whose U takes forces, and its panel."""
     folder = tmp_path_factory.mktemp("force")
-    machine = folder / "weak.toml"
-    machine.write_text(_MACHINE.read_text("utf-8") + _WEAK)
-    with panel_session(folder, ("--machine", machine)) as one:
+    with panel_session(folder, ("--machine", weak_machine(folder))) as one:
         yield one
 
 

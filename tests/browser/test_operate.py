@@ -91,9 +91,8 @@ def test_a_part_is_cut_and_a_fault_is_got_over(
     page.get_by_test_id("stop").click()
     session.wait_for_state("disengaging", "ready")
     done = [line["order"] for line in session.logged()[n_logged:] if line["is_done"]]
-    assert [name for name in done if name in ("enable", "start", "hold", "resume", "reset")] == [
-        *("enable", "start", "hold", "resume", "reset", "enable", "start")
-    ]
+    story = ["enable", "start", "hold", "resume", "reset", "enable", "start"]
+    assert [name for name in done if name in story] == story
 
 
 @pytest.mark.parametrize("end", ["frozen", "released", "closed"])
@@ -107,11 +106,8 @@ def test_jog_ends_with_its_heartbeats(
     button = page.get_by_test_id("jog-xplus")
     expect(button).to_be_enabled()
     witness, x_mm = session.witness, session.status().signals["x"]
-    press_until(
-        page,
-        button,
-        lambda seconds: witness.wait(lambda: witness.status.signals["x"] > x_mm + 0.05, seconds),
-    )
+    signals = witness.status.signals
+    press_until(page, button, lambda s: witness.wait(lambda: signals["x"] > x_mm + 0.05, s))
     if end == "frozen":
         page.evaluate(FREEZE)
     elif end == "released":
@@ -136,10 +132,8 @@ def test_a_cut_by_the_keyboard_alone(session: PanelSession, open_window: OpenWin
     expect(take).to_be_visible()
     tab_to(page, take)
     page.keyboard.press("Enter")
-    for name, state in (
-        *(("enable", "ready"), ("start", "cutting"), ("hold", "holding")),
-        *(("stop", "ready"), ("disable", "off")),
-    ):
+    states = {"enable": "ready", "start": "cutting", "hold": "holding", "stop": "ready"}
+    for name, state in (states | {"disable": "off"}).items():
         if name == "stop":
             page.keyboard.press("Escape")
         else:

@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from camtools.base.quantities import Floats
-from tests.browser.accessible import grave_findings
+from tests.browser.accessible import grave_findings, told_um
 from tests.browser.conftest import PICTURES, Keep
 from tests.browser.windows import NO_3D, PHONE, OpenWindow
 from tests.tools.cases.camsim_cases import columns_of
@@ -83,10 +83,8 @@ def check_pointer(page: Page, report_folder: Path) -> None:
     page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 0.2 * box["height"])
     hover = page.locator("#error-map .hoverlayer .hovertext")
     expect(hover).to_be_visible()
-    told = hover.text_content() or ""
-    numbers = [
-        float(n) for n in re.findall(r"-?\d+(?:\.\d+)?", told.replace("\N{MINUS SIGN}", "-"))
-    ]
+    told = (hover.text_content() or "").replace("\N{MINUS SIGN}", "-")
+    numbers = [float(n) for n in re.findall(r"-?\d+(?:\.\d+)?", told)]
     assert len(numbers) == 4, told
     cells = surface(report_folder)
     off = np.hypot(360 * cells["turn"] - numbers[0], 10 * (cells["z_mm"] - numbers[1]))
@@ -101,11 +99,8 @@ def check_words(page: Page, report_folder: Path) -> None:
     """Compare form error and verdict, as a person reads them, with summary.json."""
     summary = json.loads((report_folder / "summary.json").read_text("utf-8"))
     assert summary["is_good"] == (page.locator("#verdict").get_attribute("data-kind") == "good")
-    text = page.locator("#summary").inner_text()
-    found = re.search(r"max ([\d.]+) (nm|um|\N{MICRO SIGN}m)", text)
-    assert found is not None, text
-    told_um = float(found[1]) * (1e-3 if found[2] == "nm" else 1.0)
-    assert told_um == pytest.approx(summary["form_error_um"]["max"], rel=0.01)
+    text = page.locator("#summary").inner_text().partition("max ")[2]
+    assert told_um(text) == pytest.approx(summary["form_error_um"]["max"], rel=0.01)
 
 
 @pytest.mark.long

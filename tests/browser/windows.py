@@ -32,13 +32,8 @@ expect.set_options(timeout=PATIENCE_MS)
 _WITHOUT_NETWORK = ("about", "blob", "data", "file")
 _HERE = ("127.0.0.1", "localhost", "::1")
 _SWITCHES = (
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--proxy-server=127.0.0.1:9",
+    *("--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"),
+    *("--disable-component-update", "--disable-sync", "--proxy-server=127.0.0.1:9"),
 )
 # Without a graphics card a part in space takes seconds.
 NO_3D = """const original = HTMLCanvasElement.prototype.getContext;
@@ -51,8 +46,7 @@ PHONE: ViewportSize = {"width": 390, "height": 844}
 
 def chromium_path() -> str:
     """Return Debian's Chromium, or raise FileNotFoundError."""
-    path = shutil.which("chromium")
-    if path is None:
+    if (path := shutil.which("chromium")) is None:
         raise FileNotFoundError("chromium is missing: apt-get install chromium")
     return path
 
@@ -69,16 +63,12 @@ def is_here(url: str) -> bool:
 
 @dataclass
 class Window:
-    """A visitor's window.
-
-    `console`: all that the page wrote, for people. `errors`: errors in the console and exceptions
-    that nobody caught. `outside`: addresses on other computers that were asked for.
-    """
+    """A visitor's window."""
 
     page: Page
-    console: list[str] = field(default_factory=list)
-    errors: list[str] = field(default_factory=list)
-    outside: list[str] = field(default_factory=list)
+    console: list[str] = field(default_factory=list)  # all that the page wrote, for people
+    errors: list[str] = field(default_factory=list)  # also exceptions that nobody caught
+    outside: list[str] = field(default_factory=list)  # addresses on other computers
 
     def __post_init__(self) -> None:
         """Listen to the page, and to those that it opens."""

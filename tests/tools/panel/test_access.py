@@ -3,6 +3,7 @@
 import asyncio
 import socket
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -23,12 +24,8 @@ from tests.browser.panel_session import Panel, panel_alone
 from tests.tools.cases.raw_page import SOCKET, ask
 
 PROXY = "lathe.example"
-UPGRADE = {
-    "Connection": "Upgrade",
-    "Upgrade": "websocket",
-    "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==",
-    "Sec-WebSocket-Version": "13",
-}
+UPGRADE = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13"}
+UPGRADE |= {"Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ=="}
 # What is asked for below the token: a page, an order as a form would send it, and the websocket.
 ASKED = {
     "page": ("GET", "", {}),
@@ -92,6 +89,17 @@ def test_only_own_pages_with_the_token_get_in(
         assert token not in content
 
 
+def got_from(served: Starlette, path: str, headers: dict[str, str] | None = None) -> httpx.Response:
+    """Return what an application answers."""
+
+    async def got() -> httpx.Response:
+        transport = httpx.ASGITransport(served)
+        async with httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1") as client:
+            return await client.get(path, headers=headers)
+
+    return asyncio.run(got())
+
+
 @pytest.mark.parametrize(
     ("path", "origin", "wanted"),
     [
@@ -112,12 +120,7 @@ def test_a_key_opens_what_is_below_it(path: str, origin: str | None, wanted: int
     below = [Mount(f"/{key}", routes=[Route("/{rest:path}", text)]) for key in ("token", "key")]
     served = Starlette(routes=below, middleware=middleware(("token", "key"), []))
 
-    async def got() -> httpx.Response:
-        transport = httpx.ASGITransport(served)
-        async with httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1") as client:
-            return await client.get(path, headers={"Origin": origin} if origin else {})
-
-    assert asyncio.run(got()).status_code == wanted
+    assert got_from(served, path, {"Origin": origin} if origin else {}).status_code == wanted
 
 
 def test_a_page_that_is_not_there_is_a_line(panel: Panel) -> None:
@@ -148,15 +151,7 @@ def test_a_report_runs_its_scripts_in_no_origin(tmp_path: Path) -> None:
     store = RunStore(tmp_path / "runs", tmp_path / "run")
     folder = store.new("skirt", "[part]\n", RunOptions(), at_s=0.0, files={"a.csv": b"secret"})
     designs: Any = SimpleNamespace(store=store)
-    served = httpx.ASGITransport(reports(designs))
-
-    def get(path: str) -> httpx.Response:
-        async def got() -> httpx.Response:
-            async with httpx.AsyncClient(transport=served, base_url="http://a") as client:
-                return await client.get(path)
-
-        return asyncio.run(got())
-
+    get = partial(got_from, reports(designs))
     assert get("/own/skirt-001/report.html").status_code == 404
     (folder / "report.html").write_text("<p>report</p>")
     answer = get("/own/skirt-001/report.html")

@@ -1,7 +1,7 @@
 """The processes of the previews: the newest change wins, and whatever dies is replaced."""
 
 import asyncio
-from collections.abc import Awaitable, Callable, Coroutine
+from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
 
@@ -59,8 +59,7 @@ def acted(limits: PreviewLimits, *acts: Callable[[Engine], Awaitable[None]]) -> 
             await engine.close()
         assert not engine._tasks
 
-    work: Coroutine[Any, Any, None] = whole()
-    asyncio.run(work)
+    asyncio.run(whole())
 
 
 async def idle(engine: Engine) -> asyncio.subprocess.Process:

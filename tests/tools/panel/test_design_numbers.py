@@ -3,6 +3,7 @@
 import json
 import os
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from tests.tools.cases.camsim_cases import cut
 from tests.tools.cases.cut_cases import evaluated, made_of
 from tests.tools.cases.preview_cases import PARTS, answers, problems, stage, text_of
 
+CHAIN = ("u_um", "velocity_mm_s", "acceleration_m_s2", "jerk_km_s3")
 KINDS = ("perkins240", "camshaft", "p4c-35", "thrust90", "cam-345")
 TableOf = Callable[[str], Path]
 
@@ -67,10 +69,9 @@ def test_motion_is_the_difference_of_set_points(name: str, z_mm: float, tmp_path
     motion = {key: np.array(values) for key, values in shown["motion"].items()}
     assert np.abs(motion["u_um"] - u_um).max() < 0.011  # the tables are within 10 nm
     step_s = 60 / shown["rpm"] / N_ANGLES
-    chain = (("u_um", "velocity_mm_s", 1e-3), ("velocity_mm_s", "acceleration_m_s2", 1e-3))
-    for below, above, unit in (*chain, ("acceleration_m_s2", "jerk_km_s3", 1e-3)):
+    for below, above in pairwise(CHAIN):
         values = u_um if below == "u_um" else motion[below]
-        slope = (np.roll(values, -1) - np.roll(values, 1)) / (2 * step_s) * unit
+        slope = (np.roll(values, -1) - np.roll(values, 1)) / (2 * step_s) * 1e-3
         # where a law of lift has a corner a difference over two steps rounds it off
         off = np.abs(slope - motion[above])
         assert np.quantile(off, 0.95) < 3e-3 * np.abs(motion[above]).max(), above
@@ -85,11 +86,7 @@ def test_a_modulated_spindle_moves_u_as_the_chain_rule_says() -> None:
     turn = ExactTurn(phi, 46 + 0 * phi, 46.0, *u, -0.8 * np.sin(2 * phi))
     motion = motion_of(turn, 600.0, law)
     omega = 600 * 2 * np.pi / 60
-    for below, above in (
-        ("u_um", "velocity_mm_s"),
-        ("velocity_mm_s", "acceleration_m_s2"),
-        ("acceleration_m_s2", "jerk_km_s3"),
-    ):
+    for below, above in pairwise(CHAIN):
         by_angle = np.gradient(motion[below], phi)[2:-2]
         by_time = by_angle * (ratio * omega)[2:-2] * 1e-3
         wanted = motion[above][2:-2]
@@ -130,9 +127,10 @@ def test_a_file_beside_the_part_that_changes_is_read_anew(tmp_path: Path) -> Non
     (tmp_path / "scan90.csv").write_text(csv)
     memory = Memory(64)
     before = stage(answers(text_of("scan90"), tmp_path, memory=memory), "curves")
-    head, *rows = csv.splitlines()
-    doubled = [",".join([*row.split(",")[:2], str(2 * float(row.split(",")[2]))]) for row in rows]
-    (tmp_path / "scan90.csv").write_text("\n".join([head, *doubled]) + "\n")
+    head, *rows = (row.split(",") for row in csv.splitlines())
+    doubled = [[*row[:2], str(2 * float(row[2]))] for row in rows]
+    lines = [",".join(row) + "\n" for row in [head, *doubled]]
+    (tmp_path / "scan90.csv").write_text("".join(lines))
     os.utime(tmp_path / "scan90.csv", (1, 1))
     behind = stage(answers(text_of("scan90"), tmp_path, memory=memory), "curves")
     assert behind["stroke_um"] == pytest.approx(2 * before["stroke_um"], rel=1e-3)

@@ -2,29 +2,23 @@
 
 import asyncio
 import re
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import can
 import pytest
 
-from camtools.base.project import ROOT
 from camtools.link.bus import open_bus
 from camtools.link.controller import Link
 from camtools.link.kept_values import INFOS
 from camtools.link.live_lathes import live_lathes
 from camtools.panel.views.parameter_rows import has_force_drive, loop_text
+from tests.browser.panel_session import WEAK_LOOP, weak_machine
 from tests.tools.cases.camctl_bench import Bench
 from tests.tools.cases.controller_cases import Seat, until
 from tests.tools.cases.live_cases import LiveCase, live_case
 
-_MACHINE = ROOT / "tests" / "scenarios" / "cases" / "machines" / "force.toml"
-_WEAK = {
-    "servo_crossover_hz": 60,
-    "servo_lead_percent": 2000,
-    "servo_pole_hz": 1000,
-    "servo_integral_mHz": 3000,
-}
 _DEFAULTS = {name: info.default for name, info in INFOS.items()}
 _REST_S = 0.5  # sooner than the controller's own patience with an excitation
 
@@ -43,9 +37,8 @@ class LiveSeat(Seat):
 
     def parameters(self) -> dict[str, int]:
         """Return the parameters as the page gets them."""
-        until(lambda: self.service.parameters() is not None, "parameters")
-        read = self.service.parameters()
-        assert read is not None
+        while (read := self.service.parameters()) is None:
+            time.sleep(0.01)
         return dict(read.values)
 
 
@@ -53,10 +46,7 @@ class LiveSeat(Seat):
 def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LiveSeat]:
     """Return a service before a lathe whose weak loop holds U."""
     folder = tmp_path_factory.mktemp("force")
-    machine = folder / "weak.toml"
-    keys = "\n".join(f"{name} = {value}" for name, value in _WEAK.items())
-    machine.write_text(f"{_MACHINE.read_text('utf-8')}[controller]\n{keys}\n", "utf-8")
-    with live_case(folder, "--machine", machine) as live:
+    with live_case(folder, "--machine", weak_machine(folder)) as live:
         one = LiveSeat(folder, live)
         one.connect()
         yield one
@@ -117,7 +107,7 @@ def test_u_comes_to_rest_with_its_visitor(
     """
     act, says = _ENDS[end]
     shared_bench.take_forces()
-    for name, value in _WEAK.items():
+    for name, value in WEAK_LOOP.items():
         seat.do("set", name=name, value=value)
     seat.do("home")
     seat.wait_for("ready")
@@ -159,9 +149,8 @@ def test_a_pulse_tells_mass_and_friction(live_seat: LiveSeat) -> None:
     assert found.settings["servo_friction_mn"] == pytest.approx(4500, rel=0.1)
     before = live_seat.parameters()
     live_seat.do("apply_loop")
-    until(
-        lambda: live_seat.parameters() == before | dict(found.settings), "mass and friction are set"
-    )
+    wanted = before | dict(found.settings)
+    until(lambda: live_seat.parameters() == wanted, "mass and friction are set")
 
 
 @pytest.mark.long
@@ -217,5 +206,5 @@ def test_the_card_is_for_a_force_drive_and_says_what_is_to_be_set() -> None:
     assert has_force_drive(weighed)
     assert "servo_crossover_hz = 0" in loop_text(weighed)
     assert "hal/RETROFIT.md" in loop_text(weighed)
-    text = loop_text(_DEFAULTS | _WEAK | {"servo_force_limit_mn": 345_000})
+    text = loop_text(_DEFAULTS | WEAK_LOOP | {"servo_force_limit_mn": 345_000})
     assert "crossover 60 Hz" in text and " 345 N," in text

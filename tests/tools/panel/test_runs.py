@@ -30,6 +30,7 @@ from camtools.panel.runs.run_queue import MOST_WAITING, RunQueue
 from camtools.panel.runs.store import DONE, FAILED, OWN, STOPPED, WAITING, RunOptions, RunStore
 from camtools.sim.machine_file import names
 from checks.patience import limit_s
+from tests.tools.cases.command_cases import job_of
 
 SUMMARY = {
     "run_wall_time_s": 2.0,
@@ -79,10 +80,8 @@ def test_runs_are_numbered_and_read_back(store: RunStore) -> None:
     first, second = kept(store, "skirt", 10.0), kept(store, "skirt", 20.0)
     assert [run.key for run in store.runs()] == [second, first]
     run = store.run(first)
-    assert (run.name, run.verdict, run.form_um, run.following_um) == (
-        *("skirt-001", "within tolerance"),
-        *(0.5, 0.4),
-    )
+    assert (run.name, run.verdict) == ("skirt-001", "within tolerance")
+    assert (run.form_um, run.following_um) == (0.5, 0.4)
 
 
 @pytest.mark.parametrize("key", ["", "own/..", "own/../x", "own//etc", "other/a", "own/a b", "x/y"])
@@ -201,8 +200,6 @@ def test_a_queue_has_an_end(store: RunStore) -> None:
 
 def test_options_are_those_of_tools_run() -> None:
     """Its own parser takes every option that the page gives."""
-    from tests.tools.cases.command_cases import job_of
-
     options = RunOptions(machine=names()[0], rpm=900.0, feed_mm=0.2, learns=False, seed=7)
     job = job_of(*options.words("part.toml"))
     assert (job.rpm, job.feed, job.machine is not None) == (900.0, 0.2, True)
@@ -238,13 +235,11 @@ def test_errors_over_height_and_angle_are_those_of_the_surface(
 ) -> None:
     """Every cell has the error of largest magnitude of the points in it, found by a plain loop."""
     rng = np.random.default_rng(17)
-    rows = np.column_stack(
-        [rng.random(3000), 60 * rng.random(3000), np.full(3000, 46.0), rng.normal(0, 200, 3000)]
-    )
-    text = "turn,z_mm,radius_mm,error_nm\n" + "".join(
-        ",".join(f"{value:.6f}" for value in row) + "\n" for row in rows
-    )
-    (tmp_path / "surface.csv").write_text(text)
+    n = 3000
+    columns = rng.random(n), 60 * rng.random(n), np.full(n, 46.0), rng.normal(0, 200, n)
+    rows, path = np.column_stack(columns), tmp_path / "surface.csv"
+    head = "turn,z_mm,radius_mm,error_nm"
+    np.savetxt(path, rows, "%.6f", delimiter=",", header=head, comments="")
     found = error_curves(tmp_path, (0.0, 60.0))
     monkeypatch.setattr(compare, "read_surface", None)  # it is not read again
     assert len(heights_of(tmp_path)) == 2 and section_error(tmp_path, 30.0, 1.0) is not None
