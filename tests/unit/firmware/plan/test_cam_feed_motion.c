@@ -298,8 +298,10 @@ static void test_rings_that_have_not_begun_rest_at_once(void)
 /// A stop ends a hold where it rests, or where the next turn begins if that is later.
 static void test_stop_ends_a_hold(void)
 {
-    for (int64_t turn = 80; turn <= 100; turn += 10) {
+    for (int64_t i = 0; i < 6; i++) { // of a helix and of rings
+        const int64_t turn = 80 + i % 3 * 10;
         cam_feed_motion_t c = resting;
+        f.config.play.rings.is_on = i >= 3;
         TEST_ASSERT_EQUAL_INT64(TURNS(turn > 90 ? turn : 90),
                                 cam_feed_motion_stop_isr(&c, &f.config.play, TURNS(turn)));
         TEST_ASSERT_FALSE(c.is_held);

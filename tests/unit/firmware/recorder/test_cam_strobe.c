@@ -181,6 +181,20 @@ static void test_the_ring_is_left_alone_when_nobody_waits(void)
     TEST_ASSERT_EQUAL_UINT32(1, left.tick);
 }
 
+/// A reader that is late by more than the ring goes on with the oldest record that is whole.
+static void test_records_that_nobody_read_are_missed(void)
+{
+    cam_tick_record_t oldest;
+    begin();
+    while (cam_trace_pop(&g_cam.trace, &oldest)) {
+    }
+    const uint32_t n_missed = g_cam.trace.n_missed;
+    write_ring(1, cam_trace_capacity + 3);
+    TEST_ASSERT_TRUE(cam_trace_pop(&g_cam.trace, &oldest));
+    TEST_ASSERT_EQUAL_UINT32(n_missed + 4u, g_cam.trace.n_missed);
+    TEST_ASSERT_EQUAL_UINT32(5, oldest.tick);
+}
+
 /// Both get every record, whichever of them began first.
 static void test_recorder_and_samples_share_the_records(void)
 {

@@ -89,6 +89,11 @@ static void test_requests_out_of_order_are_ignored(void)
                               end_q32 != f.plan.disengage_at_q32);
         }
     }
+    setUp();
+    bring(cam_state_ready);
+    f.motion.state = cam_state_identifying; // the wave is over, and its end is ready
+    fixture_play_do(&f, cam_request_disable);
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, f.want.state);
 }
 
 static void test_reset_before_the_retract_has_ended_is_ignored(void)
