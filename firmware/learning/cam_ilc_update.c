@@ -240,10 +240,7 @@ bool cam_ilc_update_is_for_drive(const cam_ilc_t *t)
 /// @return the sense of a motion from one bin to the next; what moves by less than 4 nm stands
 static int32_t sense_of(int32_t by_nm)
 {
-    if (by_nm > 3) {
-        return 1;
-    }
-    return by_nm < -3 ? -1 : (int32_t)0;
+    return (by_nm > 3 ? 1 : 0) - (by_nm < -3 ? 1 : 0);
 }
 
 /// Replace the numbers of ticks by the sense in which U moves, the mean of both sides of a bin.
