@@ -107,16 +107,20 @@ static double x_of(const cam_table_t *t, uint64_t feed_nm)
     return (double)feed_nm * t->ratio_max_q20 * 0x1p-20 / (2.0 * CAM_PI * change_nm);
 }
 
-/// @param f         [unit/rad^n] the magnitude that the smooth step scales
-/// @param by1, by2  [unit/rad^n] the factors of the magnitudes of E' and E''
-/// @return          bound of f E + by1 E' + by2 E'' over the step, at least f
-static double bound(double f, double by1, double by2)
+/// @param f       [unit/rad^n] the magnitude that the smooth step scales
+/// @param g1, g2  [unit/rad^n] the factors of the magnitudes of E' x and E'' x^2
+/// @return        bound of f E + g1 E' x + g2 E'' x^2 over the step; f of a single lobe, or of none
+static double bound(const cam_table_t *t, uint64_t feed_nm, double f, double g1, double g2)
 {
+    if (t->least_change_nm == 0u) {
+        return f;
+    }
+    const double x = x_of(t, feed_nm);
     double most = f;
     double before = 0.0;
     for (uint32_t i = 1; i <= (uint32_t)n_places; i++) {
         const cam_cut_step_t at = cam_cut_step((double)i / n_places);
-        const double more = by1 * at.e1 + by2 * at.e2;
+        const double more = g1 * x * at.e1 + g2 * x * x * at.e2;
         most = cam_cut_most(most, f * at.e + BETWEEN * cam_cut_most(before, more));
         before = more;
     }
@@ -126,19 +130,12 @@ static double bound(double f, double by1, double by2)
 double cam_z_coupling_lobes_first(const cam_table_t *t, uint64_t feed_nm,
                                   const cam_z_coupling_peaks_t *peaks)
 {
-    if (t->least_change_nm == 0u) { // a single lobe, or none
-        return peaks->f1;
-    }
-    return bound(peaks->f1, peaks->f * x_of(t, feed_nm), 0.0);
+    return bound(t, feed_nm, peaks->f1, peaks->f, 0.0);
 }
 
 double cam_z_coupling_lobes_second(const cam_table_t *t, uint64_t feed_nm,
                                    const cam_z_coupling_peaks_t *peaks, uint32_t n_set_points)
 {
-    if (t->least_change_nm == 0u) {
-        return peaks->f2;
-    }
-    const double x = x_of(t, feed_nm);
     const double by_spindle = peaks->f * t->spindle_peak_ppm_per_rad * 1e-6 * n_set_points;
-    return bound(peaks->f2, (2.0 * peaks->f1 + by_spindle) * x, peaks->f * x * x * n_set_points);
+    return bound(t, feed_nm, peaks->f2, 2.0 * peaks->f1 + by_spindle, peaks->f * n_set_points);
 }

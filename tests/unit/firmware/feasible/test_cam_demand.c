@@ -260,6 +260,12 @@ static void test_modulation_demands_a_fast_spindle(void)
     TEST_ASSERT_EQUAL_INT(cam_err_spindle_set_point, why.err);
     TEST_ASSERT_DOUBLE_WITHIN(0.003 * 200e3 * most, 200e3 * most, (double)why.needed);
     TEST_ASSERT_EQUAL_INT(cam_ok, judge_at(why.highest_mrpm).err);
+    f.params.spindle_lag_us = 1;
+    cam_demands_t axes;
+    (void)cam_feasible_demands(&f.table, &f.params, 200000, FIXTURE_PLAY_HZ, &axes);
+    for (int i = 0; i < cam_n_demands; i++) {
+        TEST_ASSERT_TRUE(axes.of[i].err != cam_err_spindle_loop || axes.of[i].limit == 1000000000);
+    }
     part = fixture_part_short();
     fixture_play_init(&f, &part);
     f.params.spindle_lag_us = 1000000;
