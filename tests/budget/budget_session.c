@@ -124,18 +124,6 @@ bool budget_session_force(fixture_rig_t *rig, void (*isr)(void), const fixture_p
     return is_good;
 }
 
-bool budget_session_uniform(fixture_rig_t *rig, void (*isr)(void))
-{
-    const fixture_part_t part = fixture_part_short();
-    return budget_session_cut(rig, isr, &part);
-}
-
-bool budget_session_modulated(fixture_rig_t *rig, void (*isr)(void))
-{
-    const fixture_part_t part = fixture_part_modulated();
-    return budget_session_cut(rig, isr, &part);
-}
-
 bool budget_session_rehearse(fixture_rig_t *rig, void (*isr)(void))
 {
     const fixture_part_t part = fixture_part_short();

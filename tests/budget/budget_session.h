@@ -45,10 +45,6 @@ bool budget_session_cut(fixture_rig_t *rig, void (*isr)(void), const fixture_par
 /// The same where U takes forces.
 bool budget_session_force(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part);
 
-/// The short skirt, and the one with a speed channel.
-bool budget_session_uniform(fixture_rig_t *rig, void (*isr)(void));
-bool budget_session_modulated(fixture_rig_t *rig, void (*isr)(void));
-
 /// From off through a rehearsal and the cut behind it to ready. @return true when it ended so
 bool budget_session_rehearse(fixture_rig_t *rig, void (*isr)(void));
 
