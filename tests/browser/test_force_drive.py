@@ -47,11 +47,3 @@ def test_a_loop_is_measured_and_applied(
     expect(page.get_by_test_id("last-order")).to_contain_text("parameters are set")
     expect(page.get_by_test_id("drive-loop")).not_to_contain_text("crossover 60 Hz")
     expect(apply).to_be_disabled()
-
-
-def test_a_drive_of_positions_has_no_card(session: PanelSession, open_window: OpenWindow) -> None:
-    """Where no parameter of a loop is set."""
-    page = open_window().page
-    command(page, session)
-    expect(page.get_by_test_id("params-state")).to_contain_text("checksum")
-    expect(page.get_by_test_id("card-drive")).to_be_hidden()

@@ -63,6 +63,8 @@ def test_a_part_is_cut_and_a_fault_is_got_over(
     look(page, session)
     keep(page, "Operate, viewing")
     take_command(page)
+    expect(page.get_by_test_id("params-state")).to_contain_text("checksum")
+    expect(page.get_by_test_id("card-drive")).to_be_hidden()  # U takes positions
     give(page, session, "enable", "ready")
     expect_state(page, "ready")
     give(page, session, "start", "cutting")

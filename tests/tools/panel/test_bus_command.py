@@ -117,6 +117,7 @@ def test_a_panel_that_dies_ends_the_cut(strict: Bench, first: Seat) -> None:
 
 def test_what_is_locked_is_told_with_the_remedy(strict: Bench, first: Seat) -> None:
     """Limits are locked without the key, what an operator sets is not; the secret unlocks."""
+    until(lambda: first.service.snapshot().signals.get("level") == 1)  # the key is on
     strict.turn_key(False)
     until(lambda: first.service.snapshot().signals.get("level") == 0)
     told = first.refused("set", name="u_stroke_nm", value=1_000_000)

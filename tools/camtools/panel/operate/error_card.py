@@ -61,16 +61,9 @@ class ErrorCard:
             self._rms = Figure("RMS", "µm", "error-rms")
             self._turns = Figure("Seen", "turns", "error-turns")
             self._outside = ui.label("").classes("op-outside").props("role=status")
-            limit = ui.number(
-                "Tolerance ±",
-                value=_LIMIT_UM,
-                min=0.01,
-                max=_MOST_UM,
-                step=0.5,
-                suffix="µm",
-                on_change=lambda event: self._set_limit(event.value),
-            )
-            limit.classes("op-tolerance").props("dense data-testid=tolerance")
+            limit = ui.number("Tolerance ±", value=_LIMIT_UM, min=0.01, max=_MOST_UM, step=0.5)
+            limit.on_value_change(lambda event: self._set_limit(event.value))
+            limit.classes("op-tolerance").props('dense suffix="µm" data-testid=tolerance')
 
     def _draw(self, kind: str) -> ui.echart:
         chart = ui.echart(whole(kind, _LEAST_UM, _LIMIT_UM)).classes(f"op-chart op-chart-{kind}")
@@ -96,11 +89,9 @@ class ErrorCard:
         self._max.show(plain(told.max_um, 3))
         self._rms.show(plain(told.rms_um, 3))
         self._turns.show(plain(told.turns, 0))
-        is_outside = told.max_um > self._limit_um
-        is_beyond = self._limit_um > self._full_um
+        self._outside.set_text("outside of the tolerance" if told.max_um > self._limit_um else "")
         beyond = f"The tolerance of ±{self._limit_um:g} µm is outside the scale."
-        self._outside.set_text("outside of the tolerance" if is_outside else "")
-        self._beyond.set_text(beyond if is_beyond else "")
+        self._beyond.set_text(beyond if self._limit_um > self._full_um else "")
         changes = self._trail.changes(shown)
         full_um = self._scale.follow(told.max_um)
         is_new = full_um != self._full_um

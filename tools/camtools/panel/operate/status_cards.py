@@ -20,27 +20,6 @@ _BIG = (wording.SPEED, wording.FOLLOWING)
 _ROWS = (wording.ANGLE, *wording.AXES)
 
 
-class Dial:
-    """The drawing's angle before the tool: counter-clockwise from the right, as the drawing has it.
-
-    The needle is turned by its style alone.
-    """
-
-    def __init__(self) -> None:
-        with ui.element("div").classes("op-dial").props("role=img") as self._dial:
-            for name in ("0°", "90°", "180°", "270°"):
-                ui.label(name).classes(f"op-dial-mark op-dial-{name[:-1]}")
-            self._needle = ui.element("div").classes("op-needle")
-        self._dial.props('aria-label="Angle of the drawing before the tool"')
-
-    def show(self, angle_deg: float | None) -> None:
-        """Turn the needle; without an angle there is none."""
-        if angle_deg is None:
-            self._needle.style("visibility: hidden")
-        else:
-            self._needle.style(f"transform: rotate({-angle_deg:.1f}deg); visibility: visible")
-
-
 class FiguresCard:
     """What moves, in numbers."""
 
@@ -50,11 +29,19 @@ class FiguresCard:
             with ui.element("div").classes("op-big-row"):
                 for one in _BIG:
                     self._add(one, "big")
-                self._dial = Dial()
+                self._draw_dial()
             with ui.element("div").classes("op-figures"):
                 for one in _ROWS:
                     self._add(one, "middle")
             self._notes = ui.label("").classes("op-notes").props("data-testid=notes")
+
+    def _draw_dial(self) -> None:
+        """Draw the angle, counter-clockwise from the right as on the drawing."""
+        dial = ui.element("div").classes("op-dial").props("role=img")
+        with dial.props('aria-label="Angle of the drawing before the tool"'):
+            for name in ("0°", "90°", "180°", "270°"):
+                ui.label(name).classes(f"op-dial-mark op-dial-{name[:-1]}")
+            self._needle = ui.element("div").classes("op-needle")
 
     def _add(self, one: Field, size: str) -> None:
         self._figures.append((one, Figure(one.label, one.unit, one.key, size=size)))
@@ -64,7 +51,9 @@ class FiguresCard:
         s = snapshot.signals
         for one, figure in self._figures:
             figure.show(one.text(s))
-        self._dial.show(s.get("angle") if s.get("is_synced") else None)
+        angle_deg = s.get("angle") if s.get("is_synced") else None
+        turned = f"transform: rotate({-(angle_deg or 0.0):.1f}deg); visibility: visible"
+        self._needle.style("visibility: hidden" if angle_deg is None else turned)
         tool = f"tool {int(s['tool'])}" if s.get("tool") else "no tool chosen"
         parts = [wording.homed_text(s), tool, wording.pass_text(s)]
         self._notes.set_text("; ".join(part for part in parts if part) + ". X at U = 0.")

@@ -97,12 +97,9 @@ class TableCard:
     def show(self, snapshot: Snapshot) -> None:
         """Show the table in use and how far a download is."""
         s = snapshot.signals
-        size = s.get("table_size", 0.0)
-        crc = int(s.get("table_crc", 0.0))
-        name = snapshot.table_name
-        now = f"Active: {name}, {size:.0f} bytes, CRC-32 {crc:08x}" if size else "No active table."
-        self._now.set_text(now)
+        size, crc = s.get("table_size", 0.0), int(s.get("table_crc", 0.0))
+        now = f"Active: {snapshot.table_name}, {size:.0f} bytes, CRC-32 {crc:08x}"
+        self._now.set_text(now if size else "No active table.")
         self._work.set_text(snapshot.work)
-        share = share_of(snapshot.work)
         self._bar.set_visibility(bool(snapshot.work))
-        self._bar.set_value(share)
+        self._bar.set_value(share_of(snapshot.work))
