@@ -11,7 +11,6 @@ from scipy.optimize import minimize
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
-from camtools.roundness import circles
 from camtools.roundness.circles import (
     RoundProfile,
     about,
@@ -21,6 +20,7 @@ from camtools.roundness.circles import (
     minimum_circumscribed,
     minimum_zone,
     roundness,
+    solve,
     straightness,
 )
 from camtools.roundness.section import UPR_CHOICES, axes_of, harmonics, low_pass, transmission
@@ -95,8 +95,7 @@ def test_circles_are_those_of_all_pairs_and_triples() -> None:
     centres += [circle_through(at[list(three)]) for three in combinations(range(24), 3)]
     smallest = min(float(farther(at, centre).max()) for centre in centres)
     assert found.radius_mm == pytest.approx(smallest, abs=1e-9)
-    profile = made_up(3, 24)
-    at, found = points(profile), maximum_inscribed(profile)
+    found = maximum_inscribed(profile)
     centres = [circle_through(at[list(three)]) for three in combinations(range(24), 3)]
     near = [centre for centre in centres if np.hypot(*centre) < 0.1]
     assert found.radius_mm == pytest.approx(
@@ -200,11 +199,10 @@ def test_form_does_not_depend_on_level_slope_and_scale(
     assert one.zone_mm <= one.total_mm + 1e-15
 
 
-def test_what_comes_to_no_end_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A program that is not done after the steps allowed ends in a message, not in a number."""
-    monkeypatch.setattr(circles, "_MOST_STEPS", 1)
+def test_zone_without_an_end_is_refused() -> None:
+    """A program of which no solution is the best ends in a message, not in a number."""
     with pytest.raises(CamtoolsError, match="zone of the profile cannot be found"):
-        straightness(*profile(1, 50))
+        solve(np.eye(2), np.zeros(2), np.array([1.0, -1.0]))
 
 
 N = 3600

@@ -1,23 +1,11 @@
 """A section of a non-circular part: filter, harmonics, diameters, MATHS.md (201) .. (204).
 
 >>> phi = 2 * np.pi * np.arange(3600) / 3600
->>> filtered = low_pass(np.cos(50 * phi), 50)
->>> f"{filtered[0]:.6f}"
-'0.500000'
 >>> second = harmonics(3 + 0.1 * np.cos(2 * (phi - np.radians(30))), 50)[1]
 >>> f"{second.amplitude:.6f} {second.phase_deg:.6f}"
 '0.100000 30.000000'
-
->>> import numpy as np
->>> phi = 2 * np.pi * np.arange(3600) / 3600
->>> found = axes_of(46 + 0.05 * np.cos(2 * phi - np.radians(20)))
->>> f"{found.long_mm:.3f} {found.short_mm:.3f} {found.ovality_mm:.3f} {found.phase_deg:.2f}"
-'92.100 91.900 0.200 10.00'
-
->>> phi = 2 * np.pi * np.arange(3600) / 3600
->>> drawn_mm = 46 - 0.1 * np.sin(phi) ** 2
->>> found = section_of(drawn_mm, 1e-4 * np.cos(5 * phi), 50)
->>> f"{found.off.total_mm * 1e6:.1f} nm, {found.whole.total_mm * 1e3:.1f} um"
+>>> figures = section_of(46 - 0.1 * np.sin(phi) ** 2, 1e-4 * np.cos(5 * phi), 50)
+>>> f"{figures.off.total_mm * 1e6:.1f} nm, {figures.whole.total_mm * 1e3:.1f} um"
 '198.6 nm, 100.1 um'
 """
 
@@ -55,23 +43,14 @@ class RoundWave(NamedTuple):
 
 
 def transmission(order: Floats | float, cutoff_upr: float) -> Floats:
-    """Return the share of a wave that the low-pass filter of ISO 16610-21 lets through.
-
-    >>> transmission(np.array([0.0, 15.0, 30.0]), 15).tolist()
-    [1.0, 0.5, 0.0625]
-    """
+    """Return the share of a wave that the low-pass filter of ISO 16610-21 lets through."""
     return np.asarray(np.exp2(-((np.asarray(order) / cutoff_upr) ** 2)), dtype=np.float64)
 
 
 def low_pass(profile: Floats, cutoff_upr: float) -> Floats:
-    """Return a closed profile through the Gaussian filter; phases stay.
+    """Return a closed profile at even angles through the Gaussian filter; phases stay.
 
-    Parameters
-    ----------
-    profile : ndarray, shape (n,)
-        Values at even angles of one turn, of any unit.
-    cutoff_upr : float
-        Waves per turn (UPR) of which half is let through.
+    Of waves with cutoff_upr waves per turn (UPR) half is let through.
     """
     spectrum = np.fft.rfft(profile)
     passed = spectrum * transmission(np.arange(spectrum.size, dtype=np.float64), cutoff_upr)
@@ -81,12 +60,10 @@ def low_pass(profile: Floats, cutoff_upr: float) -> Floats:
 def harmonics(profile: Floats, most: int = MOST_HARMONICS) -> list[RoundWave]:
     """Return the waves 1 .. most of a closed profile of evenly spaced points."""
     spectrum = np.fft.rfft(profile) / profile.size
-    found = []
-    for order in range(1, most + 1):
-        wave = 2 * spectrum[order]
-        phase_deg = float(np.mod(-np.degrees(np.angle(wave)) / order, 360 / order))
-        found.append(RoundWave(order, float(np.abs(wave)), phase_deg))
-    return found
+    order = np.arange(1, most + 1)
+    phase_deg = np.mod(-np.degrees(np.angle(spectrum[order])) / order, 360 / order)
+    amplitude = 2 * np.abs(spectrum[order])
+    return list(map(RoundWave, order.tolist(), amplitude.tolist(), phase_deg.tolist()))
 
 
 class OvalAxes(NamedTuple):
@@ -104,13 +81,7 @@ class OvalAxes(NamedTuple):
 
 
 def axes_of(radius_mm: Floats) -> OvalAxes:
-    """Return the axes of a section.
-
-    Parameters
-    ----------
-    radius_mm : ndarray, shape (n,)
-        RADII at even angles of one turn, n even.
-    """
+    """Return the axes of a section by its RADII at an even number of even angles."""
     half = radius_mm.size // 2
     diameter_mm = radius_mm[:half] + radius_mm[half:]
     phase_deg = harmonics(radius_mm, 2)[1].phase_deg
@@ -123,23 +94,14 @@ def axes_of(radius_mm: Floats) -> OvalAxes:
 
 
 class SectionFigures(NamedTuple):
-    """Figures of a section of n even angles; every length is along the radius [mm].
+    """Figures of a section of n even angles; every length is along the radius [mm]."""
 
-    Attributes
-    ----------
-    drawn_mm, raw_mm, filtered_mm : ndarray, shape (n,)
-        Radius of the drawing, deviation from it, and that through the filter.
-    off, off_zone : Roundness, Zone
-        Of the filtered deviation, laid on a circle with the mean radius of the drawing: about the
-        least-squares circle, and the minimum zone.
-    """
-
-    drawn_mm: Floats
-    raw_mm: Floats
-    filtered_mm: Floats
+    drawn_mm: Floats  # (n,) radius of the drawing
+    raw_mm: Floats  # (n,) deviation from it
+    filtered_mm: Floats  # (n,) that through the filter
     largest_mm: float  # deviation of the largest size, unfiltered, with its sign
     largest_deg: float  # its angle
-    off: Roundness
+    off: Roundness  # of the filtered deviation on a circle with the mean radius of the drawing
     off_zone: Zone
     whole: Roundness  # the same of the section as it is, drawing and filtered deviation
     whole_zone: Zone
@@ -157,15 +119,9 @@ class SectionFigures(NamedTuple):
 
 
 def section_of(drawn_mm: Floats, deviation_mm: Floats, cutoff_upr: float) -> SectionFigures:
-    """Return the figures of a section.
+    """Return the figures of a section by its drawing and deviation at even angles from 0 on.
 
-    Parameters
-    ----------
-    drawn_mm, deviation_mm : ndarray, shape (n,)
-        Radius of the drawing about its axis and deviation from it at n even angles from 0 on, n
-        even.
-    cutoff_upr : float
-        Of the Gaussian filter, which takes the deviation only: a drawing is not rounded off.
+    The Gaussian filter takes the deviation only: a drawing is not rounded off.
     """
     phi = 2 * np.pi * np.arange(drawn_mm.size) / drawn_mm.size
     filtered_mm = low_pass(deviation_mm, cutoff_upr)
