@@ -2,9 +2,6 @@
 
 >>> is_alike({"a": [1.0, "x"]}, {"a": [1.0 + 1e-13, "x"]}), is_alike({"a": 1.0}, {"a": 1.1})
 (True, False)
-
->>> Request(Path("surface.csv")).gain
-0.7
 """
 
 from __future__ import annotations
@@ -53,13 +50,7 @@ def is_alike(one: object, other: object) -> bool:
 
 
 def read_given(path: Path, option: str, most_bytes: int = _MAX_BYTES) -> bytes:
-    """Return the content of a file that an option names.
-
-    Raises
-    ------
-    CamtoolsError
-        It cannot be read.
-    """
+    """Return the content of a file that an option names, or refuse it."""
     try:
         return read_limited(path, most_bytes)
     except (OSError, ValueError) as error:  # a path with a NUL is a ValueError
@@ -81,8 +72,9 @@ def _report(path: Path) -> Json:
     return found
 
 
-def _crc32(value: object) -> int:
-    """Return a CRC-32 that is a number, or a string in hexadecimal."""
+def _crc32(report: Json) -> int:
+    """Return the CRC-32 of a report, a number or a string in hexadecimal."""
+    value = report["table_crc32"]
     return int(value, 16) if isinstance(value, str) else int(str(value))
 
 
@@ -92,33 +84,20 @@ def _check_summary(surface: Path, path: Path, crc32: int) -> None:
     if not summary.is_file():
         return
     try:
-        other = _crc32(json.loads(read_given(summary, "--measured"))["table_crc32"])
+        other = _crc32(json.loads(read_given(summary, "--measured")))
     except (ValueError, TypeError, KeyError):
         return
     if other != crc32:
-        problem = (
-            f"{_SUMMARY} next to it names table 0x{other:08x}, but {path} is of table "
-            f"0x{crc32:08x}: another table cut the part"
-        )
+        problem = f"{_SUMMARY} next to it names table 0x{other:08x}, but {path} is of table "
+        problem += f"0x{crc32:08x}: another table cut the part"
         raise CamtoolsError([f"--measured {surface}: {problem}; give its NAME.json by --previous"])
 
 
 def find_previous(surface: Path, given: Path | None, name: str, design: Json) -> Previous:
-    """Return the table that cut a gauged part.
+    """Return the table that cut a gauged part: NAME.json as given, or beside the surface.
 
-    Parameters
-    ----------
-    surface : Path
-        The gauged surface.
-    given : Path or None
-        NAME.json of the table; by default it is looked for beside the surface.
-    name, design : str, dict
-        Of the part whose next table is to be made.
-
-    Raises
-    ------
-    CamtoolsError
-        There is none, or it is not known to be of this part and surface.
+    Name and design are those of the part whose next table is to be made. Raises CamtoolsError:
+    there is none, or it is not known to be of this part and surface.
     """
     path = given or surface.parent / f"{name}.json"
     if given is None and not path.is_file():
@@ -134,19 +113,14 @@ def find_previous(surface: Path, given: Path | None, name: str, design: Json) ->
         problem = "not the drawing of the part file, so the surface belongs to another one"
         remedy = "measure a part that the table of this part file has cut"
         raise CamtoolsError([f"--previous {path}: design: {problem}; {remedy}"])
-    crc32 = _crc32(report["table_crc32"])
+    crc32 = _crc32(report)
     _check_summary(surface, path, crc32)
-    return Previous(path, crc32, report, _correction(path, report))
-
-
-def _correction(path: Path, report: Json) -> Correction | None:
-    if "correction" not in report:
-        return None
     try:
-        return correction_of(report["correction"])
+        correction = correction_of(report["correction"]) if "correction" in report else None
     except (KeyError, TypeError, ValueError) as error:
         problem = "correction: not as mktables writes it"
         raise CamtoolsError([f"--previous {path}: {problem}; make the table again"]) from error
+    return Previous(path, crc32, report, correction)
 
 
 DEFAULT_GAIN = 0.7
@@ -161,27 +135,15 @@ _GRID = 720
 
 
 class Request(NamedTuple):
-    """What the command line asks for.
+    """What the command line asks for."""
 
-    Attributes
-    ----------
-    surface : Path
-        The gauged surface.
-    previous : Path or None
-        NAME.json of the table that cut it; None: the one beside the surface.
-    gain : float
-        Share that is taken off of what this part alone shows, see `step.take`.
-    most_order : int or None
-        Highest harmonic that is kept; None: 16, or as many as the angles allow.
-    is_centred : bool
-        The instrument took mean and centre out: harmonics 0 and 1 are left alone.
-    """
-
-    surface: Path
-    previous: Path | None = None
-    gain: float = DEFAULT_GAIN
-    most_order: int | None = None
-    is_centred: bool = False
+    surface: Path  # the gauged one
+    previous: Path | None = (
+        None  # NAME.json of the table that cut it; None: that beside the surface
+    )
+    gain: float = DEFAULT_GAIN  # share taken off of what this part alone shows, see `take`
+    most_order: int | None = None  # highest harmonic kept; None: 16, or as many as angles allow
+    is_centred: bool = False  # mean and centre were taken out: harmonics 0 and 1 are left alone
 
 
 class Round(NamedTuple):
@@ -192,13 +154,7 @@ class Round(NamedTuple):
 
 
 def check_request(request: Request) -> None:
-    """Refuse options that are out of range.
-
-    Raises
-    ------
-    CamtoolsError
-        With the range.
-    """
+    """Refuse options that are out of range."""
     if not MIN_GAIN <= request.gain <= MAX_GAIN:
         problem = f"--gain {request.gain:g}: must be {MIN_GAIN:g} .. {MAX_GAIN:g}"
         raise CamtoolsError([f"{problem}; leave it out for {DEFAULT_GAIN:g}"])
@@ -236,9 +192,8 @@ def _check_size(fit: SurfaceFit, drawing: Drawing) -> None:
     mean_um = float(np.abs(whole.mean(whole.nodes_mm)).max()) * UM_PER_MM
     if mean_um > MAX_MEAN_UM:
         problem = f"the mean of a height is {mean_um:.4g} um off, the limit is {MAX_MEAN_UM:g} um"
-        raise CamtoolsError(
-            [f"--measured: {problem}; correct the zero of X or the tool offset, and cut again"]
-        )
+        remedy = "correct the zero of X or the tool offset, and cut again"
+        raise CamtoolsError([f"--measured: {problem}; {remedy}"])
     phi = 2 * np.pi * np.arange(_GRID) / _GRID
     waves_um = float(np.abs(whole.delta(phi, whole.nodes_mm[:, None])[0]).max()) * UM_PER_MM
     limit_um = max(MIN_LIMIT_UM, LIMIT_SHARE * drawing.swing_mm * UM_PER_MM)
@@ -283,11 +238,9 @@ def _check_gain(rounds: Sequence[Json]) -> None:
     most_um = (1 + MOST_RISE) * now_um["max"] + about["noise_um"]
     if next_um["max"] <= most_um and any(is_less):
         return
-    past = f", of which the last round mispredicted {missed_um:.2g} um" if missed_um else ""
-    problem = (
-        f"the next part would not be clearly better: the largest error is {now_um['max']:.4g} um "
-        f"now and would be {next_um['max']:.4g} um{past}"
-    )
+    problem = f"the next part would not be clearly better: the largest error is {now_um['max']:.4g}"
+    problem += f" um now and would be {next_um['max']:.4g} um"
+    problem += f", of which the last round mispredicted {missed_um:.2g} um" if missed_um else ""
     remedy = f"keep {best_text(rounds)}, or gauge more points with less noise"
     raise CamtoolsError([f"--measured: {problem}; {remedy}"])
 
@@ -295,10 +248,7 @@ def _check_gain(rounds: Sequence[Json]) -> None:
 def next_round(request: Request, name: str, drawing: Drawing) -> Round:
     """Return the correction of the next table.
 
-    Raises
-    ------
-    CamtoolsError
-        Not a surface of this part, too little of it, too large errors, or no improvement.
+    Raises CamtoolsError: not a surface of this part, too little of it, too large errors, no gain.
     """
     check_request(request)
     data = read_given(request.surface, "--measured", MAX_BYTES)
@@ -322,9 +272,7 @@ def next_round(request: Request, name: str, drawing: Drawing) -> Round:
         about |= account_of(points, fit, step, by)
         _check_gain([*before.rounds, about])
     except CamtoolsError as error:
-        lines = [
-            line.replace("--measured: ", f"--measured {request.surface}: ", 1)
-            for line in error.lines
-        ]
+        own_name = f"--measured {request.surface}: "
+        lines = [line.replace("--measured: ", own_name, 1) for line in error.lines]
         raise CamtoolsError(lines) from error
     return Round(before.plus(step.taken, about, step.left_mm), previous)

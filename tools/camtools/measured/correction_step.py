@@ -20,9 +20,6 @@ correction that suits the next turns would add as much there. MATHS.md (160).
 >>> largest_um(off_um(whole, entering)), 0.4 < largest_um(off_um(smaller, entering)) < 0.6
 (1.0, True)
 
->>> pair_of(np.array([3.0, -4.0]))
-{'max': 4.0, 'rms': 3.535534}
-
 >>> wave = {"order": 2, "gauged_um": 3.0, "noise_um": 0.01, "from_mm": 0, "to_mm": 62, "left_um": 1}
 >>> print(wave_text(wave))
     harmonic  2: 3 um at most, noise 0.01 um, corrected at 0 .. 62 mm, 1 um left
@@ -52,12 +49,7 @@ class RoundStep(NamedTuple):
 def take(shown: Correction, expected_mm: Mapping[int, Complexes], gain: float) -> RoundStep:
     """Return the step of a round, MATHS.md (160).
 
-    Parameters
-    ----------
-    shown : Correction
-        What the gauged part shows above the noise, all of it.
-    expected_mm : mapping
-        What the round before left of the part before.
+    Shown is all that the gauged part shows above the noise, expected what the round before left.
     """
     taken, left = {}, {}
     for order, values in shown.waves_mm.items():
@@ -104,15 +96,7 @@ def largest_um(deviations_um: Floats) -> float:
 
 
 def taper(step: Correction, points: GaugedPoints) -> Correction:
-    """Return a step whose outer values are scaled for the least largest error at either end.
-
-    Parameters
-    ----------
-    step : Correction
-        What a round would take off.
-    points : GaugedPoints
-        Of the part that shows it.
-    """
+    """Return a step whose outer values are scaled for the least largest error at either end."""
     waves_mm = {order: values.copy() for order, values in step.waves_mm.items()}
     nodes_mm = step.nodes_mm
     for outer, reached in ((0, _REACH), (N_NODES - 1, N_NODES - 1 - _REACH)):
@@ -195,13 +179,7 @@ def best_text(rounds: Sequence[Json]) -> str:
 
 
 def account_of(points: GaugedPoints, fit: SurfaceFit, step: RoundStep, by: GaugedPoints) -> Json:
-    """Return what was measured and what is expected of the next part.
-
-    Parameters
-    ----------
-    by : GaugedPoints
-        The points by which the step was judged.
-    """
+    """Return what was measured and what is expected of the next part, judged `by` points."""
     kept = [one for one in fit.waves if one.is_kept]
     noise2 = sum(float(np.mean(one.smooth.errors**2)) / (2 if one.order else 1) for one in kept)
     return {
@@ -264,13 +242,7 @@ def round_text(correction: Json) -> str:
 
 
 def cautions(process: object, tool: object, report: Json) -> list[str]:
-    """Return how the new table is cut otherwise than the gauged part was, a line each.
-
-    Parameters
-    ----------
-    report : dict
-        NAME.json of the table that cut the gauged part.
-    """
+    """Return how the new table is cut otherwise than the gauged part by its report, a line each."""
     then, found = report.get("process", {}), []
     for key, unit in (("spindle_rpm", "r/min"), ("feed_mm", "mm"), ("direction", "")):
         old, new = then.get(key), getattr(process, key, None)

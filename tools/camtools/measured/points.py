@@ -79,13 +79,7 @@ def _places(columns: NumberLines, file: str) -> list[_Place]:
 
 
 def parse_points(text: str, file: str) -> GaugedPoints:
-    """Return the points of a text.
-
-    Raises
-    ------
-    InputError
-        With the line: wrong header, no numbers, numbers out of range, too many lines.
-    """
+    """Return the points of a text, or refuse it with the line."""
     lines = text.splitlines()
     header = lines[0].strip() if lines else ""
     columns = NumberLines(header)
@@ -157,11 +151,7 @@ class Heights(NamedTuple):
 
 
 def widest_gap(turn: Floats) -> float:
-    """Return the widest angle without a point [turn].
-
-    >>> widest_gap(np.array([0.9, 0.1, 0.2]))
-    0.7
-    """
+    """Return the widest angle without a point [turn]."""
     rising = np.sort(turn)
     return float(np.diff(rising, append=rising[0] + 1).max())
 
@@ -199,17 +189,9 @@ def _bands(points: GaugedPoints, order: int) -> list[Ints]:
 
 
 def by_height(points: GaugedPoints, most_order: int | None = None) -> Heights:
-    """Return the points by height.
+    """Return the points by height, for waves up to an order: by default 16, or less for few angles.
 
-    Parameters
-    ----------
-    most_order : int, optional
-        Highest order of waves that is wanted; by default 16, or less where there are few angles.
-
-    Raises
-    ------
-    CamtoolsError
-        Too few heights have enough points all round.
+    Raises CamtoolsError: too few heights have enough points all round.
     """
     groups = _traces(points.z_mm)
     order = most_order or DEFAULT_ORDER

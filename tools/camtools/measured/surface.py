@@ -113,15 +113,10 @@ _LOCAL = 2.0  # standard errors that are taken off at a height
 MIN_FOR_SCATTER = 6
 
 
-def neighbour_weights(z_mm: Floats) -> tuple[Floats, Floats]:
-    """Return the shares of both neighbours in the line through them at each inner height."""
-    below = (z_mm[2:] - z_mm[1:-1]) / (z_mm[2:] - z_mm[:-2])
-    return below, 1 - below
-
-
 def off_neighbours(z_mm: Floats, values: Complexes) -> Complexes:
     """Return by how much values leave the line through their neighbours, over its noise."""
-    below, above = neighbour_weights(z_mm)
+    below = (z_mm[2:] - z_mm[1:-1]) / (z_mm[2:] - z_mm[:-2])
+    above = 1 - below
     off = values[..., 1:-1] - below * values[..., :-2] - above * values[..., 2:]
     return np.asarray(off / np.sqrt(1 + below**2 + above**2), dtype=np.complex128)
 
@@ -168,15 +163,6 @@ class Smoother:
         return Smoothed(np.asarray(self._modes @ (share * modes), dtype=np.complex128), errors)
 
 
-def shares_kept(one: Smoothed) -> Floats:
-    """Return which share of a wave is kept at each height: what stands above its noise."""
-    energy, noise = np.abs(one.values) ** 2, one.errors**2
-    if energy.sum() <= _KEPT_WHOLE * noise.sum():
-        return np.zeros(energy.size)
-    least = np.finfo(float).tiny
-    return np.asarray(np.maximum(0.0, 1 - _LOCAL**2 * noise / np.maximum(energy, least)))
-
-
 _PASSES = 3
 _END_SHARE, _GAP_SHARE = 0.2, 0.5  # of the part's height that may lie beyond, or between, heights
 _ALONE = 8.0  # times the usual distance from the neighbours
@@ -203,13 +189,8 @@ class KeptWave(NamedTuple):
 class SurfaceFit(NamedTuple):
     """The waves of a gauged surface over its heights.
 
-    Attributes
-    ----------
-    alone_mm : list of float
-        Heights that do not count because they differ from both their neighbours.
-    counts : ndarray
-        Of each point, whether it counts: its height is not left out, and it is not far off. Where
-        a height has many points that are far off, they are edges of a gap and count everywhere.
+    A point counts unless its height is left out or it is far off. Where a height has many points
+    that are far off, they are edges of a gap and count everywhere.
     """
 
     z_mm: Floats  # shape (n,); heights that count
@@ -217,7 +198,7 @@ class SurfaceFit(NamedTuple):
     sigma_um: float  # standard deviation of a point about the waves, the median of all heights
     n_far: int  # points that do not count because they are far from the waves of their height
     counts: Bools  # shape (number of points,)
-    alone_mm: list[float]
+    alone_mm: list[float]  # heights left out because they differ from both their neighbours
     heights: Heights  # as the points were divided
 
     def correction(self, ends_mm: tuple[float, float], gain: float) -> Correction:
@@ -244,28 +225,18 @@ def _over_part(
 
 
 def check_heights(z_mm: Floats, ends_mm: tuple[float, float]) -> None:
-    """Refuse heights that leave too much of a part unknown.
-
-    Raises
-    ------
-    CamtoolsError
-        With the numbers and the limits.
-    """
+    """Refuse heights that leave too much of a part unknown."""
     height_mm = ends_mm[1] - ends_mm[0]
     steps = np.diff(np.concatenate([ends_mm[:1], z_mm, ends_mm[1:]]))
     part = f"the part's {ends_mm[0]:g} .. {ends_mm[1]:g} mm"
     if max(steps[0], steps[-1]) > _END_SHARE * height_mm:
-        problem = (
-            f"heights {z_mm[0]:.6g} .. {z_mm[-1]:.6g} mm leave more than "
-            f"{100 * _END_SHARE:g} % of {part} beyond an end"
-        )
+        problem = f"heights {z_mm[0]:.6g} .. {z_mm[-1]:.6g} mm leave more than "
+        problem += f"{100 * _END_SHARE:g} % of {part} beyond an end"
         raise CamtoolsError([f"--measured: {problem}; gauge nearer to the ends"])
     worst = int(np.argmax(steps[1:-1]))
     if steps[1 + worst] > _GAP_SHARE * height_mm:
-        problem = (
-            f"no height between {z_mm[worst]:.6g} and {z_mm[worst + 1]:.6g} mm, more than "
-            f"{100 * _GAP_SHARE:g} % of {part}"
-        )
+        problem = f"no height between {z_mm[worst]:.6g} and {z_mm[worst + 1]:.6g} mm, more than "
+        problem += f"{100 * _GAP_SHARE:g} % of {part}"
         raise CamtoolsError([f"--measured: {problem}; gauge heights between them"])
 
 
@@ -284,11 +255,12 @@ def _lone(z_mm: Floats, waves: Complexes) -> int | None:
 
 def _smooth(z_mm: Floats, waves: Complexes, white: Floats) -> list[Smoothed]:
     """Return each order smoothed by its noise, the larger one of both estimates."""
-    smoother, found = Smoother(z_mm), []
-    for order, values in enumerate(waves):
-        rough = scatter(z_mm, values, is_real=order == 0)
-        found.append(smoother.smooth(values, max(rough, float(white[order]))))
-    return found
+    smoother = Smoother(z_mm)
+    rough = [scatter(z_mm, values, is_real=order == 0) for order, values in enumerate(waves)]
+    return [
+        smoother.smooth(values, noise)
+        for values, noise in zip(waves, np.maximum(rough, white), strict=True)
+    ]
 
 
 def fit_surface(
@@ -302,19 +274,7 @@ def fit_surface(
     Each pass fits the waves of every height to what the smooth waves of the pass before leave of
     its points, so that heights which run through within a band do no harm.
 
-    Parameters
-    ----------
-    ends_mm : tuple of float
-        Of the part.
-    most_order : int, optional
-        See `by_height`.
-    first : int
-        First order that may be kept.
-
-    Raises
-    ------
-    CamtoolsError
-        Too few heights or angles.
+    For the highest order see `by_height`; no order below `first` is kept.
     """
     heights = by_height(points, most_order)
     z_mm = np.array([height.z_mm for height in heights.heights])
@@ -356,9 +316,13 @@ def fit_surface(
 
 
 def _kept(one: Smoothed) -> Complexes:
-    """Return what is kept of a wave: nothing below what a table resolves."""
-    kept = one.values * shares_kept(one)
-    return kept if np.abs(kept).max() >= LEAST_UM else 0 * kept
+    """Return what stands above the noise of a wave: nothing below what a table resolves."""
+    energy, noise = np.abs(one.values) ** 2, one.errors**2
+    least = np.finfo(float).tiny
+    share = np.maximum(0.0, 1 - _LOCAL**2 * noise / np.maximum(energy, least))
+    kept: Complexes = one.values * share
+    is_whole = energy.sum() > _KEPT_WHOLE * noise.sum() and np.abs(kept).max() >= LEAST_UM
+    return kept if is_whole else 0 * kept
 
 
 def _at(model: Correction, order: int, z_mm: Floats) -> Complexes:
