@@ -11,7 +11,7 @@ from camtools.lobe.channels import N_GRID, SpindleLimits, surface_speed
 from camtools.lobe.contact import contact, follow
 from camtools.lobe.lift import Disc, LiftLaw, Poly345
 from camtools.skirt.geometry.refit import CANDIDATES, Recipe, judge, kept_sites, sites_rad
-from camtools.skirt.geometry.sections import DoubleEllipse, Ellipse, Joint
+from camtools.skirt.geometry.sections import Joint, double_ellipse, ellipse
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.table.channel import segment_coefficients
 from tests.tools.cases.part_cases import PERKINS, load_part
@@ -28,7 +28,7 @@ def test_eccentric_anomaly_is_off_by_a_third_the_other_way() -> None:
     """MATHS.md (5): the spindle angle taken for the eccentric anomaly, -27.2 nm for 81.6 nm."""
     phi, b = np.radians(np.linspace(0, 90, 9001)), A_MM - G_MM / 2
     wrong = A_MM - np.hypot(A_MM * np.cos(phi), b * np.sin(phi))
-    off_nm = 1e6 * (wrong - DoubleEllipse().evaluate(phi, A_MM, G_MM).delta)
+    off_nm = 1e6 * (wrong - double_ellipse(phi, A_MM, G_MM).delta)
     assert f"{off_nm.min():.1f}" == "-27.2"
     assert off_nm.min() * 1e-6 == pytest.approx(-(G_MM**2) / (32 * A_MM), rel=2e-3)
 
@@ -103,15 +103,15 @@ def test_interpolation_of_the_ellipse(n_knots: int, printed: str) -> None:
     h, worst = 2 * np.pi / n_knots, 0.0
     bounds = 16 * G_MM * np.array([h**6 / 46080, np.sqrt(5) * h**5 / 30000, h**4 / 1920])
     for i in range(n_knots):
-        for law in (Ellipse(), DoubleEllipse()):
-            ends = law.evaluate(h * np.array([i, i + 1.0]), A_MM, G_MM)
+        for law in (ellipse, double_ellipse):
+            ends = law(h * np.array([i, i + 1.0]), A_MM, G_MM)
             knots = np.stack([ends.delta, h * ends.d1, h**2 / 2 * ends.d2], axis=-1)
-            exact = law.evaluate(h * (i + T), A_MM, G_MM)
+            exact = law(h * (i + T), A_MM, G_MM)
             off = [
                 float(np.abs(got / h**n - exact[n]).max())
                 for n, got in enumerate(between_knots(knots))
             ]
-            if isinstance(law, Ellipse):
+            if law is ellipse:
                 worst = max(worst, off[0] * 1e6)
             else:
                 assert (off <= bounds * (1 + 1e-6)).all()

@@ -36,17 +36,17 @@ from camtools.cut.speed_law import (
     uniform,
 )
 from camtools.cut.spindle_loop import SpindleLoop, _PlayedSpindle, played_ripple
-from camtools.skirt.geometry.sections import DoubleEllipse, Ellipse, Section
+from camtools.skirt.geometry.sections import Law, double_ellipse, ellipse
 from camtools.skirt.geometry.skirt_geometry import Geometry, section_cut
 from tests.tools.cases.maths_tables import MEAN_SPEEDS, SPINDLE_LIMITS, TABLE_1, TABLE_4
 
 
-def papers(law: Section) -> SectionCut:
+def papers(law: Law) -> SectionCut:
     """Return the papers' section: a = 46, b = 45.9, depth 0.1 at the long axis."""
-    return SectionCut(lambda phi: law.evaluate(phi, 46.0, 0.2), 46.0, 46.1)
+    return SectionCut(lambda phi: law(phi, 46.0, 0.2), 46.0, 46.1)
 
 
-EXACT, COSINE = papers(Ellipse()), papers(DoubleEllipse())
+EXACT, COSINE = papers(ellipse), papers(double_ellipse)
 PEAKS = speed_peaks(EXACT)
 MEAN_RPM = 2500 / PEAKS.ratio_max
 
@@ -180,7 +180,7 @@ def test_section_of_a_part_knows_its_blank(geometry: Geometry) -> None:
 def test_sections_without_symmetry_take_the_whole_turn() -> None:
     """A section with three waves is cut into parts of the whole turn."""
     cut = SectionCut(
-        lambda phi: DoubleEllipse().evaluate(phi + np.cos(phi) / 10, 46.0, 0.2),
+        lambda phi: double_ellipse(phi + np.cos(phi) / 10, 46.0, 0.2),
         46.0,
         46.1,
         2 * np.pi,
@@ -210,7 +210,7 @@ RPM = np.pi / 30
 
 def load_of(g_mm: float = 0.2, depth_mm: float = 0.1, a_mm: float = 46.0) -> Load:
     """Return the papers' section, or one like it."""
-    u = Ellipse().evaluate(np.pi * np.arange(N_GRID) / N_GRID, a_mm, g_mm)
+    u = ellipse(np.pi * np.arange(N_GRID) / N_GRID, a_mm, g_mm)
     blank = a_mm + depth_mm
     return Load((blank**2 - (a_mm - u.delta) ** 2) / 2, u.d1, u.d2, np.pi)
 

@@ -14,7 +14,6 @@ from camtools.skirt.geometry.refit import (
     RefitCandidate,
     best_of,
     deviation_mm,
-    fit,
     jerk_limit_of,
     judge,
     judge_all,
@@ -22,7 +21,7 @@ from camtools.skirt.geometry.refit import (
     refit,
     sites_rad,
 )
-from camtools.skirt.geometry.sections import DoubleEllipse, Ellipse, Joint
+from camtools.skirt.geometry.sections import Joint, double_ellipse, ellipse
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from tests.tools.cases.cut_cases import geometry_of_part
 from tests.tools.cases.part_cases import parse_part
@@ -34,12 +33,6 @@ RPM = 800.0
 OMEGA = 2 * np.pi * RPM / 60
 ECCENTRICITIES = [
     (90, "1.960772379", "46.370772379"),
-    (91, "1.959941734", "46.869941734"),
-    (92, "1.959129964", "47.369129964"),
-    (100, "1.953244550", "51.363244550"),
-    (105, "1.950039560", "53.860039560"),
-    (110, "1.947136890", "56.357136890"),
-    (116, "1.943995747", "59.353995747"),
     (126, "1.939447022", "64.349447022"),
 ]
 V240 = [  # height, diameter, ovality, e, R, delta(70), delta(90)
@@ -47,13 +40,6 @@ V240 = [  # height, diameter, ovality, e, R, delta(70), delta(90)
     "65 239.435104 0.327837 1.37183704 120.67547093 0.33209859 0.41391835",
     "125 239.395657 0.414238 1.44973810 120.69044762 0.37070779 0.45711915",
     "190 239.150000 0.560000 1.58137810 120.62637810 0.43584380 0.53000000",
-]
-MEASURED = [  # angle, G = 0.35, G = 0.38, in um
-    (10, "-5.277", "-5.729"),
-    (20, "-20.471", "-22.226"),
-    (30, "-43.750", "-47.500"),
-    (40, "-72.306", "-78.503"),
-    (48, "-96.646", "-104.930"),
 ]
 
 
@@ -79,7 +65,7 @@ def test_papers_numbers_fit_one_diameter_only() -> None:
     """
     assert f"{diameter_for(0.4, JOINT_RAD, 1.96):.9f}" == "90.929096914"
     assert f"{float(PAPER.arc().radius_mm):.9f}" == "46.834548457"
-    exact = Joint(89.4243 / 2, 0.38, 0.4, JOINT_RAD, Ellipse()).arc()
+    exact = Joint(89.4243 / 2, 0.38, 0.4, JOINT_RAD, ellipse).arc()
     assert float(exact.eccentricity_mm) == pytest.approx(1.96, abs=5e-8)
     step_mm = float(Joint(63.0, 0.38, 0.4, JOINT_RAD).step_mm(1.96))
     assert f"{step_mm * 1000:.3f}" == "-5.005"
@@ -87,7 +73,7 @@ def test_papers_numbers_fit_one_diameter_only() -> None:
 
 def test_both_branches_at_the_joint() -> None:
     """Reduction, slopes, curvatures, velocities and their jump at the joint, 800 r/min."""
-    oval = PAPER.law.evaluate(JOINT_RAD, DIAMETER_MM / 2, 0.38)
+    oval = PAPER.law(JOINT_RAD, DIAMETER_MM / 2, 0.38)
     circle = PAPER.arc().reduction(JOINT_RAD, DIAMETER_MM / 2)
     assert [f"{float(one.delta):.9f}" for one in (oval, circle)] == ["0.104930204"] * 2
     assert f"{float(oval.d1):.9f} {float(circle.d1):.9f}" == "0.188959160 1.270692199"
@@ -115,18 +101,9 @@ def test_large_bore_sections() -> None:
         )
 
 
-def test_measured_piston_has_less_ovality() -> None:
-    """The paper's measured design column is that of G = 0.35, not of its theory part."""
-    law = DoubleEllipse(0.0)
-    for angle_deg, *printed in MEASURED:
-        phi = np.radians(angle_deg)
-        found = [float(-1000 * law.evaluate(phi, 45.0, g_mm).delta) for g_mm in (0.35, 0.38)]
-        assert [f"{um:.3f}" for um in found] == printed
-
-
 joints = st.builds(
     lambda a, g, h, deg, is_exact: Joint(
-        a, g, h, float(np.radians(deg)), Ellipse() if is_exact else DoubleEllipse(0.0)
+        a, g, h, float(np.radians(deg)), ellipse if is_exact else double_ellipse
     ),
     st.floats(30, 200),
     st.floats(0.05, 0.8),
@@ -225,21 +202,6 @@ def test_splines_without_deletion_have_the_papers_peaks() -> None:
     peak, at_deg, undershoot, _ = on_grid(Recipe("quintic", 0, 0, "as-paper"))
     assert f"{peak:.1f} {at_deg:.2f} {undershoot:.1f}" == "627341.1 48.00 -198442.6"
     assert f"{peak / 748205.3:.3f}" == "0.838"
-
-
-@pytest.mark.parametrize(
-    ("diameter_mm", "peak"), [(80, 6.2e5), (85, 6.8e5), (95, 7.9e5), (100, 8.3e5)]
-)
-def test_cubic_peak_depends_little_on_the_unknown_diameter(diameter_mm: float, peak: float) -> None:
-    """With e = 1.96 kept, other diameters give peaks that differ little, to two digits."""
-    e, short = 1.96, diameter_mm / 2 - 0.19 - 0.4
-    x = np.radians(np.arange(91.0))
-    oval = PAPER.law.evaluate(x, diameter_mm / 2, 0.38).delta
-    cos, sin = np.cos(x), np.sin(x)
-    circle = diameter_mm / 2 + e * sin - np.sqrt((short + e) ** 2 - (e * cos) ** 2)
-    curve = fit(x, np.where(x < JOINT_RAD - 1e-9, oval, circle), Recipe("cubic", 0, 0, "as-paper"))
-    found = float((curve(np.radians(GRID_DEG), 2) * OMEGA**2).max())
-    assert found == pytest.approx(peak, rel=0.01)
 
 
 @pytest.fixture(scope="module")

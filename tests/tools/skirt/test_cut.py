@@ -186,7 +186,7 @@ def test_part_that_plays_its_drawing_has_one_error(tmp_path: Path) -> None:
 def test_points_are_the_drawing_of_a_measured_part(tmp_path: Path) -> None:
     """At the measured angles the gauge compares with the points themselves, filter included."""
     geometry = skirt_of("scan90").geometry
-    scan = joined(read_scan_text(PARTS / "scan90.csv")).scan
+    scan = joined(read_scan_text(PARTS / "scan90.csv"))[0]
     at_points = geometry.drawing.delta(np.radians(scan.angle_deg), scan.z_mm[:, None]).delta
     np.testing.assert_allclose(at_points, scan.reduction_mm, atol=1e-12)
     assert geometry.off_points_um is not None
@@ -288,31 +288,22 @@ def measure(result: GeneratedSkirt, folder: Path) -> tuple[float, float]:
 
 @pytest.mark.long
 @pytest.mark.parametrize(
-    ("rpm", "alpha", "bandwidth"),
+    ("text", "most"),
     [
-        (600, 5132, 40),  # the loop: no set-points below 0
-        (600, 500, 40),  # the torque decides
-        (1667.27, 60_000, 400),  # the highest set-point decides
+        (variant(600, 5132, 40), 1.0),  # the loop: no set-points below 0
+        (variant(600, 500, 40), 1.0),  # the torque decides
+        (variant(1667.27, 60_000, 400), 1.0),  # the highest set-point decides
+        (PAPERS, 0.01),  # mean 1667 r/min, 2500 at the long axis of their section
     ],
 )
-def test_ripple_is_promised_within_a_point(
-    rpm: float, alpha: float, bandwidth: float, tmp_path: Path
-) -> None:
-    """At every height, whatever limits the spindle."""
-    low, high = measure(made(variant(rpm, alpha, bandwidth)), tmp_path)
-    assert low > -0.8
-    assert high < 0.2  # it is promised with the worst phase of the spindle's own ripple
-
-
-@pytest.mark.long
-def test_papers_own_speed_is_played_within_a_percent(tmp_path: Path) -> None:
-    """Mean 1667 r/min, 2500 at the long axis of their section."""
-    result = made(PAPERS)
+def test_ripple_is_promised_within_a_point(text: str, most: float, tmp_path: Path) -> None:
+    """At every height, whatever limits the spindle; the papers' own speed has less than 1 %."""
+    result = made(text)
     assert result.speed is not None
-    assert result.speed.played.max() < 0.01
+    assert result.speed.played.max() < most
     low, high = measure(result, tmp_path)
     assert low > -0.8
-    assert high < 0.2
+    assert high < 0.2  # it is promised with the worst phase of the spindle's own ripple
 
 
 @pytest.mark.long

@@ -443,4 +443,4 @@ def test_twin_is_the_same_part_at_constant_speed(modulated: GeneratedSkirt) -> N
     assert twin.speed is None
     assert len(twin.table.channels) == 2
     assert twin.table.spindle_mrpm == modulated.table.spindle_mrpm
-    assert limited_turns(2001.0) == ["--turns-limit", "2000"]
+    assert (limited_turns(620.0), limited_turns(2001.0)) == ([], ["--turns-limit", "2000"])

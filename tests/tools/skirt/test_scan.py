@@ -140,7 +140,7 @@ def test_scans_come_from_files_only(tmp_path: Path) -> None:
         told = f"piston.section.csv: {path.name}: cannot be read: {problem}; give a text file, "
         assert info.value.lines == [f"{told}with its path relative to the part file"]
     table.write_text(csv_of((0.0, 60.0)), encoding="utf-8-sig")
-    scan = joined(read_scan_text(table)).scan
+    scan = joined(read_scan_text(table))[0]
     assert scan.z_mm.tolist() == [0, 60]
     assert float(ovality_of(scan)(30.0)) == pytest.approx(0.2, abs=1e-9)
 
@@ -243,9 +243,9 @@ def points_of(folder: Path, text: str, more: str = "", direction: int = 1) -> Ge
     return make_geometry(load_part(folder / "points.toml"))
 
 
-def text_of(header: str, line: str, factor: float, comma: str = ".") -> str:
+def text_of(header: str, line: str, factor: float, comma: str = ".", above: float = 0) -> str:
     """Return the points in a format: `line` has places for angle, height and value."""
-    rows = [line.format(a, z, factor * mm) for a, z, mm in rows_of(every_5_deg)]
+    rows = [line.format(a, z, above + factor * mm) for a, z, mm in rows_of(every_5_deg)]
     return "\n".join([header, *(row.replace(".", comma) for row in rows)]) + "\n"
 
 
@@ -260,10 +260,8 @@ FORMATS = {
 }
 
 
-FORMATS["radius"] = "\n".join(
-    ["angle_deg z_mm radius_mm"]
-    + [f"{a} {z} {RADIUS_MM - mm:.12f}" for a, z, mm in rows_of(every_5_deg)]
-    + [""]
+FORMATS["radius"] = text_of(
+    "angle_deg z_mm radius_mm", "{:.1f} {:.1f} {:.12f}", -1, above=RADIUS_MM
 )
 
 
@@ -295,16 +293,16 @@ def test_a_closed_turn_is_the_same_section(tmp_path: Path) -> None:
         points_of(tmp_path, text + changed)
 
 
-def own_text() -> str:
-    """Return points at each height's own angles."""
-    rows = [f"{a!r},{z!r},{1000 * mm!r}" for a, z, mm in rows_of(own)]
-    return "\n".join(["angle_deg,z_mm,reduction_um", *rows]) + "\n"
+def mm_text(own_angles: Callable[[int], Floats]) -> str:
+    """Return points at some angles of each height, with all their digits."""
+    rows = [f"{a!r},{z!r},{mm!r}\n" for a, z, mm in rows_of(own_angles)]
+    return "angle_deg,z_mm,reduction_mm\n" + "".join(rows)
 
 
 @pytest.mark.parametrize("more", ["", "harmonics = 3"])
 def test_heights_may_have_angles_of_their_own(tmp_path: Path, more: str) -> None:
     """The surface is the formula between the points too, within the stated error; filtered too."""
-    geometry = points_of(tmp_path, own_text(), more)
+    geometry = points_of(tmp_path, mm_text(own), more)
     assert 0 < geometry.joined_um < 1e-3
     assert geometry.off_points_um is not None
     assert geometry.off_points_um < 2e-3
@@ -315,7 +313,7 @@ def test_heights_may_have_angles_of_their_own(tmp_path: Path, more: str) -> None
 
 def test_cut_from_uneven_points_is_the_formula(tmp_path: Path) -> None:
     """What the simulator leaves of the work is the measured section."""
-    points_of(tmp_path, own_text(), direction=-1)
+    points_of(tmp_path, mm_text(own), direction=-1)
     made = made_skirt(load_part(tmp_path / "points.toml"))
     turn, z_mm, radius_mm, *_ = plain(cut(written(made, tmp_path)).surface)
     off_um = 1e3 * np.abs(radius_mm - RADIUS_MM + reduction_mm(360 * turn, z_mm))
@@ -339,15 +337,13 @@ def test_noise_at_angles_of_its_own_is_refused(tmp_path: Path) -> None:
 
 def test_gaps_without_points(tmp_path: Path) -> None:
     """Half a turn may not swing, and the remedy helps; a gap of 30 degrees is bridged well."""
-    half = rows_of(lambda _: np.arange(0.0, 181, 5))
-    text = "angle_deg,z_mm,reduction_mm\n" + "".join(f"{a},{z},{r}\n" for a, z, r in half)
+    text = mm_text(lambda _: np.arange(0.0, 181, 5))
     with pytest.raises(CamtoolsError, match="no points from 180 to 0 degrees") as info:
         points_of(tmp_path, text)
     remedy = re.search(r"overshoot_um = [0-9.e+]+", info.value.lines[0])
     assert remedy, info.value.lines
     points_of(tmp_path, text, remedy[0])
-    rows = rows_of(lambda _: np.concatenate([[0.0, 10, 20, 30], np.arange(60.0, 360, 5)]))
-    text = "angle_deg,z_mm,reduction_mm\n" + "".join(f"{a},{z},{r}\n" for a, z, r in rows)
+    text = mm_text(lambda _: np.concatenate([[0.0, 10, 20, 30], np.arange(60.0, 360, 5)]))
     found = points_of(tmp_path, text).surface.delta(np.radians(np.array([45.0])), 8.0).delta
     assert abs(float(found[0]) - float(reduction_mm(np.array(45.0), np.array(8.0)))) < 3e-4
 

@@ -17,11 +17,11 @@ from camtools.base.quantities import Floats
 from camtools.skirt.geometry.profile import ovality_spline, profile_spline
 from camtools.skirt.geometry.sections import (
     SMOOTH_DEG,
-    DoubleEllipse,
-    Ellipse,
-    PowerOval,
-    Section,
-    make_section,
+    Law,
+    double_ellipse,
+    ellipse,
+    law_of,
+    power_oval,
 )
 from camtools.skirt.geometry.skirt_geometry import Geometry, OvalSurface, make_geometry
 from camtools.skirt.part.part_file import SkirtPart
@@ -51,20 +51,13 @@ TABLE_VALUES = {
     "minus": "0.000000000 0.002547458 0.005698730 0.022000000 0.046000000 0.072000000 "
     "0.092301270 0.100000000",
 }
-SHAPES: dict[str, Section] = {
-    "exact": Ellipse(),
-    "cosine": make_section("cosine", 0.0),
-    "plus": DoubleEllipse(1.0),
-    "minus": DoubleEllipse(-1.0),
+SHAPES = {
+    "exact": ellipse,
+    "cosine": law_of("cosine", 0.0),
+    "plus": law_of("double-ellipse", 1.0),
+    "minus": law_of("double-ellipse", -1.0),
 }
-EXACT_LESS_COSINE = [  # G, largest difference nm, at degrees, first term of the series nm
-    (0.2, "81.610", "44.9740", "81.522"),
-    (0.25, "127.551", "44.9675", "127.378"),
-    (0.3, "183.724", "44.9610", "183.424"),
-    (0.35, "250.136", "44.9545", "249.660"),
-    (0.38, "294.903", "44.9506", "294.293"),
-    (0.4, "326.798", "44.9480", "326.087"),
-]
+PAIR = ("exact", "cosine")
 radii = st.floats(10, 200)
 ovalities = st.floats(0.001, 2)
 betas = st.floats(-6.25, 6.25)
@@ -74,34 +67,25 @@ angles = st.floats(-10, 10)
 @pytest.mark.parametrize("name", list(TABLE_VALUES))
 def test_delta_has_the_printed_values(name: str) -> None:
     """Radius reductions at a = 46, G = 0.2 are those of the table of values."""
-    delta = SHAPES[name].evaluate(np.radians(DEGREES), A_MM, 0.2).delta
+    delta = SHAPES[name](np.radians(DEGREES), A_MM, 0.2).delta
     assert [f"{mm:.9f}" for mm in delta] == TABLE_VALUES[name].split()
 
 
-@pytest.mark.parametrize(("g_mm", "most_nm", "at_degrees", "series_nm"), EXACT_LESS_COSINE)
-def test_exact_lies_inside_cosine(
-    g_mm: float, most_nm: str, at_degrees: str, series_nm: str
-) -> None:
-    """The difference of ellipse and cosine form peaks where and as high as printed."""
+def test_exact_lies_inside_cosine() -> None:
+    """MATHS.md (5): the ellipse is at most 81.610 nm inside the cosine form, at 44.974 degrees."""
     degrees = np.linspace(44.9, 45.0, 100_001)
-    phi = np.radians(degrees)
-    cosine = make_section("cosine", 0.0).evaluate(phi, A_MM, g_mm).delta
-    gap_nm = (Ellipse().evaluate(phi, A_MM, g_mm).delta - cosine) * 1e6
-    assert f"{gap_nm.max():.3f}" == most_nm
-    assert degrees[np.argmax(gap_nm)] == pytest.approx(float(at_degrees), abs=1.1e-4)
-    assert f"{3 * g_mm**2 / (32 * A_MM) * 1e6:.3f}" == series_nm
-
-
-def _sections(beta: float) -> list[Section]:
-    return [Ellipse(), DoubleEllipse(beta)]
+    exact, cosine = (SHAPES[name](np.radians(degrees), A_MM, 0.2).delta for name in PAIR)
+    gap_nm = 1e6 * (exact - cosine)
+    assert f"{gap_nm.max():.3f}" == "81.610"
+    assert degrees[np.argmax(gap_nm)] == pytest.approx(44.974, abs=1.1e-4)
 
 
 @given(radii, ovalities, betas)
 def test_sections_rise_from_long_to_short_axis(a: float, g: float, beta: float) -> None:
     """Between the axes the reduction never falls, and it is 0 and G/2 at the axes."""
     phi = np.linspace(0, np.pi / 2, 201)
-    for section in _sections(beta):
-        delta = section.evaluate(phi, a, g).delta
+    for law in (ellipse, law_of("double-ellipse", beta)):
+        delta = law(phi, a, g).delta
         assert np.diff(delta).min() >= -1e-15
         assert delta[0] == 0
         assert delta[-1] == pytest.approx(g / 2, rel=1e-12)
@@ -113,9 +97,9 @@ def test_derivatives_are_those_of_the_value(phi: float, a: float, g: float, beta
     step = 1e-3
     places = phi + step * np.array([-2.0, -1.0, 1.0, 2.0])
     weights = np.array([1.0, -8.0, 8.0, -1.0]) / (12 * step)
-    for section in _sections(beta):
-        around = section.evaluate(places, a, g)
-        here = section.evaluate(np.array([phi]), a, g)
+    for law in (ellipse, law_of("double-ellipse", beta)):
+        around = law(places, a, g)
+        here = law(np.array([phi]), a, g)
         for order in range(3):
             slope = float(weights @ around[order])
             assert slope == pytest.approx(float(here[order + 1][0]), abs=1e-7 * g * (1 + abs(beta)))
@@ -135,16 +119,8 @@ SPLINE = [  # derivative, heights, a(z) or its derivative there
 # n, G, f Hz, v, acc, jerk of the cosine form; v, acc at 0, acc at 90 of the ellipse (a = 46)
 PEAKS = """
 650 0.2 21.6667 6.80678 926.646 126150 6.80680 929.677 -923.627
-650 0.3 21.6667 10.21018 1389.969 189224 10.21023 1396.798 -1383.178
-650 0.38 21.6667 12.93289 1760.628 239684 12.93300 1771.596 -1749.735
-800 0.2 26.6667 8.37758 1403.677 235188 8.37760 1408.268 -1399.103
 800 0.3 26.6667 12.56637 2105.516 352783 12.56644 2115.859 -2095.228
-800 0.38 26.6667 15.91740 2666.986 446858 15.91754 2683.602 -2650.485
-1500 0.2 50.0000 15.70796 4934.802 1.55031e+06 15.70800 4950.941 -4918.722
-1500 0.3 50.0000 23.56194 7402.203 2.32547e+06 23.56207 7438.568 -7366.036
 1500 0.38 50.0000 29.84513 9376.124 2.9456e+06 29.84539 9434.537 -9318.113
-2500 0.2 83.3333 26.17994 13707.784 7.17738e+06 26.18000 13752.613 -13663.117
-2500 0.3 83.3333 39.26991 20561.676 1.07661e+07 39.27012 20662.688 -20461.212
 2500 0.38 83.3333 49.74188 26044.789 1.3637e+07 49.74231 26207.047 -25883.647
 """.strip().splitlines()
 
@@ -215,7 +191,7 @@ def make_flat(g_mm: float) -> dict[str, Geometry]:
     """Return cylinders of a = 46 mm with constant ovality, ellipse and cosine form."""
     radius = profile_spline(Profile(height_mm=[0, 10], diameter_mm=[92, 92]))
     ovality = ovality_spline(Ovality(height_mm=[0, 10], ovality_mm=[g_mm, g_mm]))
-    laws: dict[str, Section] = {"ellipse": Ellipse(), "cosine": DoubleEllipse()}
+    laws: dict[str, Law] = {"ellipse": ellipse, "cosine": double_ellipse}
     return {
         name: Geometry(radius, ovality, OvalSurface(law, radius, ovality), 0.0, 10.0)
         for name, law in laws.items()
@@ -258,7 +234,7 @@ def test_overshooting_ovality_spline_is_refused(perkins: SkirtPart) -> None:
     assert info.value.field == "piston.ovality.interpolation"
 
 
-Law = Callable[[Floats, Floats, Floats], Floats]
+Formula = Callable[[Floats, Floats, Floats], Floats]
 THRUST, TWIST = PARTS / "thrust90.toml", PARTS / "twist80.toml"
 
 
@@ -268,7 +244,7 @@ def smooth_step(s: Floats) -> Floats:
     return np.asarray(35 * s**4 - 84 * s**5 + 70 * s**6 - 20 * s**7)
 
 
-def double_ellipse(deg: Floats, g_mm: Floats, beta: Floats) -> Floats:
+def of_maths_4(deg: Floats, g_mm: Floats, beta: Floats) -> Floats:
     """Return MATHS.md (4), as printed there."""
     phi = np.radians(deg)
     found = g_mm / 4 * ((1 - np.cos(2 * phi)) + beta / 25 * (1 - np.cos(4 * phi)))
@@ -280,9 +256,9 @@ def thrust_mm(deg: Floats, z_mm: Floats) -> Floats:
     heights, ends = [0, 10, 22, 34, 46, 56], [0, 28, 56]
     radius = CubicSpline(heights, np.array([89.932, 89.966, 89.98, 89.968, 89.928, 89.872]) / 2)
     g_mm, drop_mm = np.interp(z_mm, ends, [0.24, 0.30, 0.40]), np.interp(z_mm, ends, [20, 12, 30])
-    thrust = double_ellipse(deg, g_mm, np.interp(z_mm, ends, [0.6, 1.0, 1.4]))
+    thrust = of_maths_4(deg, g_mm, np.interp(z_mm, ends, [0.6, 1.0, 1.4]))
     drop_mm = drop_mm / 1000
-    other = drop_mm + double_ellipse(deg, g_mm - 2 * drop_mm, np.full_like(g_mm, 0.4))
+    other = drop_mm + of_maths_4(deg, g_mm - 2 * drop_mm, np.full_like(g_mm, 0.4))
     off_pin_deg = 90 - np.abs(np.mod(deg, 360) - 180)  # above 0: anti-thrust
     share = smooth_step(off_pin_deg / 30 + 0.5)
     return np.asarray(radius(z_mm) - (1 - share) * thrust - share * other)
@@ -305,7 +281,7 @@ def power_of_sine(deg: Floats, g_mm: Floats, exponent: Floats) -> Floats:
     return np.asarray(g_mm / 2 * np.abs(np.sin(np.radians(deg))) ** exponent)
 
 
-def twist_mm(deg: Floats, z_mm: Floats, law: Law = power) -> Floats:
+def twist_mm(deg: Floats, z_mm: Floats, law: Formula = power) -> Floats:
     """Return the radius of twist80.toml, as its table plays it or by the law of its drawing."""
     heights, ends = [0, 12, 25, 38, 50], [0, 25, 50]
     radius = CubicSpline(heights, np.array([79.94, 79.972, 79.98, 79.968, 79.93]) / 2)
@@ -350,7 +326,7 @@ def test_cut_part_is_the_formula(tmp_path: Path, name: str, direction: int) -> N
     path, formula, last_mm = FORMULAS[name]
     text = re.sub(r"(?m)^direction = .*\n", "", path.read_text())
     text = text.replace("feed_mm = 0.1", f"feed_mm = 1\ndirection = {direction}")
-    made = made_skirt(parse_part(text.encode(), "part.toml"))
+    made = made_skirt(part_of_text(text))
     found = cut(written(made, tmp_path), "--tolerance-um", "0.5")
     turn, z_mm, radius_mm, error_nm = plain(found.surface)
     exact_mm = DRAWN[name](360 * turn, z_mm)
@@ -369,12 +345,12 @@ def test_power_is_smooth_and_near_the_power_of_the_sine(exponent: float) -> None
     """Exact from 15 degrees on; below within 1.8e-4 of the ovality; even powers exactly."""
     deg = np.linspace(-90, 90, 3601)
     exact = 0.5 * np.abs(np.sin(np.radians(deg))) ** exponent
-    got = PowerOval(exponent).evaluate(np.radians(deg), 46.0, 1.0)
+    got = power_oval(np.radians(deg), 46.0, 1.0, exponent)
     off = np.abs(got.delta - exact)
     assert off[np.abs(deg) >= SMOOTH_DEG].max() < 1e-15
     assert off.max() < 1.8e-4
     edge = np.radians(SMOOTH_DEG + np.array([-1e-7, 1e-7]))
-    around = PowerOval(exponent).evaluate(edge, 46.0, 1.0)
+    around = power_oval(edge, 46.0, 1.0, exponent)
     for n in range(4):
         assert abs(np.diff(around[n])[0]) < 1e-5 * max(1.0, float(np.abs(got[n]).max()))
     assert (np.diff(got.delta[deg >= 0]) >= -1e-7).all()  # of an oval of 1 mm
@@ -384,13 +360,18 @@ def test_power_is_smooth_and_near_the_power_of_the_sine(exponent: float) -> None
 def test_even_powers_need_no_smoothing(exponent: float) -> None:
     """A power of the square is a polynomial already."""
     phi = np.linspace(-1, 1, 999)
-    got = PowerOval(exponent).evaluate(phi, 46.0, 0.3).delta
+    got = power_oval(phi, 46.0, 0.3, exponent).delta
     np.testing.assert_allclose(got, 0.15 * np.sin(phi) ** exponent, atol=1e-16)
+
+
+def part_of_text(text: str) -> SkirtPart:
+    """Return the part of a part file's text."""
+    return parse_part(text.encode(), "part.toml")
 
 
 def geometry_of_text(text: str) -> Geometry:
     """Return the geometry of a part file's text."""
-    return make_geometry(parse_part(text.encode(), "p.toml"))
+    return make_geometry(part_of_text(text))
 
 
 def test_sides_hold_exactly_outside_the_zones() -> None:
@@ -401,7 +382,7 @@ def test_sides_hold_exactly_outside_the_zones() -> None:
     phi = np.radians(np.linspace(-75, 75, 301))
     np.testing.assert_array_equal(both.delta(phi, 28.0).delta, one.delta(phi, 28.0).delta)
     far = np.radians(np.linspace(105, 255, 301))
-    other = 0.012 + double_ellipse(np.degrees(far), np.array(0.276), np.array(0.4))
+    other = 0.012 + of_maths_4(np.degrees(far), np.array(0.276), np.array(0.4))
     np.testing.assert_allclose(both.delta(far, 28.0).delta, other, atol=1e-15)
     pin = both.delta(np.radians([90.0, 270.0]), 28.0)
     np.testing.assert_allclose(pin.delta, 0.15, atol=1e-15)  # the short axis is common
@@ -414,19 +395,19 @@ def test_sides_with_a_step_are_bridged(tmp_path: Path) -> None:
     text = text.replace("drop_mm = ", "ovality_mm = [0.2, 0.2, 0.2]\ndrop_mm = ")
     geometry = geometry_of_text(text)
     deg = np.array([90.0, 270.0])
-    thrust = double_ellipse(deg, np.array(0.30), np.array(1.0))
-    other = 0.012 + double_ellipse(deg - 6, np.array(0.2), np.array(0.4))
+    thrust = of_maths_4(deg, np.array(0.30), np.array(1.0))
+    other = 0.012 + of_maths_4(deg - 6, np.array(0.2), np.array(0.4))
     got = geometry.delta(np.radians(deg), 28.0).delta
     np.testing.assert_allclose(got, (thrust + other) / 2, atol=1e-15)
     dense = np.radians(np.linspace(60, 120, 60_001))
     u = geometry.delta(dense, 28.0)
     slope = np.gradient(u.d1, dense[1] - dense[0])
     assert np.abs(slope - u.d2)[1:-1].max() < 1e-4  # no jump of the slope anywhere in the zone
-    table = written(made_skirt(parse_part(text.encode(), "part.toml")), tmp_path)
+    table = written(made_skirt(part_of_text(text)), tmp_path)
     told = json.loads(table.with_suffix(".json").read_text())["sides"]
     heights = np.linspace(0, 56, 100)
     g_mm, drop_mm = np.interp(heights, [0, 28, 56], [0.24, 0.3, 0.4]), [20, 12, 30]
-    sides = np.interp(heights, [0, 28, 56], drop_mm) / 1000 + double_ellipse(
+    sides = np.interp(heights, [0, 28, 56], drop_mm) / 1000 + of_maths_4(
         np.array(84.0), np.array(0.2), np.array(0.4)
     )
     assert told["meet"] == "short-axis"
@@ -439,9 +420,7 @@ def test_a_scan_is_turned_by_its_phase(tmp_path: Path) -> None:
     source = PARTS / "scan90.toml"
     csv = f'csv = "{source.with_name("scan90.csv")}"'
     text = source.read_text().replace('csv = "scan90.csv"', csv)
-    part = parse_part(
-        text.replace("harmonics = 15", "phase_deg = 25\nharmonics = 15").encode(), "p"
-    )
+    part = part_of_text(text.replace("harmonics = 15", "phase_deg = 25\nharmonics = 15"))
     phi, z_mm = np.linspace(0, 7, 500), np.array([[3.0], [40.0]])
     got = make_geometry(part).delta(phi + np.radians(25), z_mm)
     want = geometry_of_part("scan90").delta(phi, z_mm)

@@ -1,7 +1,7 @@
 """Metal removed from one section: area, equal parts, speed law, forces, MATHS.md (20) .. (29).
 
->>> from camtools.skirt.geometry.sections import Ellipse
->>> papers = SectionCut(lambda phi: Ellipse().evaluate(phi, 46.0, 0.2), 46.0, 46.1)
+>>> from camtools.skirt.geometry.sections import ellipse
+>>> papers = SectionCut(lambda phi: ellipse(phi, 46.0, 0.2), 46.0, 46.1)
 >>> f"{papers.total_mm2:.12f} mm2"
 '10.846348636519 mm2'
 """

@@ -164,7 +164,7 @@ def draw_section(joint: Joint, title: str) -> Figure:
     phi, a, corner = np.linspace(0, 2 * np.pi, 2881), float(joint.a_mm), float(joint.joint_rad)
     quarter = np.abs(np.mod(phi + np.pi / 2, np.pi) - np.pi / 2)
     drawn = joint.reduction(quarter).delta
-    oval = joint.law.evaluate(quarter, joint.a_mm, joint.ovality_mm).delta
+    oval = joint.law(quarter, joint.a_mm, joint.ovality_mm).delta
     circle = joint.arc().reduction(quarter, joint.a_mm).delta
     left.plot(*around(np.full(phi.size, a), phi), color=GREY, ls=":", label="long half axis")
     for values, some, colour, name in (

@@ -23,7 +23,7 @@ from camtools.papers import section
 from camtools.papers.declared import csv, declared, part_of, png
 from camtools.papers.section import Analysis, AnalysisWishes, make_analysis
 from camtools.plots.style import BLUE, GREY, ORANGE, around, new_figure, side_by_side, space
-from camtools.skirt.geometry.sections import DoubleEllipse
+from camtools.skirt.geometry.sections import double_ellipse
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from camtools.skirt.part.part_file import SkirtPart
 
@@ -67,7 +67,7 @@ def quantities() -> dict[str, Any]:
     long_mm = 2 * float(skirts[0].radius_mm(height_mm))
     ovality_mm = float(skirts[0].ovality_mm(height_mm))
     cosine = SectionCut(
-        lambda phi: DoubleEllipse(0.0).evaluate(phi, cut.a_mm, ovality_mm), cut.a_mm, cut.blank_mm
+        lambda phi: double_ellipse(phi, cut.a_mm, ovality_mm), cut.a_mm, cut.blank_mm
     )
     widest, step_deg = int(np.argmax(steps.change_mm)), np.degrees(steps.phi_rad)
     widest_z_mm, diameter_mm = widest_mm()

@@ -17,11 +17,10 @@ from camtools.base.quantities import UM_PER_MM, Floats, FloatsLike, SectionValue
 from camtools.skirt.geometry.poly_surface import TURN_RAD, PolySurface, angle_pieces, over_height
 from camtools.skirt.geometry.profile import (
     Allowance,
-    check_overshoot,
-    constant_spline,
+    check_points,
     in_um,
     magnified,
-    polygon_or_spline,
+    over_ovality,
 )
 from camtools.skirt.geometry.refit import (
     Recipe,
@@ -35,7 +34,7 @@ from camtools.skirt.geometry.refit import (
     refit,
     sites_rad,
 )
-from camtools.skirt.geometry.sections import QUARTER_RAD, Joint, Section, make_section
+from camtools.skirt.geometry.sections import QUARTER_RAD, Joint, Law, SkirtSurface, law_of
 from camtools.skirt.part.curves import PeakOvality
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.part.profile_keys import Ovality
@@ -56,29 +55,23 @@ class RefitDeviation(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Corner:
+class Corner(SkirtSurface):
     """A composite section over height, before and after its refit.
 
-    Attributes
-    ----------
-    radius, ovality, trim, joint_deg : PPoly
-        Over height [mm, mm, mm, degrees].
-    candidates : tuple of RefitCandidate
-        All deletions the paper tries, at the part's speed; empty without a refit. Accelerations
-        and jerks are those at `worst_mm`, deviations the largest of all heights.
+    Curves are over height [mm]. Candidates are all deletions the paper tries, at the part's speed,
+    none without a refit: accelerations and jerks at `worst_mm`, largest deviations of all heights.
     """
 
-    radius: PPoly
-    ovality: PPoly
-    trim: PPoly
+    radius: PPoly  # mm
+    ovality: PPoly  # mm
+    trim: PPoly  # mm
     joint_deg: PPoly
-    law: Section  # the oval's
+    law: Law  # the oval's
     recipe: Recipe | None = None  # None: the corner is left as drawn
     worst_mm: float = 0.0  # height of the sharpest corner, for which the candidates are judged
     candidates: tuple[RefitCandidate, ...] = ()
     off: RefitDeviation | None = None  # how far the refit is off the drawing
     off_limit_um: float = np.inf  # how far it may be
-    log2_repeat: int = 1
 
     def joint(self, z_mm: FloatsLike) -> Joint:
         """Return what decides the section at heights; numbers for a number."""
@@ -128,51 +121,29 @@ def _from_joint(phi_rad: Floats, joint_rad: float) -> Floats:
     return np.where(phi_rad < joint_rad, phi_rad / joint_rad, beyond)
 
 
-def _over_ovality(value: list[float] | float, ovality: Ovality | PeakOvality) -> PPoly:
-    """Return a number, or a list over the ovality's heights, as cubics; a polygon of segments."""
-    if isinstance(value, list):
-        kind = "linear" if ovality.interpolation == "segments" else ovality.interpolation
-        return polygon_or_spline(ovality.height_mm, np.array(value), kind)
-    return constant_spline(value, ovality.height_mm[0], ovality.height_mm[-1])
-
-
-def _check_lists(trim: PPoly, joint_deg: PPoly, drawn: Ovality | PeakOvality) -> None:
-    """Refuse lists whose curves leave their points: they are interpolated as the ovality is."""
-    if isinstance(drawn, PeakOvality):
-        return  # lists are polygons then
-    heights_mm = np.asarray(drawn.height_mm, dtype=np.float64)
-    allowed = in_um(drawn.overshoot_um, "trim_mm over height")
-    check_overshoot("piston.ovality.interpolation", trim, allowed, heights_mm)
-    check_overshoot("piston.ovality.interpolation", joint_deg, _JOINT, heights_mm)
-
-
 def make_corner(part: SkirtPart, radius: PPoly, ovality: PPoly, heights_mm: Floats) -> Corner:
     """Return the corner of a part of shape "ellipse-arc".
 
-    Parameters
-    ----------
-    heights_mm : ndarray
-        Dense heights at which the shape is checked, both ends among them.
-
-    Raises
-    ------
-    GeometryError
-        No circle reaches from the joint to the short axis, or a given eccentricity does not fit.
+    The shape is checked at dense heights, both ends among them. Raises GeometryError: no circle
+    reaches from the joint to the short axis, or a given eccentricity does not fit.
     """
     section, drawn = part.piston.section, part.piston.ovality
     assert drawn is not None
     assert section.trim_mm is not None
     assert section.joint_deg is not None
     factor = part.magnify.factor if part.magnify else 1.0
-    trim = _over_ovality(section.trim_mm, drawn)
+    trim = over_ovality(section.trim_mm, drawn)
     corner = Corner(
         radius,
         ovality,
         magnified(trim, factor, 0.0),
-        _over_ovality(section.joint_deg, drawn),
-        make_section(section.base or "cosine", np.asarray(section.beta, dtype=np.float64)),
+        over_ovality(section.joint_deg, drawn),
+        law_of(section.base or "cosine", np.asarray(section.beta, dtype=np.float64)),
     )
-    _check_lists(trim, corner.joint_deg, drawn)
+    if isinstance(drawn, Ovality):  # the lists are interpolated as it is
+        allowed = in_um(drawn.overshoot_um, "trim_mm over height")
+        check_points("piston.ovality.interpolation", trim, allowed, drawn)
+        check_points("piston.ovality.interpolation", corner.joint_deg, _JOINT, drawn)
     _check_room(corner, heights_mm)
     if section.eccentricity_mm is not None and factor == 1:
         _check_eccentricity(corner, section.eccentricity_mm, drawn)
@@ -182,10 +153,9 @@ def make_corner(part: SkirtPart, radius: PPoly, ovality: PPoly, heights_mm: Floa
 def largest_deviation(corner: Corner, recipe: Recipe, heights_mm: Floats) -> RefitDeviation:
     """Return where a refit is farthest off the drawing, of all angles and the heights given."""
     worst = RefitDeviation(0.0, 0.0, 0.0)
-    n_ellipse = ellipse_steps(float(np.radians(corner.joint_deg(corner.worst_mm))))
     for z_mm in heights_mm:
         joint = corner.joint(float(z_mm))
-        phi, off_mm = deviation_mm(joint, refit(joint, recipe, n_ellipse))
+        phi, off_mm = deviation_mm(joint, refit(joint, recipe, corner.n_ellipse))
         i = int(np.argmax(np.abs(off_mm)))
         off_um = float(np.abs(off_mm[i])) * UM_PER_MM
         if off_um > worst.um:
@@ -200,8 +170,7 @@ def _judged(corner: Corner, wish: Refit, spindle_rpm: float) -> list[RefitCandid
     step = max(1, breaks.size // _MAX_JUDGED)  # arcs of the profile are many short pieces
     breaks = np.append(breaks[:-1:step], breaks[-1])
     heights_mm = np.unique(np.concatenate([breaks, (breaks[1:] + breaks[:-1]) / 2]))
-    found = []
-    joint = corner.joint(corner.worst_mm)
+    found, joint = [], corner.joint(corner.worst_mm)
     for one in judge_all(joint, wish.spline, wish.ends, spindle_rpm):
         recipe = Recipe(wish.spline, one.s1, one.s2, wish.ends)
         off = largest_deviation(corner, recipe, heights_mm)
@@ -214,9 +183,8 @@ def _judged(corner: Corner, wish: Refit, spindle_rpm: float) -> list[RefitCandid
 def _with_recipe(corner: Corner, part: SkirtPart, heights_mm: Floats) -> Corner:
     """Return the corner with its refit, if it has one."""
     wish, rpm = part.piston.section.refit, part.process.spindle_rpm
-    corner = replace(
-        corner, worst_mm=float(heights_mm[int(np.argmax(corner.joint(heights_mm).corner_mm_rad()))])
-    )
+    sharpest = int(np.argmax(corner.joint(heights_mm).corner_mm_rad()))
+    corner = replace(corner, worst_mm=float(heights_mm[sharpest]))
     if wish is None:
         return corner
     if wish.ends == "as-paper" and np.ptp(corner.joint_deg(corner.joint_deg.x)) > 0:
@@ -237,27 +205,18 @@ def _with_recipe(corner: Corner, part: SkirtPart, heights_mm: Floats) -> Corner:
 
 
 def refuse_deviation(corner: Corner, refit_of_part: Refit) -> None:
-    """Refuse a refit that is farther off the drawing than the part allows, with the numbers.
-
-    Raises
-    ------
-    GeometryError
-        With the least deviation there is, and what it costs.
-    """
+    """Refuse a refit farther off the drawing than allowed, with the nearest one and its cost."""
     off, recipe = corner.off, corner.recipe
     if off is None or recipe is None or off.um <= corner.off_limit_um:
         return
     given = "deviation_um" if refit_of_part.deviation_um else "three quarters of form_error_um"
     least = min(corner.candidates, key=lambda one: one.deviation_um)
-    of_least = (
-        f"[{least.s1}, {least.s2}], {least.deviation_um:.2f} um at "
-        f"{least.acceleration_mm_s2:.6g} mm/s2"
-    )
+    of_least = f"[{least.s1}, {least.s2}], {least.deviation_um:.2f} um at "
+    of_least += f"{least.acceleration_mm_s2:.6g} mm/s2"
     allowed = f"{given} allows {corner.off_limit_um:g} um"
     if refit_of_part.delete == "optimise":
-        problem = (
-            f"no deletion stays that near to the drawing: {allowed}, the nearest is {of_least}"
-        )
+        stays = "no deletion stays that near to the drawing"
+        problem = f"{stays}: {allowed}, the nearest is {of_least}"
     else:
         problem = (
             f"deleting [{recipe.s1}, {recipe.s2}] is {off.um:.2f} um off the drawing at height "

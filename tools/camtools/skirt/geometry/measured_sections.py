@@ -9,9 +9,9 @@ semicolons (then a decimal comma is read as well as a point), or with blanks or 
 (24, 0.015, False)
 
 Over the angle a periodic quintic spline runs through the values of each height; over the height
-each angle's values are joined as `curves.through` joins points. Both are told by knots: value and
-two derivatives by the turn at each break and height, and the same of the slope over the height,
-from which every piece follows, MATHS.md (19).
+each angle's values are joined as `curves.through` joins points. Every piece follows from knots:
+value and two derivatives by the turn at each break and height, and the same of the slope over the
+height, MATHS.md (19).
 
 >>> turn = np.arange(12) / 12
 >>> flat = surface_through(turn, np.array([0.0, 10.0]), np.full((2, 12), 0.25), "linear")
@@ -43,63 +43,48 @@ HEADER = "angle_deg,z_mm,reduction_um"
 MIN_ANGLES, MAX_POINTS = 12, 200_000
 MAX_REDUCTION_MM = 15.0
 MAX_RADIUS_MM = 2000.0
-_MM_PER_UNIT = {"reduction_um": 1e-3, "reduction_mm": 1.0, "radius_mm": 1.0}
+_RADIUS = "radius_mm"
+_MM_PER_UNIT = {"reduction_um": 1e-3, "reduction_mm": 1.0, _RADIUS: 1.0}
 _SAME_MM = 1e-6  # at 0 and at 360 degrees
 _MAX_BYTES = 100 * MAX_POINTS  # a line of three numbers with all their digits
 
 
 class Sections(NamedTuple):
-    """Sections as they were measured, each at its own angles.
-
-    Attributes
-    ----------
-    angles_deg, values_mm : tuple of ndarray
-        Of each height: drawing's angles, rising, 0 <= angle < 360, and what was measured there.
-    """
+    """Sections as they were measured, each at its own angles."""
 
     z_mm: Floats  # shape (m,); heights, rising
-    angles_deg: tuple[Floats, ...]
-    values_mm: tuple[Floats, ...]
+    angles_deg: tuple[Floats, ...]  # of each height the drawing's angles, rising, 0 .. 360
+    values_mm: tuple[Floats, ...]  # .. and what was measured there
     is_radius: bool = False  # values are radii; else reductions of the profile's radius
-
-
-class _Format(NamedTuple):
-    """How the lines of a file are written."""
-
-    columns: NumberLines
-    per_unit: float
-    is_radius: bool
 
 
 def _wrong(file: str, line: int, value: str | None, problem: str, remedy: str) -> InputError:
     return InputError(file, f"line {line}", value, problem, remedy)
 
 
-def _format_of(file: str, line: str) -> _Format:
+def _columns(file: str, line: str) -> NumberLines:
     columns = NumberLines(line)
     names = columns.names
     if len(names) != 3 or names[:2] != ["angle_deg", "z_mm"] or names[2] not in _MM_PER_UNIT:
         others = ", ".join(list(_MM_PER_UNIT)[1:])
         remedy = f'write "{HEADER}", or {others} as the third name, with , or ; or blanks between'
         raise _wrong(file, 1, None, "wrong header", remedy)
-    return _Format(columns, _MM_PER_UNIT[names[2]], names[2] == "radius_mm")
+    return columns
 
 
-def _row(file: str, number: int, line: str, form: _Format) -> tuple[float, float, float]:
+def _row(file: str, number: int, line: str, columns: NumberLines) -> tuple[float, float, float]:
     """Return angle, height and value [mm] of a line."""
     try:
-        angle, z_mm, value = form.columns.numbers(line)
+        angle, z_mm, value = columns.numbers(line)
     except ValueError as error:
-        shown = numbers_shown(line)
-        raise _wrong(
-            file, number, shown, "not three numbers", "write as the header says"
-        ) from error
+        shown, remedy = numbers_shown(line), "write as the header says"
+        raise _wrong(file, number, shown, "not three numbers", remedy) from error
     if not np.isfinite([angle, z_mm, value]).all() or not 0 <= angle <= 360:
         raise _wrong(file, number, line, "no angle of 0 .. 360", "give degrees from the long axis")
-    value_mm = value * form.per_unit
-    least_mm, most_mm = -MAX_REDUCTION_MM, MAX_REDUCTION_MM
-    if form.is_radius:
-        least_mm, most_mm = 0.0, MAX_RADIUS_MM
+    unit = columns.names[2]
+    value_mm = value * _MM_PER_UNIT[unit]
+    is_radius = unit == _RADIUS
+    least_mm, most_mm = (0.0, MAX_RADIUS_MM) if is_radius else (-MAX_REDUCTION_MM, MAX_REDUCTION_MM)
     if not least_mm <= value_mm <= most_mm or abs(z_mm) > 1000:
         problem = f"beyond {least_mm:g} .. {most_mm:g} mm or a height of 1000 mm"
         raise _wrong(file, number, line, problem, "give what the header names, the height in mm")
@@ -109,13 +94,10 @@ def _row(file: str, number: int, line: str, form: _Format) -> tuple[float, float
 def parse_sections(text: str, file: str) -> Sections:
     """Return the sections of a text.
 
-    Raises
-    ------
-    InputError
-        With the line: wrong header, no numbers, a point twice, too few at a height.
+    Raises InputError: with the line: wrong header, no numbers, a point twice, too few at a height.
     """
     lines = text.splitlines()
-    form = _format_of(file, lines[0].strip() if lines else "")
+    columns = _columns(file, lines[0].strip() if lines else "")
     if len(lines) > MAX_POINTS:
         problem = f"more than {MAX_POINTS} points"
         raise _wrong(file, MAX_POINTS, None, problem, "leave out points or heights")
@@ -123,14 +105,14 @@ def parse_sections(text: str, file: str) -> Sections:
     for number, line in enumerate(lines[1:], start=2):
         if not line.strip():
             continue
-        angle, z_mm, value_mm = _row(file, number, line, form)
+        angle, z_mm, value_mm = _row(file, number, line, columns)
         section = points.setdefault(z_mm, {})
         if angle in section:
             raise _wrong(file, number, line, "this point appears twice", "remove one of them")
         section[angle] = value_mm
     for z_mm, section in points.items():
         _close(file, z_mm, section)
-    return _sections(file, points, form)
+    return _sections(file, points, is_radius=columns.names[2] == _RADIUS)
 
 
 def _close(file: str, z_mm: float, section: dict[float, float]) -> None:
@@ -144,33 +126,21 @@ def _close(file: str, z_mm: float, section: dict[float, float]) -> None:
         raise InputError(file, f"height {z_mm:g} mm", None, problem, "remove the wrong one")
 
 
-def _sections(file: str, points: dict[float, dict[float, float]], form: _Format) -> Sections:
-    if not points:
-        remedy = "measure more points per turn"
-        raise InputError(
-            file, "angle_deg", None, f"has 0 angles, needs at least {MIN_ANGLES}", remedy
-        )
-    heights = sorted(points)
-    for z_mm in heights:
-        if len(points[z_mm]) < MIN_ANGLES:
-            problem = f"has {len(points[z_mm])} angles, needs at least {MIN_ANGLES}"
-            place = f"height {z_mm:g} mm"
+def _sections(file: str, points: dict[float, dict[float, float]], *, is_radius: bool) -> Sections:
+    counts = [(f"height {z_mm:g} mm", len(points[z_mm])) for z_mm in sorted(points)]
+    for place, n in counts or [("angle_deg", 0)]:
+        if n < MIN_ANGLES:
+            problem = f"has {n} angles, needs at least {MIN_ANGLES}"
             raise InputError(file, place, None, problem, "measure more points per turn")
-    angles = tuple(np.array(sorted(points[z_mm])) for z_mm in heights)
-    values = tuple(
-        np.array([points[z_mm][angle] for angle in of_height])
-        for z_mm, of_height in zip(heights, angles, strict=True)
-    )
-    return Sections(np.array(heights), angles, values, form.is_radius)
+    rows = [np.array(sorted(points[z_mm].items())).T for z_mm in sorted(points)]
+    angles, values = (tuple(row[k] for row in rows) for k in (0, 1))
+    return Sections(np.array(sorted(points)), angles, values, is_radius)
 
 
 def read_scan_text(path: Path) -> Sections:
     """Return the sections of a file.
 
-    Raises
-    ------
-    CamtoolsError
-        It cannot be read, is no file or too large, or see `parse_sections`.
+    Raises CamtoolsError: it cannot be read, is no file or too large, or see `parse_sections`.
     """
     try:
         text = read_whole_table(path, _MAX_BYTES)
@@ -236,16 +206,9 @@ def _pieces(knots: Knots, breaks: Floats, z_mm: Floats) -> Floats:
 def surface_through(
     turn: Floats, z_mm: Floats, values_mm: Floats, interpolation: str
 ) -> PolySurface:
-    """Return the surface through values at angles and heights; one height serves all.
+    """Return the surface through reductions (m, n) at m heights and n rising angles 0 .. 1.
 
-    Parameters
-    ----------
-    turn, z_mm : ndarray, shape (n,), (m,)
-        Rising angles 0 .. 1 and heights.
-    values_mm : ndarray, shape (m, n)
-        Radius reductions.
-    interpolation : str
-        linear | pchip | akima | spline, between the heights.
+    One height serves all; between them linear | pchip | akima | spline.
     """
     if z_mm.size == 1:
         z_mm, interpolation = z_mm[0] + np.array([-1.0, 1.0]), "linear"

@@ -18,15 +18,16 @@ from scipy.interpolate import PPoly, make_interp_spline
 from camtools.base.errors import CamtoolsError, GeometryError, InputError
 from camtools.base.quantities import Floats
 from camtools.skirt.geometry.poly_surface import N_ANGLE, N_HEIGHT, PolySurface, angle_pieces
-from camtools.skirt.geometry.profile import constant_spline, polygon_or_spline
+from camtools.skirt.geometry.profile import constant_spline
 from camtools.skirt.geometry.scan import gaps_of
+from camtools.skirt.geometry.sections import ALL_AROUND_RAD
+from camtools.skirt.part.curves import through
 from camtools.skirt.part.section_keys import PointsAt, SectionShape
 from camtools.table.channel import MAX_LOG2_REPEAT
 from camtools.table.points import PointedTurn, PointFile, quintics_of, read_points
 
 MAX_REDUCTION_MM = 30.0
 _SAME_DEG, _SAME = 1e-9, 1e-9
-_AROUND_RAD = np.radians(np.arange(0, 360, 0.5))
 _DEG_PER_TURN = 360.0
 _MOST_BEYOND_UM = 1.0  # a curve beyond the points at both ends of a gap
 
@@ -34,10 +35,7 @@ _MOST_BEYOND_UM = 1.0  # a curve beyond the points at both ends of a gap
 def read_sections(section: SectionShape) -> PointFile:
     """Return the points of [piston.section], of one file or of a file for each height.
 
-    Raises
-    ------
-    CamtoolsError
-        A file is no good, or the files do not belong together.
+    Raises CamtoolsError: a file is no good, or the files do not belong together.
     """
     try:
         if section.csv is not None:
@@ -62,7 +60,7 @@ def _together(files: list[tuple[PointsAt, PointFile]]) -> PointFile:
 
 
 def with_motion(file: PointFile) -> PointFile:
-    """Return points with their motion; where it is missing a periodic quintic spline tells it."""
+    """Return points with their motion; where it is missing that of a periodic quintic spline."""
     if file.has_motion:
         return file
     return PointFile(file.z_mm, tuple(_splined(turn) for turn in file.sections), True)
@@ -96,10 +94,8 @@ def _check(file: PointFile) -> None:
         largest = float(np.abs(turn.y_mm).max())
         if largest > MAX_REDUCTION_MM:
             problem = f"Y comes to {largest:g} mm at height {z_mm:g} mm"
-            remedy = (
-                f"give the reduction of the radius, at most {MAX_REDUCTION_MM:g} mm, and its unit"
-            )
-            raise GeometryError("piston.section.csv", problem, remedy)
+            remedy = f"give the reduction of the radius, at most {MAX_REDUCTION_MM:g} mm"
+            raise GeometryError("piston.section.csv", problem, f"{remedy}, and its unit")
 
 
 def _pieces(turn: PointedTurn) -> tuple[Floats, Floats]:
@@ -142,10 +138,7 @@ def _repeats(sections: tuple[PointedTurn, ...], log2: int) -> bool:
 def point_surface(file: PointFile, factor: float = 1.0) -> PolySurface:
     """Return the surface through points, straight between heights; one height serves all.
 
-    Raises
-    ------
-    GeometryError
-        The heights do not belong together, or are no reductions of a radius.
+    Raises GeometryError: the heights do not belong together, or are no reductions of a radius.
     """
     _check(file)
     made = [_pieces(turn) for turn in file.sections]
@@ -162,8 +155,8 @@ def ovality_of_points(file: PointFile, surface: PolySurface) -> PPoly:
     """Return the largest minus the least diameter over height [mm], with a break at each height."""
     oval = []
     for z_mm in surface.breaks_mm:
-        r = surface.delta(_AROUND_RAD, float(z_mm)).delta
+        r = surface.delta(ALL_AROUND_RAD, float(z_mm)).delta
         oval.append(float(np.ptp(r + np.roll(r, r.size // 2))))
     if file.z_mm is None or file.z_mm.size == 1:
         return constant_spline(oval[0], *map(float, surface.breaks_mm))
-    return polygon_or_spline(surface.breaks_mm, np.array(oval), "linear")
+    return through(surface.breaks_mm, np.array(oval), "linear")

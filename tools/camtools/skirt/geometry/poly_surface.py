@@ -24,7 +24,7 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from camtools.base.quantities import Floats, FloatsLike, Ints, SectionValues
-from camtools.skirt.geometry.sections import fold
+from camtools.skirt.geometry.sections import SkirtSurface, fold
 
 N_ANGLE, N_HEIGHT = 6, 8  # coefficients of a piece
 TURN_RAD = 2 * np.pi
@@ -44,30 +44,22 @@ Pieces = Callable[[float], Floats]
 
 
 class Knots(NamedTuple):
-    """Sections told by value and two derivatives by the turn at breaks [mm, mm/turn, mm/turn^2]."""
+    """Sections as values and two derivatives by the turn at breaks [mm, mm/turn, mm/turn^2]."""
 
     values: Floats  # (m + 1, n, 3), at the heights; the last break is the first again
     slopes: Floats | None  # the same of the slope over the height; None: straight between heights
 
 
 @dataclass(frozen=True, eq=False)
-class PolySurface:
-    """A surface of polynomial pieces.
-
-    Attributes
-    ----------
-    breaks_mm : ndarray, shape (m + 1,)
-        Heights, rising; beyond them the surface goes on as at the end.
-    knots : Knots or None
-        What the coefficients follow from, where they do: a shorter document.
-    """
+class PolySurface(SkirtSurface):
+    """A surface of polynomial pieces."""
 
     breaks: Floats  # shape (n + 1,); angle coordinate, rising; 0 .. 1, or 0 .. 2 with a joint
-    breaks_mm: Floats
+    breaks_mm: Floats  # shape (m + 1,); heights, rising; beyond them it stays as at the end
     coefficients: Floats  # shape (m, n, 6, 8); c[j, i, k, l] [mm]
     joint_turn: PPoly | None = None  # joint [turn] over height
     log2_alike: int = 0  # without a joint: the pieces repeat 2^log2_alike times per turn
-    knots: Knots | None = None
+    knots: Knots | None = None  # what the coefficients follow from: a shorter document
 
     @property
     def log2_repeat(self) -> int:
@@ -140,11 +132,9 @@ class PolySurface:
 
     def document(self) -> dict[str, Any]:
         """Return what a gauge needs as JSON values (layout: host_sim/part/sim_design.h)."""
-        joint = self.joint_turn
         kind: dict[str, Any] = {"angle": "turn"}
-        if joint is not None:
-            cubics = {"breaks_mm": joint.x.tolist(), "coefficients": joint.c.T.tolist()}
-            kind = {"angle": "joint", "joint_turn": cubics}
+        if self.joint_turn is not None:
+            kind = {"angle": "joint", "joint_turn": piecewise(self.joint_turn)}
         kind |= {"breaks": self.breaks.tolist(), "breaks_mm": self.breaks_mm.tolist()}
         if self.knots is None:
             return kind | {"coefficients": self.coefficients.ravel().tolist()}
@@ -152,6 +142,11 @@ class PolySurface:
         if self.knots.slopes is not None:
             kind["slopes"] = _rounded(self.knots.slopes, self.breaks)
         return kind
+
+
+def piecewise(curve: PPoly) -> dict[str, Any]:
+    """Return a curve over height as a gauge reads it."""
+    return {"breaks_mm": curve.x.tolist(), "coefficients": curve.c.T.tolist()}
 
 
 def _rounded(knots: Floats, breaks: Floats) -> list[float]:

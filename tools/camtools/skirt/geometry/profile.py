@@ -1,17 +1,13 @@
 """Curves over the height of a part: long half axis, ovality, and points that are smoothed.
 
 >>> from camtools.skirt.part.part_file import example_part
->>> smoothing_facts(example_part().piston), smoothing_takes_um(example_part())
-({}, 0.0)
-
->>> from camtools.skirt.part.part_file import example_part
 >>> f"{profile_spline(example_part().piston.profile)(5.0):.9f}"
 '45.983096898'
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -45,14 +41,10 @@ def listed_mm(drawn: Profile | Ovality) -> Floats:
     return np.asarray(values_mm, dtype=np.float64)
 
 
-def smoothed_mm(drawn: Profile | Ovality) -> Floats:
-    """Return the diameters or ovalities of the points, smoothed where that is asked for."""
-    if drawn.smooth_um is None:
+def smoothed_mm(drawn: Profile | Ovality, band_um: float | None) -> Floats:
+    """Return the diameters or ovalities of the points, smoothed where there is a band."""
+    if band_um is None:
         return listed_mm(drawn)
-    return _within(drawn, drawn.smooth_um)
-
-
-def _within(drawn: Profile | Ovality, band_um: float) -> Floats:
     z_mm = np.asarray(drawn.height_mm, dtype=np.float64)
     return smoothed(z_mm, listed_mm(drawn), band_um / UM_PER_MM)
 
@@ -74,7 +66,7 @@ def smoothed_curves(piston: Piston) -> dict[str, Profile | Ovality]:
 
 def _facts(drawn: Profile | Ovality, band_um: float) -> Json:
     z_mm = np.asarray(drawn.height_mm, dtype=np.float64)
-    before, after = listed_mm(drawn), _within(drawn, band_um)
+    before, after = listed_mm(drawn), smoothed_mm(drawn, band_um)
     off_um = (after - before) * UM_PER_MM
     matrix = differences(z_mm, 2)
     bends = (float(np.abs(matrix @ one).max(initial=0.0)) for one in (before, after))
@@ -96,19 +88,16 @@ def smoothing_facts(piston: Piston) -> Json:
 
 def noise_facts(piston: Piston) -> Json:
     """Return the same of points that are not smoothed and should be, within the band they need."""
-    found: Json = {}
-    for name, one in _pointed(piston).items():
-        if one.smooth_um is None and (needed := _needed(one)) is not None:
-            found[name] = needed
-    return found
 
-
-def _needed(drawn: Profile | Ovality) -> Json | None:
     def peaks(facts: Json) -> tuple[float, float]:
         return facts["bend_per_mm"]["before"], facts["bend_per_mm"]["after"]
 
-    bands = bands_um(np.asarray(drawn.height_mm, dtype=np.float64), listed_mm(drawn))
-    return first_enough(bands, lambda band_um: _facts(drawn, band_um), peaks)
+    found: Json = {}
+    for name, drawn in _pointed(piston).items():
+        if drawn.smooth_um is None:
+            bands = bands_um(np.asarray(drawn.height_mm, dtype=np.float64), listed_mm(drawn))
+            found[name] = first_enough(bands, partial(_facts, drawn), peaks)
+    return {name: needed for name, needed in found.items() if needed is not None}
 
 
 def smoothing_texts(found: Json, noise: Json, form_error_um: float) -> list[str]:
@@ -171,13 +160,7 @@ def _taper_um(part: SkirtPart) -> float:
 
 
 def check_smoothing(part: SkirtPart) -> None:
-    """Refuse smoothing that leaves nothing of the form error.
-
-    Raises
-    ------
-    GeometryError
-        With the numbers and the remedy.
-    """
+    """Refuse smoothing that leaves nothing of the form error."""
     found = _taken_by_curve_um(part)
     if found:
         worst = max(found, key=lambda name: found[name])
@@ -190,23 +173,23 @@ def profile_spline(profile: Profile | PowerProfile) -> PPoly:
     if isinstance(profile, PowerProfile):
         return profile.curve()
     if profile.segment:
-        return curve_of(profile_pieces(profile))
+        return curve_of(pieces_of(profile))
     ends: object = profile.spline
     if profile.end_slopes is not None:
         ends = ((1, profile.end_slopes[0]), (1, profile.end_slopes[1]))
-    radius_mm = smoothed_mm(profile) / 2
+    radius_mm = smoothed_mm(profile, profile.smooth_um) / 2
     return through(profile.height_mm, radius_mm, profile.interpolation, ends)
 
 
-def profile_pieces(profile: Profile) -> tuple[Piece, ...]:
-    """Return the segments of a profile, their values being radii; none without segments."""
-    start = profile.height_mm[0], profile.diameter_mm[0]
-    return joined(*start, profile.segment, 2) if profile.segment else ()
+def pieces_of(drawn: Profile | Ovality) -> tuple[Piece, ...]:
+    """Return the segments of a profile, their values being radii, or of an ovality; or none."""
+    start = drawn.height_mm[0], float(listed_mm(drawn)[0])
+    return joined(*start, drawn.segment, _scale(drawn)) if drawn.segment else ()
 
 
-def polygon_or_spline(z_mm: Sequence[float] | Floats, values: Floats, interpolation: str) -> PPoly:
-    """Return values over height as cubics, see `curves.through`."""
-    return through(z_mm, values, interpolation)
+def _scale(drawn: Profile | Ovality) -> int:
+    """Return how many times the value of a curve the listed numbers are: diameters are twice."""
+    return 2 if isinstance(drawn, Profile) else 1
 
 
 def constant_spline(value: float, first_mm: float, last_mm: float) -> PPoly:
@@ -216,16 +199,20 @@ def constant_spline(value: float, first_mm: float, last_mm: float) -> PPoly:
 
 def ovality_spline(ovality: Ovality | PeakOvality) -> PPoly:
     """Return G(z) [mm] as cubics, MATHS.md (6), (70) .. (72)."""
-    if isinstance(ovality, Ovality) and ovality.segment:
-        return curve_of(ovality_pieces(ovality))
-    values_mm = smoothed_mm(ovality) if isinstance(ovality, Ovality) else ovality.ovality_mm
+    if isinstance(ovality, PeakOvality):
+        return through(ovality.height_mm, ovality.ovality_mm, ovality.interpolation)
+    if ovality.segment:
+        return curve_of(pieces_of(ovality))
+    values_mm = smoothed_mm(ovality, ovality.smooth_um)
     return through(ovality.height_mm, values_mm, ovality.interpolation)
 
 
-def ovality_pieces(ovality: Ovality) -> tuple[Piece, ...]:
-    """Return the segments of an ovality; none without segments."""
-    start = ovality.height_mm[0], ovality.ovality_mm[0]
-    return joined(*start, ovality.segment, 1) if ovality.segment else ()
+def over_ovality(value: list[float] | float, ovality: Ovality | PeakOvality) -> PPoly:
+    """Return a number, or a list over the ovality's heights, as cubics; a polygon of segments."""
+    if isinstance(value, list):
+        kind = "linear" if ovality.interpolation == "segments" else ovality.interpolation
+        return through(ovality.height_mm, value, kind)
+    return constant_spline(value, ovality.height_mm[0], ovality.height_mm[-1])
 
 
 class Allowance(NamedTuple):
@@ -246,25 +233,16 @@ def in_um(limit_um: float, what: str, scale: float = 1.0) -> Allowance:
 def check_overshoot(field: str, curve: PPoly, allowed: Allowance, points_mm: Floats) -> None:
     """Refuse a curve that leaves the values of two neighbouring points too far, MATHS.md (73).
 
-    Parameters
-    ----------
-    field : str
-        Dotted path of the key "interpolation".
-
-    Raises
-    ------
-    GeometryError
-        With place, size and remedy.
+    `field` is the dotted path of the key "interpolation".
     """
     worst = overshoot(curve, points_mm)
     beyond = worst.beyond * allowed.scale
     if beyond <= allowed.limit:
         return
-    problem = _overshoot_text(worst, allowed)
     remedy = 'set interpolation = "pchip", or give more points there'
     if allowed.key is not None:
         remedy += f", or allow it: {allowed.key} = {rounded_up(beyond):g}"
-    raise GeometryError(field, problem, remedy)
+    raise GeometryError(field, _overshoot_text(worst, allowed), remedy)
 
 
 def _overshoot_text(worst: Overshoot, allowed: Allowance) -> str:
@@ -277,49 +255,38 @@ def _overshoot_text(worst: Overshoot, allowed: Allowance) -> str:
 
 def notable_overshoots(piston: Piston) -> list[str]:
     """Return where curves leave their points by more than usual, since overshoot_um allows it."""
-    drawn = [
-        (one, curve, scale)
-        for one, curve, scale in (
-            (piston.profile, profile_spline(piston.profile), 2),
-            (piston.ovality, ovality_spline(piston.ovality) if piston.ovality else None, 1),
-        )
-        if isinstance(one, Profile | Ovality) and not one.segment and curve is not None
-    ]
     found = []
-    for one, curve, scale in drawn:
-        allowed = _allowance(one, scale)
-        worst = overshoot(curve, np.asarray(one.height_mm, dtype=np.float64))
+    for drawn in _pointed(piston).values():
+        curve = profile_spline(drawn) if isinstance(drawn, Profile) else ovality_spline(drawn)
+        allowed = _allowance(drawn)
+        worst = overshoot(curve, np.asarray(drawn.height_mm, dtype=np.float64))
         if worst.beyond * allowed.scale > USUAL_OVERSHOOT_UM:
             found.append(_overshoot_text(worst, allowed))
     return found
 
 
-def check_profile(profile: Profile | PowerProfile, curve: PPoly) -> None:
-    """Refuse a profile that leaves its points' diameters by more than overshoot_um."""
-    if isinstance(profile, Profile):
-        _check(profile, profile_pieces(profile), curve, 2, "piston.profile")
-
-
-def check_ovality(ovality: Ovality | PeakOvality, curve: PPoly) -> None:
-    """Refuse an ovality that leaves its points' values by more than overshoot_um."""
-    if isinstance(ovality, Ovality):
-        _check(ovality, ovality_pieces(ovality), curve, 1, "piston.ovality")
-
-
-def _allowance(drawn: Profile | Ovality, scale: int) -> Allowance:
+def _allowance(drawn: Profile | Ovality) -> Allowance:
     what = "the diameter" if isinstance(drawn, Profile) else "the ovality"
-    return in_um(drawn.overshoot_um, what, scale)
+    return in_um(drawn.overshoot_um, what, _scale(drawn))
 
 
-def _check(
-    drawn: Profile | Ovality, pieces: tuple[Piece, ...], curve: PPoly, scale: int, table: str
-) -> None:
-    allowed = _allowance(drawn, scale)
-    if pieces:
-        _check_derived(allowed, pieces, curve, table)
+def check_drawn(drawn: Profile | PowerProfile | Ovality | PeakOvality, curve: PPoly) -> None:
+    """Refuse a profile or an ovality whose curve leaves its points by more than overshoot_um."""
+    if isinstance(drawn, PowerProfile | PeakOvality):
         return
-    points_mm = np.asarray(drawn.height_mm, dtype=np.float64)
-    check_overshoot(f"{table}.interpolation", curve, allowed, points_mm)
+    table = "piston.profile" if isinstance(drawn, Profile) else "piston.ovality"
+    if drawn.segment:
+        _check_derived(_allowance(drawn), pieces_of(drawn), curve, table)
+    else:
+        check_points(f"{table}.interpolation", curve, _allowance(drawn), drawn)
+
+
+def check_points(
+    field: str, curve: PPoly, allowed: Allowance, drawn: Profile | Ovality | PeakOvality
+) -> None:
+    """Refuse a curve that leaves the points of a profile or an ovality; formulas have none."""
+    if not isinstance(drawn, PeakOvality):
+        check_overshoot(field, curve, allowed, np.asarray(drawn.height_mm, dtype=np.float64))
 
 
 def _check_derived(allowed: Allowance, pieces: tuple[Piece, ...], curve: PPoly, table: str) -> None:

@@ -81,18 +81,7 @@ def kept_sites(recipe: Recipe, n_ellipse: int) -> npt.NDArray[np.int64]:
 
 
 def fit(x_rad: Floats, y_mm: Floats, recipe: Recipe) -> PPoly:
-    """Return the spline through points of one quadrant.
-
-    Parameters
-    ----------
-    x_rad, y_mm : ndarray, shape (n,) and (n,) or (n, m)
-        Angles, rising from 0 to a quarter turn, and radius reductions.
-
-    Returns
-    -------
-    PPoly
-        On [0, pi/2], of degree 3 or 5.
-    """
+    """Return the spline of degree 3 or 5 through angles 0 .. pi/2 and radius reductions."""
     is_mirror = recipe.ends == "mirror"
     if recipe.spline == "cubic":
         return CubicSpline(x_rad, y_mm, bc_type="clamped" if is_mirror else "not-a-knot")
@@ -174,11 +163,7 @@ def best_of(
     """Return the candidate of least peak acceleration within both limits, MATHS.md (16), (74).
 
     Where none is near enough to the drawing it is the nearest one, which the generator refuses.
-
-    Raises
-    ------
-    GeometryError
-        No candidate keeps the limit of the jerk.
+    Raises GeometryError: no candidate keeps the limit of the jerk.
     """
     within = [one for one in candidates if one.tail_jerk_mm_s3 <= jerk_limit_mm_s3]
     if not within:

@@ -11,14 +11,6 @@ The correction is part of the surface that a nose leaves, MATHS.md (161).
 >>> off = drawn.radius_mm(20.0) - played.radius_mm(20.0), played.delta(0.0, 20.0).delta
 >>> [f"{float(mm):.4f}" for mm in off], played.surface.log2_repeat
 (['0.0020', '0.0010'], 1)
-
->>> from camtools.skirt.geometry.skirt_geometry import make_geometry
->>> from camtools.skirt.part.part_file import example_part
->>> air = with_run(make_geometry(example_part()), 3.0, 2.0)
->>> air.z_first_mm, air.z_last_mm, air.gauge_mm
-(-3.0, 64.0, (0.0, 62.0))
->>> float(air.radius_mm(-3.0, 2))
-0.0
 """
 
 from __future__ import annotations
@@ -32,13 +24,13 @@ from scipy.interpolate import PPoly
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats, FloatsLike, SectionValues
 from camtools.cut.correction import Correction
-from camtools.skirt.geometry.sides import heights_of
-from camtools.skirt.geometry.skirt_geometry import Geometry, OvalSurface, SkirtSurface
+from camtools.skirt.geometry.sections import SkirtSurface
+from camtools.skirt.geometry.skirt_geometry import Geometry, OvalSurface
 from camtools.table.channel import MAX_LOG2_REPEAT
 
 
 @dataclass(frozen=True, eq=False)
-class CorrectedSurface:
+class CorrectedSurface(SkirtSurface):
     """A surface with the waves of a correction taken off as well, by the drawing's angle."""
 
     inner: SkirtSurface
@@ -53,7 +45,7 @@ class CorrectedSurface:
 
     def heights_mm(self) -> Floats:
         """Return the heights at which a curve of the surface has a break, rising."""
-        return np.union1d(heights_of(self.inner), self.correction.nodes_mm)
+        return np.union1d(self.inner.heights_mm(), self.correction.nodes_mm)
 
     def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
         """See `SkirtSurface`."""
@@ -76,13 +68,7 @@ def _less(curve: PPoly, other: PPoly) -> PPoly:
 
 
 def corrected(geometry: Geometry, correction: Correction) -> Geometry:
-    """Return the geometry that the table plays; the drawing by which it is judged stays.
-
-    Parameters
-    ----------
-    geometry : Geometry
-        Of the part alone, without run-in and run-out.
-    """
+    """Return what the table of a part without runs plays; the drawing that judges it stays."""
     return replace(
         geometry,
         radius=_less(geometry.radius, correction.mean),
@@ -97,7 +83,7 @@ _PLACES = 65  # of a run, where it is looked at
 
 
 @dataclass(frozen=True, eq=False)
-class HeldSurface:
+class HeldSurface(SkirtSurface):
     """A surface that stays beyond two heights as it is there."""
 
     inner: SkirtSurface
@@ -111,7 +97,7 @@ class HeldSurface:
 
     def heights_mm(self) -> Floats:
         """Return the heights at which a curve of the surface has a break, rising."""
-        return heights_of(self.inner)
+        return self.inner.heights_mm()
 
     def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
         """See `SkirtSurface`."""
@@ -119,20 +105,13 @@ class HeldSurface:
 
 
 def _fading(spline: PPoly, end_mm: float, run_mm: float) -> Floats:
-    """Return the run's cubic from its lower end on: tangent, its curvature fades to 0.
-
-    At a distance d beyond the end, a + a' d + a'' (d^2 / 2 - |d|^3 / (6 run)).
-    """
+    """Return the run's cubic from its lower end on: tangent, its curvature fades to 0, (102)."""
     value, slope, bend = (float(spline(end_mm, nu=n)) for n in range(3))
     run = abs(run_mm)
     d = np.poly1d([1.0, min(run_mm, 0.0)])  # from the end, over the height above the lower end
     sign = 1.0 if run_mm > 0 else -1.0
     found = value + slope * d + bend * (d**2 / 2 - sign * d**3 / (6 * run))
     return np.pad(found.coeffs, (4 - len(found.coeffs), 0))
-
-
-def _is_above_zero(piece: Floats, run_mm: float) -> bool:
-    return bool(np.polyval(piece, np.linspace(0, abs(run_mm), _PLACES)).min() >= 0)
 
 
 def continued(
@@ -148,40 +127,24 @@ def continued(
     """
     inside = (spline.x > ends_mm[0]) & (spline.x < ends_mm[1])
     x = np.concatenate([ends_mm[:1], spline.x[inside], ends_mm[1:]])
-    columns = [_piece_at(spline, low) for low in x[:-1]]
+    columns = [_piece_from(spline, float(low)) for low in x[:-1]]
     for end_mm, run_mm in zip(ends_mm, (-runs_mm[0], runs_mm[1]), strict=True):
         if run_mm == 0:
             continue
         piece = _fading(spline, end_mm, run_mm)
-        if is_ovality and not _is_above_zero(piece, run_mm):
+        along_mm = np.linspace(0, abs(run_mm), _PLACES)
+        if is_ovality and np.polyval(piece, along_mm).min() < 0:
             piece = np.array([0.0, 0.0, 0.0, float(spline(end_mm))])
         x = np.append(x, end_mm + run_mm) if run_mm > 0 else np.append(end_mm + run_mm, x)
         columns = [*columns, piece] if run_mm > 0 else [piece, *columns]
-    order = max(len(column) for column in columns)
-    c = np.array([np.pad(column, (order - len(column), 0)) for column in columns]).T
-    return PPoly(c, x)
-
-
-def _piece_at(spline: PPoly, low_mm: float) -> Floats:
-    """Return the polynomial of the piece above a height, in the distance from that height."""
-    i = int(np.clip(np.searchsorted(spline.x, low_mm, side="right") - 1, 0, spline.x.size - 2))
-    moved = np.poly1d(spline.c[:, i])(np.poly1d([1.0, low_mm - spline.x[i]]))
-    n = spline.c.shape[0]
-    return np.pad(np.atleast_1d(moved.coeffs), (n - len(np.atleast_1d(moved.coeffs)), 0))
+    return PPoly(np.array(columns).T, x)
 
 
 def with_run(geometry: Geometry, run_in_mm: float, run_out_mm: float) -> Geometry:
     """Return the geometry that the tool follows through run-in and run-out, MATHS.md (102).
 
-    Parameters
-    ----------
-    run_in_mm, run_out_mm : float
-        How far the tool begins below the skirt and ends above it [mm]; 0 leaves the end.
-
-    Raises
-    ------
-    GeometryError
-        The continued half axis falls to 0.
+    The tool begins and ends so far beyond the skirt [mm]. Raises GeometryError: the continued half
+    axis falls to 0.
     """
     if run_in_mm == 0 and run_out_mm == 0:
         return geometry
@@ -209,9 +172,8 @@ def with_run(geometry: Geometry, run_in_mm: float, run_out_mm: float) -> Geometr
 
 
 def _check_runs(air: Geometry, ends_mm: tuple[float, float], runs_mm: tuple[float, float]) -> None:
-    for key, end_mm, run_mm in zip(
-        ("run_in_mm", "run_out_mm"), ends_mm, (-runs_mm[0], runs_mm[1]), strict=True
-    ):
+    runs = ("run_in_mm", ends_mm[0], -runs_mm[0]), ("run_out_mm", ends_mm[1], runs_mm[1])
+    for key, end_mm, run_mm in runs:
         z_mm = np.linspace(end_mm, end_mm + run_mm, _PLACES)
         short_mm = air.radius_mm(z_mm) - np.maximum(air.ovality_mm(z_mm), air.deepest_mm(end_mm))
         thinnest = int(np.argmin(short_mm))

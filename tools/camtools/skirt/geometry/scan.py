@@ -3,9 +3,6 @@ r"""Measured sections of a part file: read, checked between their heights, made 
 >>> rows = "".join(f"{angle},0,{angle % 180}\n" for angle in range(0, 360, 15))
 >>> parse_scan("angle_deg,z_mm,reduction_um\n" + rows, "scan.csv").reduction_mm.shape
 (1, 24)
-
->>> flat = Scan(np.arange(0.0, 360, 15), np.arange(5.0), np.zeros((5, 24)))
->>> check_scan(flat, SectionShape(shape="table", csv="flat.csv"))
 """
 
 from __future__ import annotations
@@ -30,7 +27,8 @@ from camtools.skirt.geometry.measured_sections import (
     surface_through,
 )
 from camtools.skirt.geometry.poly_surface import PolySurface
-from camtools.skirt.geometry.profile import constant_spline, polygon_or_spline
+from camtools.skirt.geometry.profile import constant_spline
+from camtools.skirt.part.curves import through
 from camtools.skirt.part.section_keys import SectionShape
 
 _MIN_SPLINE_HEIGHTS = 4
@@ -49,31 +47,20 @@ class Scan(NamedTuple):
 
 def parse_scan(text: str, file: str) -> Scan:
     """Return the sections of a CSV text at common angles, see `parse_sections` and `joined`."""
-    return joined(parse_sections(text, file)).scan
+    return joined(parse_sections(text, file))[0]
 
 
-class Joined(NamedTuple):
-    """Sections at common angles, and what that cost."""
-
-    scan: Scan
-    off_mm: float  # largest distance from the spline of a section through its own points
-
-
-def joined(sections: Sections) -> Joined:
-    """Return sections at the same angles at every height, MATHS.md (79).
+def joined(sections: Sections) -> tuple[Scan, float]:
+    """Return sections at the same angles at every height, and what that costs [mm], MATHS.md (79).
 
     Sections that were measured at the same angles stay as they are. Otherwise a spline goes through
     the points of each, and all are sampled at equal distances, so finely that the surface through
-    the samples keeps within a nanometre of them where that is possible.
-
-    Raises
-    ------
-    GeometryError
-        Not even the most samples keep within a micrometre.
+    the samples keeps within a nanometre of them where that is possible. Raises GeometryError: not
+    even the most samples keep within a micrometre.
     """
     first = sections.angles_deg[0]
     if all(np.array_equal(one, first) for one in sections.angles_deg):
-        return Joined(Scan(first, sections.z_mm, np.array(sections.values_mm)), 0.0)
+        return Scan(first, sections.z_mm, np.array(sections.values_mm)), 0.0
     pairs = list(zip(sections.angles_deg, sections.values_mm, strict=True))
     own = [Periodic(angle, values) for angle, values in pairs]
     n = max(angle.size for angle in sections.angles_deg)
@@ -90,12 +77,11 @@ def joined(sections: Sections) -> Joined:
             break
         n *= 2
     if off_mm > _COARSE_MM:
-        problem = (
-            f"the heights have different angles, and common ones deviate by {off_mm * 1e3:.3g} um"
-        )
+        common = f"common ones deviate by {off_mm * 1e3:.3g} um"
+        problem = f"the heights have different angles, and {common}"
         remedy = "measure all heights at the same angles"
         raise GeometryError("piston.section.csv", problem, remedy)
-    return Joined(Scan(grid, sections.z_mm, np.stack([one(grid) for one in own])), off_mm)
+    return Scan(grid, sections.z_mm, np.stack([one(grid) for one in own])), off_mm
 
 
 class Periodic:
@@ -116,10 +102,7 @@ class Periodic:
 def reductions(sections: Sections, radius_mm: Callable[[Floats], Floats]) -> Sections:
     """Return sections as reductions of the profile's radius, however they were measured.
 
-    Raises
-    ------
-    GeometryError
-        Radii are far from the profile's: they are diameters, or no radii at all.
+    Raises GeometryError: radii are far from the profile's: they are diameters, or no radii at all.
     """
     if not sections.is_radius:
         return sections
@@ -132,17 +115,6 @@ def reductions(sections: Sections, radius_mm: Callable[[Floats], Floats]) -> Sec
             remedy = "give radii in mm, or name the column reduction_um or reduction_mm"
             raise GeometryError("piston.section.csv", problem, remedy)
     return sections._replace(values_mm=values, is_radius=False)
-
-
-def filtered_sections(sections: Sections, harmonics: int) -> Scan:
-    """Return `filtered` of sections that may have angles of their own, which need no joining."""
-    rows = [
-        filtered(Scan(angle, np.zeros(1), values[None]), harmonics)
-        for angle, values in zip(sections.angles_deg, sections.values_mm, strict=True)
-    ]
-    return Scan(
-        rows[0].angle_deg, sections.z_mm, np.concatenate([row.reduction_mm for row in rows])
-    )
 
 
 def off_points_mm(surface: PolySurface, sections: Sections, factor: float) -> float:
@@ -158,12 +130,7 @@ def filtered(scan: Scan, harmonics: int) -> Scan:
     """Return the sections with harmonics 0 .. n of the turn only, on a uniform grid of angles.
 
     The waves are fitted to the points by least squares, as a roundness instrument's filter does,
-    MATHS.md (18).
-
-    Raises
-    ------
-    GeometryError
-        More waves than the points resolve.
+    MATHS.md (18). Raises GeometryError: more waves than the points resolve.
     """
     n_points = scan.angle_deg.size
     if 2 * harmonics + 1 > n_points:
@@ -178,22 +145,14 @@ def filtered(scan: Scan, harmonics: int) -> Scan:
     return Scan(grid, scan.z_mm, (_basis(np.radians(grid), harmonics) @ waves).T)
 
 
-def waves_of(sections: Sections, scan: Scan, harmonics: int) -> Scan:
-    """Return measured sections with so many waves kept: the points are filtered, not samples.
-
-    Parameters
-    ----------
-    scan : Scan
-        The same sections at common angles.
-
-    Raises
-    ------
-    GeometryError
-        See `filtered`.
-    """
-    if all(np.array_equal(one, scan.angle_deg) for one in sections.angles_deg):
-        return filtered(scan, harmonics)
-    return filtered_sections(sections, harmonics)
+def waves_of(sections: Sections, harmonics: int) -> Scan:
+    """Return `filtered` of sections that may have angles of their own: points, not samples."""
+    rows = [
+        filtered(Scan(angle, np.zeros(1), values[None]), harmonics)
+        for angle, values in zip(sections.angles_deg, sections.values_mm, strict=True)
+    ]
+    reduction_mm = np.concatenate([row.reduction_mm for row in rows])
+    return Scan(rows[0].angle_deg, sections.z_mm, reduction_mm)
 
 
 def _basis(phi: Floats, harmonics: int) -> Floats:
@@ -203,15 +162,12 @@ def _basis(phi: Floats, harmonics: int) -> Floats:
 
 
 def joined_by(scan: Scan, interpolation: str | None) -> str:
-    """Return how heights are joined: up to three linearly, more by a spline, unless told."""
+    """Return how heights are joined: by default up to three linearly, more by a spline."""
     return interpolation or ("spline" if scan.z_mm.size >= _MIN_SPLINE_HEIGHTS else "linear")
 
 
 def scan_surface(scan: Scan, factor: float = 1.0, interpolation: str | None = None) -> PolySurface:
-    """Return the surface through all points: periodic quintic over angle, smooth over height.
-
-    One height serves all.
-    """
+    """Return the surface through all points, see `surface_through`; one height serves all."""
     kind = joined_by(scan, interpolation)
     return surface_through(scan.angle_deg / 360, scan.z_mm, factor * scan.reduction_mm, kind)
 
@@ -230,7 +186,7 @@ def ovality_of(scan: Scan) -> PPoly:
     oval = np.ptp(scan.reduction_mm + facing, axis=1)
     if scan.z_mm.size == 1:
         return constant_spline(float(oval[0]), float(scan.z_mm[0]) - 1, float(scan.z_mm[0]) + 1)
-    return polygon_or_spline(scan.z_mm, oval, "linear")
+    return through(scan.z_mm, oval, "linear")
 
 
 _GAP_STEPS = 4.0  # a gap: so many mean steps without a point ..
@@ -243,10 +199,7 @@ def measured_sections(
 ) -> Sections:
     """Return the sections of a part's file as reductions of its profile.
 
-    Raises
-    ------
-    CamtoolsError
-        The file is no good, or its heights do not cover the profile's.
+    Raises CamtoolsError: the file is no good, or its heights do not cover the profile's.
     """
     assert section.csv is not None
     scan = read_scan_text(Path(section.csv))
@@ -259,10 +212,7 @@ def measured_sections(
 def check_heights(z_mm: Floats, ends_mm: tuple[float, float], *, is_single: bool) -> None:
     """Refuse heights that do not cover the profile; one height must be asked for.
 
-    Raises
-    ------
-    GeometryError
-        A file that was cut short has fewer heights than were measured, too.
+    A file that was cut short has fewer heights than were measured, too.
     """
     place = "piston.section.single_height"
     if z_mm.size == 1 and not is_single:
@@ -274,9 +224,8 @@ def check_heights(z_mm: Floats, ends_mm: tuple[float, float], *, is_single: bool
         raise GeometryError(place, problem, "leave it out, or keep one of them")
     if z_mm.size > 1 and (z_mm[0] > ends_mm[0] or z_mm[-1] < ends_mm[1]):
         problem = f"heights {z_mm[0]:g} .. {z_mm[-1]:g} mm do not cover the profile's"
-        remedy = (
-            f"measure {ends_mm[0]:g} .. {ends_mm[1]:g} mm, or one height with single_height = true"
-        )
+        remedy = f"measure {ends_mm[0]:g} .. {ends_mm[1]:g} mm"
+        remedy += ", or one height with single_height = true"
         raise GeometryError("piston.section.csv", problem, remedy)
 
 
@@ -290,10 +239,7 @@ class Gap(NamedTuple):
 
 
 def check_gaps(sections: Sections, overshoot_um: float) -> None:
-    """Refuse sections whose curves leave the two points at the ends of a gap in the angle too far.
-
-    Where many points are missing the spline tells nothing of the part: it swings.
-    """
+    """Refuse gaps in the angle over which the curve swings beyond the points at both ends."""
     worst = max(all_gaps(sections), default=Gap(0, 0, 0, 0))
     if worst.beyond_um > overshoot_um:
         problem = (

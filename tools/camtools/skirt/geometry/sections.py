@@ -1,10 +1,8 @@
 """Cross-sections of a skirt: radius reduction over the spindle angle, exact, in double.
 
-The angle is the polar angle from the long axis, MATHS.md (1), which is the spindle angle. A new
-shape is one class with `log2_repeat` and `evaluate`; nothing else has to know it.
+The angle is the polar angle from the long axis, MATHS.md (1), which is the spindle angle.
 
->>> import numpy as np
->>> values = Ellipse().evaluate(np.radians([0.0, 45.0, 90.0]), 46.0, 0.2)
+>>> values = ellipse(np.radians([0.0, 45.0, 90.0]), 46.0, 0.2)
 >>> [f"{mm:.9f}" for mm in values.delta]
 ['0.000000000', '0.050081610', '0.100000000']
 
@@ -12,7 +10,7 @@ From the long axis to the joint the contour is an oval; from there to the short 
 circle about a point beyond the piston's centre. The circle is derived: it meets the oval at the
 joint and lies `trim` below it at the short axis. For every trim above 0 the joint is a corner.
 
->>> joint = Joint(45.4645484572, 0.38, 0.4, np.radians(48.0), DoubleEllipse(0.0))
+>>> joint = Joint(45.4645484572, 0.38, 0.4, np.radians(48.0))
 >>> arc = joint.arc()
 >>> f"{arc.eccentricity_mm:.6f} {arc.radius_mm:.6f}"
 '1.960000 46.834548'
@@ -20,7 +18,8 @@ joint and lies `trim` below it at the short axis. For every trim above 0 the joi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -28,115 +27,87 @@ import numpy as np
 from camtools.base.quantities import Floats, FloatsLike, SectionValues
 
 
-class Section(Protocol):
-    """A family of closed curves, one for each long half axis and ovality."""
+class SkirtSurface(Protocol):
+    """The reduction of the radius over the whole skirt."""
 
     @property
     def log2_repeat(self) -> int:
         """The pattern repeats 2^log2_repeat times per turn, exactly."""
+        return 1
 
-    def evaluate(
-        self, phi_rad: FloatsLike, radius_mm: FloatsLike, ovality_mm: FloatsLike
-    ) -> SectionValues:
-        """Return radius reduction and derivatives.
+    def heights_mm(self) -> Floats:
+        """Return the heights at which a curve of the surface itself has a break, rising."""
+        return np.empty(0)
 
-        Parameters
-        ----------
-        phi_rad : float or ndarray
-            Angle from the long axis [rad], any value.
-        radius_mm : float or ndarray
-            Long half axis a [mm], broadcast with the angle.
-        ovality_mm : float or ndarray
-            Diametral ovality G = 2a - 2b [mm], below 2a.
+    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
+        """Return radius reduction and derivatives by the angle [rad] at fixed height [mm].
+
+        Both are broadcast against each other.
         """
 
 
-@dataclass(frozen=True)
-class Ellipse:
-    """Exact ellipse in the form without cancellation, MATHS.md (2)."""
+Law = Callable[[FloatsLike, FloatsLike, FloatsLike], SectionValues]
+"""Reduction and derivatives of a family of closed curves, two-fold, all arguments broadcast.
 
-    log2_repeat: int = 1
-
-    def evaluate(
-        self, phi_rad: FloatsLike, radius_mm: FloatsLike, ovality_mm: FloatsLike
-    ) -> SectionValues:
-        """Return radius reduction and derivatives; see `Section.evaluate`."""
-        phi, a, g = np.asarray(phi_rad), np.asarray(radius_mm), np.asarray(ovality_mm)
-        b = a - g / 2
-        k = (g / 2) * (a + b) / b**2
-        sin2 = np.sin(phi) ** 2
-        w1, w2 = k * np.sin(2 * phi), 2 * k * np.cos(2 * phi)
-        root = np.sqrt(1 + k * sin2)
-        r3, r5, r7 = root**-3, root**-5, root**-7
-        return SectionValues(
-            a * k * sin2 / (root * (root + 1)),
-            a * r3 * w1 / 2,
-            a * (r3 * w2 / 2 - 0.75 * r5 * w1**2),
-            a * (-2 * r3 * w1 - 2.25 * r5 * w1 * w2 + 1.875 * r7 * w1**3),
-        )
+They are the angle from the long axis [rad], the long half axis a and the diametral ovality
+G = 2a - 2b [mm].
+"""
 
 
-@dataclass(frozen=True)
-class DoubleEllipse:
-    """Two harmonics, the quadratic ellipse, MATHS.md (4); beta = 0 is the cosine form.
+def ellipse(phi_rad: FloatsLike, radius_mm: FloatsLike, ovality_mm: FloatsLike) -> SectionValues:
+    """Return the exact ellipse in the form without cancellation, MATHS.md (2)."""
+    phi, a, g = np.asarray(phi_rad), np.asarray(radius_mm), np.asarray(ovality_mm)
+    b = a - g / 2
+    k = (g / 2) * (a + b) / b**2
+    sin2 = np.sin(phi) ** 2
+    w1, w2 = k * np.sin(2 * phi), 2 * k * np.cos(2 * phi)
+    root = np.sqrt(1 + k * sin2)
+    r3, r5, r7 = root**-3, root**-5, root**-7
+    return SectionValues(
+        a * k * sin2 / (root * (root + 1)),
+        a * r3 * w1 / 2,
+        a * (r3 * w2 / 2 - 0.75 * r5 * w1**2),
+        a * (-2 * r3 * w1 - 2.25 * r5 * w1 * w2 + 1.875 * r7 * w1**3),
+    )
 
-    MATHS.md (3) is the cosine form, MATHS.md (5) how far inside of it the exact ellipse lies.
 
-    Attributes
-    ----------
-    beta : float or ndarray
-        Weight of the fourth harmonic; the flank is monotone for |beta| <= 6.25. An array is
-        broadcast with the half axis.
+def double_ellipse(
+    phi_rad: FloatsLike, radius_mm: FloatsLike, ovality_mm: FloatsLike, beta: FloatsLike = 0.0
+) -> SectionValues:
+    """Return two harmonics, the quadratic ellipse, MATHS.md (4); beta = 0 is the cosine form, (3).
+
+    The flank is monotone for |beta| <= 6.25; the long half axis only sets the shape.
     """
-
-    beta: FloatsLike = 0.0
-    log2_repeat: int = 1
-
-    def evaluate(
-        self, phi_rad: FloatsLike, radius_mm: FloatsLike, ovality_mm: FloatsLike
-    ) -> SectionValues:
-        """Return radius reduction and derivatives; the long half axis only sets the shape."""
-        phi, g = np.asarray(phi_rad), np.asarray(ovality_mm)
-        half_g = g / 2 + 0 * np.asarray(radius_mm)
-        q = 4 * self.beta / 25
-        sin2, cos2 = np.sin(2 * phi), np.cos(2 * phi)
-        return SectionValues(
-            half_g * (np.sin(phi) ** 2 + q / 4 * sin2**2),
-            half_g * sin2 * (1 + q * cos2),
-            half_g * (2 * cos2 + 2 * q * (cos2**2 - sin2**2)),
-            half_g * (-4 * sin2 - 16 * q * sin2 * cos2),
-        )
+    phi, g = np.asarray(phi_rad), np.asarray(ovality_mm)
+    half_g = g / 2 + 0 * np.asarray(radius_mm)
+    q = 4 * np.asarray(beta) / 25
+    sin2, cos2 = np.sin(2 * phi), np.cos(2 * phi)
+    return SectionValues(
+        half_g * (np.sin(phi) ** 2 + q / 4 * sin2**2),
+        half_g * sin2 * (1 + q * cos2),
+        half_g * (2 * cos2 + 2 * q * (cos2**2 - sin2**2)),
+        half_g * (-4 * sin2 - 16 * q * sin2 * cos2),
+    )
 
 
-@dataclass(frozen=True)
-class PowerOval:
-    """Oval whose reduction rises with a power of the sine, MATHS.md (75); 2 is the cosine form.
+def power_oval(
+    phi_rad: FloatsLike, radius_mm: FloatsLike, ovality_mm: FloatsLike, exponent: FloatsLike = 2.0
+) -> SectionValues:
+    """Return an oval whose reduction rises with a power of the sine, 2 .. 8, MATHS.md (75).
 
-    Attributes
-    ----------
-    exponent : float or ndarray
-        2 .. 8: the larger it is, the longer the contact at the long axis. An array is broadcast
-        with the half axis.
+    With 2 it is the cosine form; the larger it is, the longer the contact at the long axis.
     """
-
-    exponent: FloatsLike = 2.0
-    log2_repeat: int = 1
-
-    def evaluate(
-        self, phi_rad: FloatsLike, radius_mm: FloatsLike, ovality_mm: FloatsLike
-    ) -> SectionValues:
-        """Return radius reduction and derivatives; see `DoubleEllipse.evaluate`."""
-        phi, g = np.asarray(phi_rad), np.asarray(ovality_mm)
-        half_g = g / 2 + 0 * np.asarray(radius_mm)
-        t, t1, t2 = np.sin(phi) ** 2, np.sin(2 * phi), 2 * np.cos(2 * phi)
-        t3 = -4 * t1
-        f, f1, f2, f3 = power_of_square(t, np.asarray(self.exponent, dtype=np.float64) / 2)
-        return SectionValues(
-            half_g * f,
-            half_g * f1 * t1,
-            half_g * (f2 * t1**2 + f1 * t2),
-            half_g * (f3 * t1**3 + 3 * f2 * t1 * t2 + f1 * t3),
-        )
+    phi, g = np.asarray(phi_rad), np.asarray(ovality_mm)
+    half_g = g / 2 + 0 * np.asarray(radius_mm)
+    t, t1, t2 = np.sin(phi) ** 2, np.sin(2 * phi), 2 * np.cos(2 * phi)
+    t3 = -4 * t1
+    f, f1, f2, f3 = power_of_square(t, np.asarray(exponent, dtype=np.float64) / 2)
+    return SectionValues(
+        half_g * f,
+        half_g * f1 * t1,
+        half_g * (f2 * t1**2 + f1 * t2),
+        half_g * (f3 * t1**3 + 3 * f2 * t1 * t2 + f1 * t3),
+    )
 
 
 SMOOTH_DEG = 15.0  # from the long axis up to here a power is made smooth
@@ -146,12 +117,7 @@ _SMOOTH = float(np.sin(np.radians(SMOOTH_DEG)) ** 2)
 def power_of_square(t: Floats, power: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Return f(t) and three derivatives: t^m, but a polynomial below sin^2 15 deg, MATHS.md (75).
 
-    Parameters
-    ----------
-    t : ndarray
-        sin^2 of the angle from the long axis.
-    power : ndarray
-        m, half of the exponent, 1 .. 4; broadcast with t.
+    t is sin^2 of the angle from the long axis, m half of the exponent, 1 .. 4.
     """
     t, m = np.broadcast_arrays(t, power)
     x = t / _SMOOTH
@@ -175,24 +141,17 @@ def power_of_square(t: Floats, power: Floats) -> tuple[Floats, Floats, Floats, F
     return found[0], found[1], found[2], found[3]
 
 
-def make_section(shape: str, parameter: FloatsLike) -> Section:
-    """Return the section of a part file's `shape`.
-
-    Parameters
-    ----------
-    parameter : float or ndarray
-        beta of "double-ellipse", the exponent of "power"; without meaning for the others.
-    """
-    sections: dict[str, Section] = {
-        "ellipse": Ellipse(),
-        "cosine": DoubleEllipse(0.0),
-        "double-ellipse": DoubleEllipse(parameter),
-        "power": PowerOval(parameter),
-    }
-    return sections[shape]
+def law_of(shape: str, parameter: FloatsLike) -> Law:
+    """Return the law of a part file's `shape`; the parameter is its beta or its exponent."""
+    if shape == "double-ellipse":
+        return partial(double_ellipse, beta=parameter)
+    if shape == "power":
+        return partial(power_oval, exponent=parameter)
+    return {"ellipse": ellipse, "cosine": double_ellipse}[shape]
 
 
 QUARTER_RAD = np.pi / 2
+ALL_AROUND_RAD = np.radians(np.arange(0, 360, 0.5))
 
 
 class Arc(NamedTuple):
@@ -222,12 +181,12 @@ class Joint(NamedTuple):
     ovality_mm: FloatsLike  # G
     trim_mm: FloatsLike  # radial, below the oval at the short axis
     joint_rad: FloatsLike
-    law: Section = DoubleEllipse(0.0)
+    law: Law = double_ellipse
 
     def _lengths(self) -> tuple[Floats, Floats, Floats]:
         """Return contour radius at the joint and at the short axis, and the joint's sine."""
         a = np.asarray(self.a_mm, dtype=np.float64)
-        at_joint = a - self.law.evaluate(self.joint_rad, a, self.ovality_mm).delta
+        at_joint = a - self.law(self.joint_rad, a, self.ovality_mm).delta
         short = a - np.asarray(self.ovality_mm) / 2 - np.asarray(self.trim_mm)
         return at_joint, short, np.sin(self.joint_rad)
 
@@ -255,23 +214,18 @@ class Joint(NamedTuple):
     def reduction(self, phi_rad: FloatsLike) -> SectionValues:
         """Return radius reduction and derivatives at any angle; at the joint those of the arc.
 
-        Returns
-        -------
-        SectionValues
-            Broadcast of angles and lengths; odd derivatives change sign with the quadrant.
+        Odd derivatives change sign with the quadrant.
         """
         phi, sign = fold(phi_rad)
-        oval = self.law.evaluate(phi, self.a_mm, self.ovality_mm)
+        oval = self.law(phi, self.a_mm, self.ovality_mm)
         circle = self.arc().reduction(phi, self.a_mm)
         is_oval = phi < self.joint_rad
-        picked = (np.where(is_oval, a, b) for a, b in zip(oval, circle, strict=True))
-        return SectionValues(
-            *(odd * one for odd, one in zip((1, sign, 1, sign), picked, strict=True))
-        )
+        both = zip((1, sign, 1, sign), oval, circle, strict=True)
+        return SectionValues(*(odd * np.where(is_oval, a, b) for odd, a, b in both))
 
     def corner_mm_rad(self) -> Floats:
         """Return the jump of the slope at the joint, circle minus oval [mm/rad]."""
-        oval = self.law.evaluate(self.joint_rad, self.a_mm, self.ovality_mm)
+        oval = self.law(self.joint_rad, self.a_mm, self.ovality_mm)
         return np.asarray(self.arc().reduction(self.joint_rad, self.a_mm).d1 - oval.d1)
 
 

@@ -6,90 +6,54 @@
 >>> side = OvalSide("cosine", a, g, none, none, none)
 >>> [f"{mm:.3f}" for mm in side.delta(np.radians([0.0, 90.0]), 30.0).delta]
 ['0.000', '0.100']
-
->>> from camtools.skirt.part.part_file import example_part
->>> is_plain(example_part().piston)
-True
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import PPoly
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats, FloatsLike, SectionValues
+from camtools.skirt.geometry.poly_surface import piecewise
 from camtools.skirt.geometry.profile import (
     Allowance,
     check_overshoot,
+    check_points,
     constant_spline,
     in_um,
     magnified,
+    over_ovality,
 )
-from camtools.skirt.geometry.sections import make_section
-from camtools.skirt.part.curves import PeakOvality, through
+from camtools.skirt.geometry.sections import SkirtSurface, law_of
+from camtools.skirt.part.curves import through
 from camtools.skirt.part.part_file import Piston
 from camtools.skirt.part.section_keys import PARAMETERS, Antithrust
 
 _MIDDLE_RAD = {"short-axis": np.pi, "long-axis": 1.5 * np.pi}  # of the antithrust side
 
 
-class AnySurface(Protocol):
-    """What can be turned: see `geometry.SkirtSurface`."""
-
-    @property
-    def log2_repeat(self) -> int:
-        """The pattern repeats 2^log2_repeat times per turn, exactly."""
-
-    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
-        """Return radius reduction and angle derivatives at fixed height."""
-
-
-@runtime_checkable
-class _WithHeights(Protocol):
-    """A surface with curves over height of its own."""
-
-    def heights_mm(self) -> Floats:
-        """Return the heights at which one of them has a break, rising."""
-
-
-def heights_of(surface: object) -> Floats:
-    """Return the heights at which a curve of a surface itself has a break, rising."""
-    return surface.heights_mm() if isinstance(surface, _WithHeights) else np.empty(0)
-
-
-def _document(curve: PPoly) -> dict[str, Any]:
-    return {"breaks_mm": curve.x.tolist(), "coefficients": curve.c.T.tolist()}
-
-
 @dataclass(frozen=True, eq=False)
-class OvalSide:
-    """The law of one side, all round, MATHS.md (76).
+class OvalSide(SkirtSurface):
+    """The law of one side, all round, MATHS.md (76)."""
 
-    Attributes
-    ----------
-    ovality, drop : PPoly
-        Diametral ovality of this side, and how far its half axis lies below the part's [mm].
-    """
-
-    shape: str  # of `make_section`
+    shape: str  # of `law_of`
     radius: PPoly  # long half axis of the part [mm] over height [mm]
-    ovality: PPoly
-    drop: PPoly
+    ovality: PPoly  # diametral [mm]
+    drop: PPoly  # of its half axis below the part's [mm]
     parameter: PPoly  # beta or the exponent of the law
     phase: PPoly  # how far its long axis is turned [rad]
-    log2_repeat: int = 1
 
     def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
         """Return radius reduction and angle derivatives; see `Geometry.delta`."""
         z = np.asarray(z_mm, dtype=np.float64)
         drop = self.drop(z)
-        law = make_section(self.shape, self.parameter(z))
+        law = law_of(self.shape, self.parameter(z))
         phi = np.asarray(phi_rad) - self.phase(z)
-        found = law.evaluate(phi, self.radius(z) - drop, self.ovality(z))
+        found = law(phi, self.radius(z) - drop, self.ovality(z))
         return found._replace(delta=np.asarray(found.delta + drop, dtype=np.float64))
 
     def heights_mm(self) -> Floats:
@@ -101,27 +65,21 @@ class OvalSide:
         """Return what a gauge needs as JSON values (layout: host_sim/part/sim_surface.h)."""
         return {
             "law": self.shape,
-            "ovality_mm": _document(self.ovality),
-            "drop_mm": _document(self.drop),
-            "parameter": _document(self.parameter),
-            "phase_rad": _document(self.phase),
+            "ovality_mm": piecewise(self.ovality),
+            "drop_mm": piecewise(self.drop),
+            "parameter": piecewise(self.parameter),
+            "phase_rad": piecewise(self.phase),
         }
 
 
 @dataclass(frozen=True, eq=False)
-class SidesSurface:
-    """One side, or two that are blended where they meet, MATHS.md (77).
-
-    Attributes
-    ----------
-    blend_rad : float
-        Width of each of the two zones in which one side becomes the other.
-    """
+class SidesSurface(SkirtSurface):
+    """One side, or two that are blended where they meet, MATHS.md (77)."""
 
     thrust: OvalSide  # the side that the main tables describe
     antithrust: OvalSide | None = None  # the other one
     meet: str = "short-axis"  # "short-axis" or "long-axis": where they meet
-    blend_rad: float = float(np.radians(30.0))
+    blend_rad: float = float(np.radians(30.0))  # width of each zone between them
 
     @property
     def log2_repeat(self) -> int:
@@ -160,8 +118,8 @@ class SidesSurface:
     def document(self) -> dict[str, Any]:
         """Return what a gauge needs as JSON values (layout: host_sim/part/sim_surface.h)."""
         sides = [one.document() for one in (self.thrust, self.antithrust) if one is not None]
-        where = {"middle_rad": _MIDDLE_RAD[self.meet], "blend_rad": self.blend_rad}
-        return {"sides": sides} | where
+        middle_rad = _MIDDLE_RAD[self.meet]
+        return {"sides": sides, "middle_rad": middle_rad, "blend_rad": self.blend_rad}
 
 
 def share_of(phi_rad: FloatsLike, middle_rad: float, blend_rad: float) -> SectionValues:
@@ -182,10 +140,10 @@ def share_of(phi_rad: FloatsLike, middle_rad: float, blend_rad: float) -> Sectio
 
 
 @dataclass(frozen=True, eq=False)
-class TurnedSurface:
+class TurnedSurface(SkirtSurface):
     """A surface whose sections are turned by an angle that changes with height, MATHS.md (78)."""
 
-    surface: AnySurface  # as drawn before it is turned
+    surface: SkirtSurface  # as drawn before it is turned
     phase: PPoly  # angle [rad] over height [mm]; the section turns counter-clockwise with it
 
     @property
@@ -195,7 +153,7 @@ class TurnedSurface:
 
     def heights_mm(self) -> Floats:
         """Return the heights at which a curve of the surface has a break."""
-        return np.union1d(self.phase.x, heights_of(self.surface))
+        return np.union1d(self.phase.x, self.surface.heights_mm())
 
     def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
         """Return radius reduction and angle derivatives; see `Geometry.delta`."""
@@ -203,11 +161,6 @@ class TurnedSurface:
         if phase.size and np.ptp(phase) == 0:
             phase = phase.ravel()[0]  # a surface is faster where all heights share their angles
         return self.surface.delta(np.asarray(phi_rad) - phase, z_mm)
-
-
-def as_drawn(surface: AnySurface) -> AnySurface:
-    """Return the surface before it is turned."""
-    return surface.surface if isinstance(surface, TurnedSurface) else surface
 
 
 _FREE = 0.05  # of beta and of the exponent, between two points beyond both
@@ -232,10 +185,10 @@ def turn_of(piston: Piston) -> PPoly | None:
         heights_mm = piston.profile.height_mm
         assert not isinstance(phase_deg, list)
         return constant_spline(float(np.radians(phase_deg)), heights_mm[0], heights_mm[-1])
-    turn_deg = _over_ovality(phase_deg, piston)
+    turn_deg = over_ovality(phase_deg, piston.ovality)
     allowed = Allowance("the angle", 1.0, "degrees", _FREE_DEG, None)
-    _check(turn_deg, allowed, piston)
-    return _scaled(turn_deg, float(np.radians(1)))
+    check_points("piston.ovality.interpolation", turn_deg, allowed, piston.ovality)
+    return magnified(turn_deg, float(np.radians(1)), 0.0)
 
 
 def sides_of(
@@ -243,23 +196,15 @@ def sides_of(
 ) -> SidesSurface:
     """Return the reduction of the radius of ovals that differ over height or from side to side.
 
-    Parameters
-    ----------
-    radius, ovality : PPoly
-        Of the thrust side [mm], magnified already.
-    factors : tuple of float
-        By which ovality and profile are magnified.
-
-    Raises
-    ------
-    GeometryError
-        A curve leaves its points, or the ovality of the other side would be below 0.
+    Curves of the thrust side are magnified already; the factors are those of ovality and profile.
+    Raises GeometryError: a curve leaves its points, or the other side's ovality falls below 0.
     """
-    section, other = piston.section, piston.antithrust
-    shape = section.shape
+    other, shape, drawn = piston.antithrust, piston.section.shape, piston.ovality
+    assert drawn is not None
     key = PARAMETERS.get(shape, "beta")
-    parameter = _over_ovality(getattr(section, key), piston)
-    _check(parameter, Allowance(key, 1.0, "", _FREE, None), piston)
+    parameter = over_ovality(getattr(piston.section, key), drawn)
+    allowed = Allowance(key, 1.0, "", _FREE, None)
+    check_points("piston.ovality.interpolation", parameter, allowed, drawn)
     none = constant_spline(0.0, *_ends(piston))
     thrust = OvalSide(shape, radius, ovality, none, parameter, none)
     if other is None:
@@ -279,28 +224,13 @@ def sides_of(
         its_ovality,
         drop,
         parameter if own is None else _over(other, own, key, 1.0),
-        _scaled(_over(other, other.phase_deg, "phase_deg", 1.0), float(np.radians(1))),
+        magnified(_over(other, other.phase_deg, "phase_deg", 1.0), float(np.radians(1)), 0.0),
     )
     return SidesSurface(thrust, side, other.meet, float(np.radians(other.blend_deg)))
 
 
 def _ends(piston: Piston) -> tuple[float, float]:
     return float(piston.profile.height_mm[0]), float(piston.profile.height_mm[-1])
-
-
-def _scaled(curve: PPoly, factor: float) -> PPoly:
-    return PPoly(curve.c * factor, curve.x)
-
-
-def _over_ovality(value: list[float] | float, piston: Piston) -> PPoly:
-    """Return a number, or a list over the ovality's heights, as cubics."""
-    assert piston.ovality is not None
-    heights_mm = piston.ovality.height_mm
-    if isinstance(value, list):
-        # As the ovality is joined.
-        kind = "linear" if piston.ovality is None else piston.ovality.interpolation
-        return through(heights_mm, value, "linear" if kind == "segments" else kind)
-    return constant_spline(value, heights_mm[0], heights_mm[-1])
 
 
 def _over(other: Antithrust, value: list[float] | float, name: str, scale: float) -> PPoly:
@@ -314,13 +244,6 @@ def _over(other: Antithrust, value: list[float] | float, name: str, scale: float
         allowed = in_um(other.overshoot_um, name, scale / 1000.0)
     check_overshoot("piston.antithrust.interpolation", curve, allowed, np.array(heights_mm))
     return curve
-
-
-def _check(curve: PPoly, allowed: Allowance, piston: Piston) -> None:
-    """Refuse a list whose curve leaves its points: it is interpolated as the ovality is."""
-    if piston.ovality is not None and not isinstance(piston.ovality, PeakOvality):
-        heights_mm = np.asarray(piston.ovality.height_mm, dtype=np.float64)
-        check_overshoot("piston.ovality.interpolation", curve, allowed, heights_mm)
 
 
 def _on(curve: PPoly, breaks: Floats) -> Floats:

@@ -4,18 +4,13 @@
 >>> geometry = make_geometry(example_part())
 >>> [f"{mm:.9f}" for mm in geometry.radius_mm([5.0, 35.0])]
 ['45.983096898', '45.983079419']
-
->>> from camtools.skirt.geometry.skirt_geometry import make_geometry
->>> from camtools.skirt.part.part_file import example_part
->>> round(blank_radius_mm(make_geometry(example_part()), 0.1), 9)
-46.1
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import PPoly
@@ -28,8 +23,7 @@ from camtools.skirt.geometry.corner import Corner, make_corner
 from camtools.skirt.geometry.measured_sections import Sections
 from camtools.skirt.geometry.points import ovality_of_points, point_surface, read_sections
 from camtools.skirt.geometry.profile import (
-    check_ovality,
-    check_profile,
+    check_drawn,
     check_smoothing,
     magnified,
     ovality_spline,
@@ -46,90 +40,47 @@ from camtools.skirt.geometry.scan import (
     scan_surface,
     waves_of,
 )
-from camtools.skirt.geometry.sections import Section, make_section
-from camtools.skirt.geometry.sides import TurnedSurface, heights_of, is_plain, sides_of, turn_of
+from camtools.skirt.geometry.sections import ALL_AROUND_RAD, Law, SkirtSurface, law_of
+from camtools.skirt.geometry.sides import TurnedSurface, is_plain, sides_of, turn_of
 from camtools.skirt.part.part_file import Piston, SkirtPart
 
 _CHECKS_PER_PIECE = 64
 _APART_MM = 1e-9  # heights that differ only by rounding are closer
-_ALL_AROUND_RAD = np.radians(np.arange(0, 360, 0.5))
-
-
-class SkirtSurface(Protocol):
-    """The reduction of the radius over the whole skirt."""
-
-    @property
-    def log2_repeat(self) -> int:
-        """The pattern repeats 2^log2_repeat times per turn, exactly."""
-
-    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
-        """Return radius reduction and angle derivatives at fixed height; see `Geometry.delta`."""
 
 
 @dataclass(frozen=True, eq=False)
-class OvalSurface:
+class OvalSurface(SkirtSurface):
     """One law for all heights; only half axis and ovality change."""
 
-    law: Section
+    law: Law
     radius: PPoly
     ovality: PPoly
 
-    @property
-    def log2_repeat(self) -> int:
-        """See `SkirtSurface`."""
-        return self.law.log2_repeat
-
     def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
         """See `SkirtSurface`."""
-        return self.law.evaluate(phi_rad, self.radius(z_mm), self.ovality(z_mm))
+        return self.law(phi_rad, self.radius(z_mm), self.ovality(z_mm))
 
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
     """The part's exact surface: tool tip radius = radius_mm(z) - delta(phi, z).
 
-    Attributes
-    ----------
-    radius, ovality : scipy.interpolate.PPoly
-        Long half axis a(z) and diametral ovality G(z) [mm] over height [mm], magnified already.
-        Of a measured part the ovality is the largest minus the least diameter.
-    surface : SkirtSurface
-        Reduction of the radius; of a refitted part that of the refit.
-    z_first_mm, z_last_mm : float
-        Height range, that of the profile.
-    corner : Corner or None
-        Of shape "ellipse-arc": the section as drawn, and its refit.
-    off_points_um : float or None
-        Of shape "table": how far the surface is from the measured points, 0 without a filter.
-    gauge_mm : tuple of float or None
-        Ends of the skirt [mm], where the height range contains a run-in or run-out.
-    drawn : SkirtSurface or None
-        What the drawing says where `surface` deliberately differs: the corner without its refit,
-        the measured points without their filter, the drawing without its correction.
-    drawn_radius : PPoly or None
-        The drawing's long half axis, where a correction changes it.
-    correction : Correction or None
-        By a gauged part; in `radius` and `surface` already.
-    joined_um : float
-        Of shape "table": how far sections at common angles are from splines through the points of
-        each height, where the heights were measured at angles of their own.
-    measured : tuple of Sections and Scan, or None
-        Of shape "table": the points, and the same at common angles.
+    Curves are over height [mm] and magnified already.
     """
 
-    radius: PPoly
-    ovality: PPoly
-    surface: SkirtSurface
+    radius: PPoly  # long half axis a(z) [mm]
+    ovality: PPoly  # diametral G(z) [mm]; of a measured part the largest less the least diameter
+    surface: SkirtSurface  # reduction of the radius; of a refitted part that of the refit
     z_first_mm: float
     z_last_mm: float
-    corner: Corner | None = None
-    off_points_um: float | None = None
-    gauge_mm: tuple[float, float] | None = None
-    drawn: SkirtSurface | None = None
-    joined_um: float = 0.0
-    measured: tuple[Sections, Scan] | None = None
-    drawn_radius: PPoly | None = None
-    correction: Correction | None = None
+    corner: Corner | None = None  # of shape "ellipse-arc": as drawn, and its refit
+    off_points_um: float | None = None  # of a scan: how far the surface is from its points
+    gauge_mm: tuple[float, float] | None = None  # ends of the skirt within a run-in or -out
+    drawn: SkirtSurface | None = None  # the drawing without refit, filter or correction, if any
+    joined_um: float = 0.0  # of a scan: common angles off splines through own ones
+    measured: tuple[Sections, Scan] | None = None  # the points, and the same at common angles
+    drawn_radius: PPoly | None = None  # the drawing's, where a correction changes it
+    correction: Correction | None = None  # by a gauged part; in radius and surface already
 
     @property
     def skirt_mm(self) -> tuple[float, float]:
@@ -167,23 +118,17 @@ class Geometry:
         return f"ovality {g_um:.0f} µm (diameter), with trim {with_trim_um:.0f} µm"
 
     def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
-        """Return radius reduction and angle derivatives at fixed height [mm, mm/rad^n].
-
-        Parameters
-        ----------
-        phi_rad, z_mm : float or ndarray
-            Angle from the long axis [rad] and height [mm]; broadcast against each other.
-        """
+        """Return radius reduction and angle derivatives, see `SkirtSurface` [mm, mm/rad^n]."""
         return self.surface.delta(phi_rad, z_mm)
 
     def deepest_mm(self, z_mm: float) -> float:
         """Return the largest reduction of a section [mm], to the step of half a degree."""
-        return float(self.delta(_ALL_AROUND_RAD, z_mm).delta.max())
+        return float(self.delta(ALL_AROUND_RAD, z_mm).delta.max())
 
     def breaks_mm(self) -> Floats:
         """Return the heights where a piece of the shape ends, rising, both ends included."""
         heights = np.union1d(self.radius.x, self.ovality.x)
-        heights = np.union1d(heights, heights_of(self.surface))
+        heights = np.union1d(heights, self.surface.heights_mm())
         heights = heights[np.diff(heights, prepend=-np.inf) > _APART_MM]
         first_mm, last_mm = self.z_first_mm + _APART_MM, self.z_last_mm - _APART_MM
         inside = heights[(heights > first_mm) & (heights < last_mm)]
@@ -193,11 +138,8 @@ class Geometry:
 def make_geometry(part: SkirtPart) -> Geometry:
     """Return the exact geometry of a part.
 
-    Raises
-    ------
-    CamtoolsError
-        A spline overshoots into ovality below 0 or half axes not above 0; the corner of a
-        composite section is impossible; the file of a measured section is no good.
+    Raises CamtoolsError: a spline overshoots into ovality below 0 or half axes not above 0; the
+    corner of a composite section is impossible; the file of a measured section is no good.
     """
     piston = part.piston
     check_smoothing(part)
@@ -205,7 +147,7 @@ def make_geometry(part: SkirtPart) -> Geometry:
     of_profile = part.magnify.profile_factor if part.magnify else 1.0
     largest_mm = max(piston.profile.diameter_mm) / 2
     drawn = profile_spline(piston.profile)
-    check_profile(piston.profile, drawn)
+    check_drawn(piston.profile, drawn)
     radius = magnified(drawn, of_profile, largest_mm)
     ends = float(piston.profile.height_mm[0]), float(piston.profile.height_mm[-1])
     if piston.section.shape == "table":
@@ -218,7 +160,7 @@ def make_geometry(part: SkirtPart) -> Geometry:
         oval = magnified(curve, factor, 0.0)
         geometry = Geometry(radius, oval, _oval(piston, radius, oval, (factor, of_profile)), *ends)
         _check_ovality(geometry, factor)
-        check_ovality(piston.ovality, curve)
+        check_drawn(piston.ovality, curve)
     if piston.section.shape == "ellipse-arc":
         geometry = _with_corner(part, geometry)
     geometry = _turned(geometry, piston)
@@ -233,7 +175,7 @@ def _oval(piston: Piston, radius: PPoly, oval: PPoly, factors: tuple[float, floa
     if not is_plain(piston):
         return sides_of(piston, radius, oval, factors)
     shape, beta = piston.section.shape, np.asarray(piston.section.beta, dtype=np.float64)
-    law = make_section("ellipse" if shape == "ellipse-arc" else shape, beta)
+    law = law_of("ellipse" if shape == "ellipse-arc" else shape, beta)
     return OvalSurface(law, radius, oval)
 
 
@@ -272,16 +214,10 @@ def _measured(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
 def keeping(
     geometry: Geometry, harmonics: int, factor: float, interpolation: str | None
 ) -> Geometry:
-    """Return a measured part's geometry with so many waves per turn kept, all points its drawing.
-
-    Raises
-    ------
-    GeometryError
-        More waves than the points resolve.
-    """
+    """Return a measured part's geometry with so many waves kept, all points its drawing."""
     assert geometry.measured is not None
-    sections, scan = geometry.measured
-    surface = scan_surface(waves_of(sections, scan, harmonics), factor, interpolation)
+    sections = geometry.measured[0]
+    surface = scan_surface(waves_of(sections, harmonics), factor, interpolation)
     off_um = UM_PER_MM * off_points_mm(surface, sections, factor)
     drawn = geometry.drawn or geometry.surface
     return replace(geometry, surface=surface, drawn=drawn, off_points_um=off_um)
@@ -301,11 +237,10 @@ def _pointed(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
 def _with_corner(part: SkirtPart, geometry: Geometry) -> Geometry:
     heights_mm = dense_heights_mm(geometry, _CHECKS_PER_PIECE)
     corner = make_corner(part, geometry.radius, geometry.ovality, heights_mm)
-    ends = geometry.z_first_mm, geometry.z_last_mm
-    oval = geometry.radius, geometry.ovality
     if corner.recipe is None:
-        return Geometry(*oval, corner, *ends, corner)
-    return Geometry(*oval, corner.surface(geometry.breaks_mm()), *ends, corner, drawn=corner)
+        return replace(geometry, surface=corner, corner=corner)
+    surface = corner.surface(geometry.breaks_mm())
+    return replace(geometry, surface=surface, corner=corner, drawn=corner)
 
 
 def dense_heights_mm(geometry: Geometry, per_piece: int) -> Floats:

@@ -27,7 +27,13 @@ from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import Discriminator, Field, field_validator, model_validator
-from scipy.interpolate import Akima1DInterpolator, CubicSpline, PchipInterpolator, PPoly
+from scipy.interpolate import (
+    Akima1DInterpolator,
+    CubicHermiteSpline,
+    CubicSpline,
+    PchipInterpolator,
+    PPoly,
+)
 
 from camtools.base.quantities import Floats
 from camtools.part.model import MIN_STEP_MM, HeightMm, TomlTable, rising, wrong
@@ -50,13 +56,7 @@ def through(
     interpolation: str,
     ends: object = "not-a-knot",
 ) -> PPoly:
-    """Return the curve through points as cubics over height.
-
-    Parameters
-    ----------
-    ends : object
-        End conditions of a spline, as `CubicSpline` takes them.
-    """
+    """Return the curve through points as cubics over height; ends as `CubicSpline` takes them."""
     z, v = np.asarray(z_mm, dtype=np.float64), np.asarray(values, dtype=np.float64)
     if interpolation == "spline":
         return CubicSpline(z, v, bc_type=ends)
@@ -70,10 +70,7 @@ def through(
 def overshoot(curve: PPoly, points_mm: Floats | None = None) -> Overshoot:
     """Return where a curve leaves the values of two neighbouring points most, MATHS.md (73).
 
-    Parameters
-    ----------
-    points_mm : ndarray, optional
-        Heights of the points, rising; by default the ends of the curve's pieces.
+    The heights of the points rise; by default they are the ends of the curve's pieces.
     """
     z = np.asarray(curve.x if points_mm is None else points_mm, dtype=np.float64)
     turning = curve.derivative().roots(extrapolate=False)
@@ -179,13 +176,10 @@ class PowerProfile(_Law):
     def _hermite(self, z_mm: Floats) -> PPoly:
         """Return the cubics through values and slopes of the formula at rising heights."""
         off = z_mm - self.peak_height_mm
-        k, m, h = self.coefficient, self.exponent, np.diff(z_mm)
+        k, m = self.coefficient, self.exponent
         a = self.peak_diameter_mm / 2 - k * np.abs(off) ** m
         slope = -k * m * np.sign(off) * np.abs(off) ** (m - 1)
-        rise = np.diff(a) / h
-        third = (slope[:-1] + slope[1:] - 2 * rise) / h**2
-        second = (3 * rise - 2 * slope[:-1] - slope[1:]) / h
-        return PPoly(np.stack([third, second, slope[:-1], a[:-1]]), z_mm)
+        return CubicHermiteSpline(z_mm, a, slope)
 
 
 class PeakOvality(_Law):

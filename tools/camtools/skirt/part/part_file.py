@@ -3,11 +3,6 @@
 >>> part = example_part()
 >>> part.part.name, part.process.spindle_rpm, part.machine.limits.u_stroke_mm
 ('example', 2500.0, 1.2)
-
->>> spread([0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 62.0], (0.0, 62.0), 0.5)
-[0.5, 20.0, 30.0, 40.0, 61.5]
->>> spread([0.0, 60.0], (0.0, 60.0), 0.5)
-[0.5, 15.0, 30.0, 45.0, 59.5]
 """
 
 from __future__ import annotations
@@ -64,12 +59,11 @@ class Piston(TomlTable):
 
     @model_validator(mode="after")
     def _check_together(self) -> Self:
-        ends_mm = self.profile.height_mm[0], self.profile.height_mm[-1]
+        first, last = self.profile.height_mm[0], self.profile.height_mm[-1]
         if self.antithrust is not None:
-            check_sides(self.antithrust, self.section.shape, ends_mm)
+            check_sides(self.antithrust, self.section.shape, (first, last))
         if self.ovality is None:
             return self
-        first, last = self.profile.height_mm[0], self.profile.height_mm[-1]
         heights_mm = self.ovality.height_mm
         if heights_mm[0] > first or heights_mm[-1] < last:
             problem = f"must cover the profile's heights {first} .. {last} mm"
@@ -241,12 +235,12 @@ _LEAST_MARGIN_MM = 0.5
 def spread(
     named_mm: Sequence[float], ends_mm: tuple[float, float], margin_mm: float
 ) -> list[float]:
-    """Return the heights of sections, rising: of many that are named five, spread evenly.
+    """Return the heights of sections, a margin from the part's ends: five, spread evenly.
 
-    Parameters
-    ----------
-    ends_mm : tuple of float
-        Ends of the part; sections keep a margin from them.
+    >>> spread([0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 62.0], (0.0, 62.0), 0.5)
+    [0.5, 20.0, 30.0, 40.0, 61.5]
+    >>> spread([0.0, 60.0], (0.0, 60.0), 0.5)
+    [0.5, 15.0, 30.0, 45.0, 59.5]
     """
     low_mm, high_mm = ends_mm[0] + margin_mm, ends_mm[1] - margin_mm
     if high_mm - low_mm < margin_mm:
@@ -260,9 +254,5 @@ def spread(
 
 
 def margin_mm(feed_mm: float) -> float:
-    """Return how far sections keep from the ends of a part [mm].
-
-    >>> margin_mm(0.1), margin_mm(0.5)
-    (0.5, 1.5)
-    """
+    """Return how far sections keep from the ends of a part [mm]."""
     return max(_LEAST_MARGIN_MM, _MARGIN_FEEDS * feed_mm)

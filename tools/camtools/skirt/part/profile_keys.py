@@ -86,6 +86,9 @@ class OvalitySegment(Segment):
         return self.ovality_mm
 
 
+Segments = list[ProfileSegment] | list[OvalitySegment]
+
+
 def _checked_heights(value: list[float], info: ValidationInfo) -> list[float]:
     """Return heights that rise; with segments the first may be the only one."""
     if info.data.get("interpolation") == "segments" and len(value) == 1:
@@ -95,38 +98,21 @@ def _checked_heights(value: list[float], info: ValidationInfo) -> list[float]:
     return rising(value)
 
 
-def joined(
-    start_mm: float, value: float, segments: list[ProfileSegment] | list[OvalitySegment], scale: int
-) -> tuple[Piece, ...]:
-    """Return segments with all their numbers; values are divided by scale.
-
-    Raises
-    ------
-    SegmentError
-        See `join`.
-    """
-    steps = tuple(
-        DrawnSegment(
-            one.to_mm,
-            None if one.end is None else one.end / scale,
-            one.kind,
-            one.radius_mm,
-            one.tangent,
-        )
-        for one in segments
-    )
-    return join(start_mm, value / scale, steps)
+def joined(start_mm: float, value: float, segments: Segments, scale: int) -> tuple[Piece, ...]:
+    """Return segments with all their numbers, see `join`; values are divided by scale."""
+    ends = [None if one.end is None else one.end / scale for one in segments]
+    steps = [
+        DrawnSegment(one.to_mm, end, one.kind, one.radius_mm, one.tangent)
+        for one, end in zip(segments, ends, strict=True)
+    ]
+    return join(start_mm, value / scale, tuple(steps))
 
 
 def _points(
-    heights: list[float],
-    values: list[float],
-    segments: list[ProfileSegment] | list[OvalitySegment],
-    key: str,
-    scale: int,
+    heights: list[float], values: list[float], segments: Segments, key: str, scale: int
 ) -> tuple[list[float], list[float]]:
     """Return the points at which segments begin and end: those of the drawing and derived ones."""
-    rising([heights[0], *(one.to_mm for one in segments)])
+    z_mm = rising([heights[0], *(one.to_mm for one in segments)])
     for i, one in enumerate(segments):
         one.check(key, is_first=i == 0)
     try:
@@ -134,10 +120,7 @@ def _points(
     except SegmentError as error:
         context = {"field": f"segment.{error.index}.{error.key}", "value": None}
         raise wrong("segment", error.problem, error.remedy, **context) from error
-    return (
-        [heights[0], *(one.to_mm for one in segments)],
-        [values[0], *(scale * one.value_mm for one in pieces)],
-    )
+    return z_mm, [values[0], *(scale * one.value_mm for one in pieces)]
 
 
 def _check_smooth(curve: Profile | Ovality) -> None:

@@ -176,9 +176,8 @@ class SectionShape(TomlTable):
         shape = info.data.get("shape")
         if value != 0 and shape == "ellipse-arc":
             problem = 'phase_deg has no meaning for shape = "ellipse-arc"'
-            raise wrong(
-                "foreign", problem, "remove it, and set index_offset_udeg of the controller"
-            )
+            remedy = "remove it, and set index_offset_udeg of the controller"
+            raise wrong("foreign", problem, remedy)
         if isinstance(value, list) and shape in GIVEN_BY_POINTS:
             problem = f'is a list, shape = "{shape}" has no heights of ovality'
             raise wrong("one", problem, "give one number")
@@ -248,21 +247,14 @@ class Antithrust(TomlTable):
     def _check_something(self) -> Self:
         if self.meet == "long-axis" and self.ovality_mm is None:
             context = {"field": "ovality_mm", "value": None}
-            problem = (
-                'is missing: sides that meet at the long axis differ by it (meet = "long-axis")'
-            )
+            problem = "is missing: sides that meet at the long axis differ by it"
+            problem += ' (meet = "long-axis")'
             raise wrong("needed", problem, "add it, one value for each height", **context)
         return self
 
 
 def check_sides(other: Antithrust, shape: str, ends_mm: tuple[float, float]) -> None:
-    """Refuse another side where the section has none, or which does not cover the profile.
-
-    Raises
-    ------
-    PydanticCustomError
-        With field, value and remedy.
-    """
+    """Refuse another side where the section has none, or which does not cover the profile."""
     if shape not in OVALS:
         context: dict[str, object] = {"field": "section.shape", "value": shape}
         problem = "has no sides: the table [piston.antithrust] is for ovals"

@@ -125,10 +125,10 @@ def _check_arc(index: int, piece: Piece) -> None:
     sign = 1.0 if piece.radius_mm > 0 else -1.0
     ends = (piece.from_mm, piece.from_value_mm), (piece.to_mm, piece.value_mm)
     if any(sign * (v - centre_v) <= 0 or abs(z - centre_z) >= radius_mm for z, v in ends):
-        problem = (
-            f"an arc of radius {radius_mm:.6g} mm would turn back over height between its ends"
+        problem = f"an arc of radius {radius_mm:.6g} mm would turn back over height between its "
+        raise SegmentError(
+            index, "radius_mm", f"{problem}ends", "give a larger radius, or other ends"
         )
-        raise SegmentError(index, "radius_mm", problem, "give a larger radius, or other ends")
 
 
 def _kink_deg(index: int, step: DrawnSegment, piece: Piece, slope: float) -> float:
@@ -166,11 +166,7 @@ def _piece(
 def join(start_mm: float, value_mm: float, steps: tuple[DrawnSegment, ...]) -> tuple[Piece, ...]:
     """Return the segments of a drawing with all their numbers, one after the other.
 
-    Raises
-    ------
-    SegmentError
-        An arc is too small for its chord or does not reach its height, or a segment is not tangent
-        where the drawing says so.
+    Raises SegmentError: an arc is too small, or a segment is not tangent where it should be.
     """
     pieces: list[Piece] = []
     place = (start_mm, value_mm)

@@ -23,7 +23,6 @@ from camtools.skirt.geometry.sections import fold
 from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.report.outcome import Even, SkirtOutcome
 from camtools.skirt.table.speed import SpeedTable, motion_played, worst_of
-from camtools.table.channel import Channel
 
 _UM_PER_MM, _MM_PER_M, _PERCENT = 1000.0, 1000.0, 100.0
 _N_ANGLES = 721
@@ -54,41 +53,6 @@ def hardest_turn(trace: CutTrace, geometry: Geometry) -> Ints:
     return np.asarray(cutting[whole == best], dtype=np.int64)
 
 
-def _motion_at(
-    trace: CutTrace,
-    geometry: Geometry,
-    speed_rpm: float,
-    middle_mm: float = 0.0,
-    speed: Channel | None = None,
-) -> TurnOfU:
-    """Return U, its velocity and acceleration over the turn in which U moves most.
-
-    Parameters
-    ----------
-    middle_mm : float
-        Reduction of the radius at U 0 [mm].
-    speed : Channel, optional
-        Ratio of the spindle's speed over the drawing's angle, where it is modulated.
-    """
-    rows = hardest_turn(trace, geometry)
-    z_mm = float(trace.z_mm[rows].mean()) if rows.size else geometry.z_last_mm
-    turns = np.linspace(0, 1, _N_ANGLES)
-    u_mm, velocity, acceleration = motion_played(geometry, speed_rpm, z_mm, turns, speed)
-    degrees, moved_um, slope = _measured(trace.pick(rows)) if rows.size else (None,) * 3
-    mean = "mean " if speed is not None else ""
-    return TurnOfU(
-        f"height {z_mm:.1f} mm, {mean}{speed_rpm:g} r/min",
-        360 * turns,
-        (
-            ChartPanel("U towards the axis, µm", (u_mm - middle_mm) * _UM_PER_MM, moved_um),
-            ChartPanel("velocity, mm/s", trace.sense * velocity, slope),
-            ChartPanel("acceleration, m/s²", acceleration / _MM_PER_M),
-        ),
-        geometry.played_name,
-        degrees,
-    )
-
-
 def _measured(turn: CutTrace) -> tuple[Floats, Floats, Floats]:
     """Return angle [degrees], place of U [um] and its velocity [mm/s] at some ticks of a turn."""
     u_mm = turn.u_act_nm / NM_PER_MM
@@ -99,12 +63,28 @@ def _measured(turn: CutTrace) -> tuple[Floats, Floats, Floats]:
 
 
 def motion_of(outcome: SkirtOutcome) -> TurnOfU:
-    """Return U over the turn in which it moves most."""
-    generated = outcome.generated
-    speed, middle_mm = generated.speed, generated.middle_nm / NM_PER_MM
-    law = speed.channel if speed is not None else None
+    """Return U, its velocity and acceleration over the turn in which U moves most."""
+    generated, trace, geometry = outcome.generated, outcome.trace, outcome.generated.geometry
+    law = generated.speed.channel if generated.speed is not None else None
     speed_rpm = outcome.summary["cut"]["spindle_rpm"]
-    return _motion_at(outcome.trace, generated.geometry, speed_rpm, middle_mm, law)
+    rows = hardest_turn(trace, geometry)
+    z_mm = float(trace.z_mm[rows].mean()) if rows.size else geometry.z_last_mm
+    turns = np.linspace(0, 1, _N_ANGLES)
+    u_mm, velocity, acceleration = motion_played(geometry, speed_rpm, z_mm, turns, law)
+    u_mm = u_mm - generated.middle_nm / NM_PER_MM
+    degrees, moved_um, slope = _measured(trace.pick(rows)) if rows.size else (None,) * 3
+    mean = "mean " if law is not None else ""
+    return TurnOfU(
+        f"height {z_mm:.1f} mm, {mean}{speed_rpm:g} r/min",
+        360 * turns,
+        (
+            ChartPanel("U towards the axis, µm", u_mm * _UM_PER_MM, moved_um),
+            ChartPanel("velocity, mm/s", trace.sense * velocity, slope),
+            ChartPanel("acceleration, m/s²", acceleration / _MM_PER_M),
+        ),
+        geometry.played_name,
+        degrees,
+    )
 
 
 class Lines(NamedTuple):
@@ -160,21 +140,13 @@ def _corner_speed(trace: CutTrace, corner: Corner, z_mm: float) -> tuple[Floats,
     joint_deg, k = float(corner.joint_deg(z_mm)), _CORNER_TICKS
     rows = np.flatnonzero((np.abs(deg - joint_deg) < _ROOM_DEG) & (trace.state == CUTTING))
     rows = rows[(rows >= k) & (rows < trace.t_s.size - k)]
-    u_mm = trace.u_act_nm / NM_PER_MM
-    speed = (u_mm[rows + k] - u_mm[rows - k]) / (trace.t_s[rows + k] - trace.t_s[rows - k])
-    return deg[rows], speed
+    return deg[rows], slope_of(trace.u_act_nm / NM_PER_MM, trace.t_s, k)[rows]
 
 
 def draw_corner(
     cut: GaugedSurface, trace: CutTrace, geometry: Geometry, spindle_rpm: float
 ) -> Figure:
-    """Return contour, deviation from the drawing, velocity and acceleration around the joint.
-
-    Parameters
-    ----------
-    geometry : Geometry
-        With a corner that was refitted.
-    """
+    """Return contour, deviation, velocity and acceleration around the joint of a refit."""
     corner = geometry.corner
     assert corner is not None
     z_mm = corner.worst_mm
@@ -245,23 +217,17 @@ def draw_even(even: Even, speed: SpeedTable, spindle_rpm: float) -> Figure:
     measured_rpm = 60 * np.abs(np.gradient(ours.turn, ours.t_s))
     panels[0].plot(360 * (ours.turn % 1), measured_rpm, label="spindle, measured", **_DOTS)
     panels[0].axhline(spindle_rpm, color=GREY, ls="--", label="uniform turning")
-    _pair(panels[1], theirs, ours, "rate_mm3_s")
-    _pair(panels[2], theirs, ours, "power_w")
-    _pair(panels[3], theirs, ours, "rate_force_n")
-    _pair(panels[4], theirs, ours, "chip_force_n")
-    for axes in panels[1:]:
+    names = ("rate_mm3_s", "power_w", "rate_force_n", "chip_force_n")
+    for axes, name in zip(panels[1:], names, strict=True):
+        for removal, colour, style in ((theirs, GREY, "--"), (ours, BLUE, "-")):
+            order = np.argsort(removal.turn % 1, kind="stable")
+            place = 360 * (removal.turn % 1)[order]
+            axes.plot(place, getattr(removal, name)[order], color=colour, ls=style)
         axes.set_ylim(bottom=0)
     panels[0].set_title(f"height {z_mm:.1f} mm, mean {spindle_rpm:g} r/min", loc="left")
     panels[0].legend(frameon=False, loc="lower right", bbox_to_anchor=(1, 0.97), ncols=3)
     angle_axis(panels[-1])
     return figure
-
-
-def _pair(axes: Axes, uniform: Removal, even: Removal, name: str) -> None:
-    for removal, colour, style in ((uniform, GREY, "--"), (even, BLUE, "-")):
-        order = np.argsort(removal.turn % 1, kind="stable")
-        place = 360 * (removal.turn % 1)[order]
-        axes.plot(place, getattr(removal, name)[order], color=colour, ls=style)
 
 
 def draw_ripple(even: Even, speed: SpeedTable) -> Figure:

@@ -1,8 +1,4 @@
-"""All that is known about the cut of a skirt, and in words and numbers.
-
->>> limited_turns(620.0), limited_turns(62_000.0)
-([], ['--turns-limit', '2000'])
-"""
+"""All that is known about the cut of a skirt, and in words and numbers."""
 
 from __future__ import annotations
 
@@ -58,18 +54,10 @@ class Even(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SkirtOutcome(Cut[GeneratedSkirt]):
-    """All that is known about the cut of a skirt.
+    """All that is known about the cut of a skirt."""
 
-    Attributes
-    ----------
-    even : Even or None
-        Removal rate and forces of a part that is turned with equal volumes.
-    control : GaugedSurface or None
-        The controller's own errors, where the table plays a refit or a filter of the drawing.
-    """
-
-    even: Even | None = None
-    control: GaugedSurface | None = None
+    even: Even | None = None  # removal rate and forces of a part turned with equal volumes
+    control: GaugedSurface | None = None  # own errors, where a refit or a filter is played
 
 
 def limited_turns(turns: float) -> list[str]:
@@ -97,13 +85,12 @@ def compare_removal(rig: Rig, generated: GeneratedSkirt) -> Even | None:
     for name, data in table_files(twin_table.table, make_summary(twin_table)).items():
         (twin / name).write_bytes(data)
     words = [*rig.words, *limited_turns(rig.turns)]
-    even, uniform = (
+    cuts = [
         made_cut(table, words, tables=["removal"], files={file: "removal"})
         for table, file in ((rig.table, REMOVAL), (str(twin / rig.table), REMOVAL_UNIFORM))
-    )
-    return Even(
-        *(even.summary, uniform.summary), removal_of(even.removal), removal_of(uniform.removal)
-    )
+    ]
+    even, uniform = (removal_of(one.removal) for one in cuts)
+    return Even(cuts[0].summary, cuts[1].summary, even, uniform)
 
 
 _BETWEEN = "ridges between tracks"
@@ -114,13 +101,7 @@ def _nose_text(nose_mm: float) -> str:
 
 
 def tool_row(summary: Json, tool: Tool, heel: Heel) -> ReportRow:
-    """Return the row of the tool.
-
-    Parameters
-    ----------
-    summary : dict
-        Of the cut: which tool the simulator had. Where it does not say, that of the table.
-    """
+    """Return the row of the tool that the simulator had, by default that of the table."""
     used = summary.get("tool", {})
     nose_mm = used.get("nose_mm", tool.nose_radius_mm)
     words = _nose_text(nose_mm)
@@ -128,23 +109,14 @@ def tool_row(summary: Json, tool: Tool, heel: Heel) -> ReportRow:
         words += f", but the table is made for: {_nose_text(tool.nose_radius_mm)}"
     if used.get("wear_um", 0):
         words += f", worn by {used['wear_um']:g} um"
-    return ReportRow(
-        "tool",
-        f"{words}; {clearance_text(tool.clearance_deg, heel)}",
-    )
+    return ReportRow("tool", f"{words}; {clearance_text(tool.clearance_deg, heel)}")
 
 
 def track_row(summary: Json, tool: Tool, peak: float = 1.0) -> ReportRow:
     """Return the row of what stays between the tracks of the tool.
 
-    The form error is that of the tool's path: ridges do not count in it.
-
-    Parameters
-    ----------
-    summary : dict
-        Of the cut: its feed, and which tool the simulator had.
-    peak : float
-        The largest feed over the height as a multiple of the mean.
+    The form error is that of the tool's path: ridges do not count in it. The largest feed over the
+    height is `peak` times the mean.
 
     >>> track_row({"cut": {"feed_mm": 0.1}}, Tool(nose_radius_mm=0.8)).value
     '1.56 µm in theory (nose radius 0.8 mm, feed 0.1 mm); not part of the form error'
@@ -156,9 +128,8 @@ def track_row(summary: Json, tool: Tool, peak: float = 1.0) -> ReportRow:
         return ReportRow(_BETWEEN, text)
     why = f"(nose radius {nose_mm:g} mm, feed {feed_mm:.4g} mm)"
     if feed_mm >= 2 * nose_mm:
-        return ReportRow(
-            _BETWEEN, f"the tracks do not meet, so metal remains {why}; reduce the feed"
-        )
+        text = f"the tracks do not meet, so metal remains {why}; reduce the feed"
+        return ReportRow(_BETWEEN, text)
     ridge_um = 1000 * (nose_mm - sqrt(nose_mm**2 - feed_mm**2 / 4))
     text = f"{length_text(ridge_um)} in theory {why}; not part of the form error"
     return ReportRow(_BETWEEN, text)
@@ -201,13 +172,11 @@ def _corner_rows(outcome: SkirtOutcome) -> list[ReportRow]:
         return []
     recipe, off = corner.recipe, corner.off
     assert off is not None
-    return [
-        ReportRow(
-            "refit of the corner",
-            f"{recipe.spline}, ({recipe.s1}, {recipe.s2}) points left out: deviates from the "
-            f"drawing by at most {length_text(off.um)}, {length_text(corner.off_limit_um)} allowed",
-        )
-    ]
+    text = (
+        f"{recipe.spline}, ({recipe.s1}, {recipe.s2}) points left out: deviates from the "
+        f"drawing by at most {length_text(off.um)}, {length_text(corner.off_limit_um)} allowed"
+    )
+    return [ReportRow("refit of the corner", text)]
 
 
 def _filter_rows(outcome: SkirtOutcome) -> list[ReportRow]:
@@ -258,9 +227,8 @@ def _removal_rows(outcome: SkirtOutcome) -> list[ReportRow]:
         return []
     ours, theirs = outcome.even.summary["removal"], outcome.even.uniform_summary["removal"]
     if "rate_ripple" not in ours or "rate_ripple" not in theirs:
-        return [
-            ReportRow("ripple of the removal rate", "unknown: no whole turn at full feed was cut")
-        ]
+        text = "unknown: no whole turn at full feed was cut"
+        return [ReportRow("ripple of the removal rate", text)]
     rate, plain = ours["rate_ripple"], theirs["rate_ripple"]
     chip, plain_chip = ours["chip_force_ripple"], theirs["chip_force_ripple"]
     return [

@@ -4,15 +4,11 @@
 >>> from camtools.skirt.part.part_file import example_part
 >>> sorted(draw_all(generate(example_part())))
 ['motion', 'profile', 'section']
-
->>> enlargement(46.0, 0.1)
-100
->>> enlargement_of(1.0), enlargement_of(30.0)
-(30, 1)
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -104,67 +100,47 @@ def _polar_scale(axes: PolarAxes, deepest_um: float) -> None:
     axes.tick_params(axis="x", pad=14)
 
 
-def _motion_curves(panels: list[Axes], result: GeneratedSkirt, z_mm: float, i: int) -> None:
-    turns = np.linspace(0, 1, _N_ANGLES)
-    law = result.speed.channel if result.speed is not None else None
-    rpm = result.part.process.spindle_rpm
-    u_mm, velocity, acceleration = motion_played(result.geometry, rpm, z_mm, turns, law)
-    curves = (u_mm * UM_PER_MM, velocity, acceleration / MM_PER_M)
-    for axes, values in zip(panels, curves, strict=True):
-        axes.plot(360 * turns, values, color=_colour(i), label=f"height {z_mm:.1f} mm")
-
-
 def draw_motion(result: GeneratedSkirt) -> Figure:
     """Return U, its velocity and acceleration over one turn at the part's speed."""
     speed_rpm = result.part.process.spindle_rpm
     figure = titled_figure(8.5, 8.5, _title(result, f"motion of U at {speed_rpm:g} r/min"))
     panels = stacked(figure, ("U towards the axis, µm", "velocity, mm/s", "acceleration, m/s²"))
+    turns = np.linspace(0, 1, _N_ANGLES)
+    law = result.speed.channel if result.speed is not None else None
     for i, z_mm in enumerate(_heights_mm(result.geometry)):
-        _motion_curves(panels, result, float(z_mm), i)
+        u_mm, velocity, bend = motion_played(result.geometry, speed_rpm, float(z_mm), turns, law)
+        curves = (u_mm * UM_PER_MM, velocity, bend / MM_PER_M)
+        for axes, values in zip(panels, curves, strict=True):
+            axes.plot(360 * turns, values, color=_colour(i), label=f"height {z_mm:.1f} mm")
     angle_axis(panels[-1])
     legend_below(figure, panels[0], _N_SECTIONS)
     return figure
 
 
 def _against_height(
-    axes: Axes, z_mm: Floats, curve: Floats, points: tuple[Floats, Floats], name: str
+    axes: Axes, z_mm: Floats, value: Callable[[Floats], Floats], points_mm: Floats, name: str
 ) -> None:
-    """Draw a curve over height, and the points of the drawing as heights and values."""
-    axes.plot(curve, z_mm, color=_colour(1), label=name)
-    inside = (points[0] >= z_mm[0]) & (points[0] <= z_mm[-1])
-    axes.plot(
-        points[1][inside], points[0][inside], "o", color=_colour(1), label="points of the drawing"
-    )
+    """Draw a curve over height, and the points of the drawing, as enlarged as the part is."""
+    axes.plot(value(z_mm), z_mm, color=_colour(1), label=name)
+    at = points_mm[(points_mm >= z_mm[0]) & (points_mm <= z_mm[-1])]
+    axes.plot(value(at), at, "o", color=_colour(1), label="points of the drawing")
     axes.grid(alpha=0.3)
     axes.tick_params(axis="x", rotation=30)
 
 
-def _profile_points(result: GeneratedSkirt) -> tuple[Floats, Floats]:
-    """Return heights and diameters of the drawing's points, as enlarged as the part is."""
-    z_mm = np.asarray(result.part.piston.profile.height_mm, dtype=np.float64)
-    return z_mm, 2 * result.geometry.radius_mm(z_mm)
-
-
-def _ovality_points(result: GeneratedSkirt) -> tuple[Floats, Floats]:
-    """Return heights and ovalities of the drawing's points, of a measured part its heights."""
-    drawn = result.part.piston.ovality
-    heights = result.geometry.ovality.x if drawn is None else drawn.height_mm
-    z_mm = np.asarray(heights, dtype=np.float64)
-    return z_mm, result.geometry.ovality_mm(z_mm)
-
-
 def draw_profile(result: GeneratedSkirt) -> Figure:
     """Return long-axis diameter and ovality over height, with the points of the drawing."""
-    geometry = result.geometry
+    geometry, piston = result.geometry, result.part.piston
     figure = titled_figure(8.5, 6.0, _title(result, "profile and ovality"))
     left, right = figure.subplots(1, 2, sharey=True)
     z_mm = dense_heights_mm(geometry, 32)
-    _against_height(left, z_mm, 2 * geometry.radius_mm(z_mm), _profile_points(result), "diameter")
-    g_mm = geometry.ovality_mm(z_mm)
+    heights_mm = geometry.ovality.x if piston.ovality is None else piston.ovality.height_mm
+    of_profile, of_ovality = (np.asarray(z, float) for z in (piston.profile.height_mm, heights_mm))
+    _against_height(left, z_mm, lambda z: 2 * geometry.radius_mm(z), of_profile, "diameter")
     name = "ovality" if geometry.corner is None else "ovality without trim"
-    _against_height(right, z_mm, g_mm, _ovality_points(result), name)
+    _against_height(right, z_mm, geometry.ovality_mm, of_ovality, name)
     if geometry.corner is not None:
-        trimmed_mm = g_mm + 2 * geometry.corner.trim(z_mm)
+        trimmed_mm = geometry.ovality_mm(z_mm) + 2 * geometry.corner.trim(z_mm)
         right.plot(trimmed_mm, z_mm, color=_colour(2), ls="--", label="ovality with trim")
     right.legend(frameon=False)
     left.legend(frameon=False)
@@ -308,13 +284,7 @@ def radius_grid(surface: GaugedSurface, geometry: Geometry) -> tuple[Floats, Flo
 
 
 def draw_skirt(surface: GaugedSurface, geometry: Geometry, factor: float) -> Figure:
-    """Return the cut skirt, deviations from its largest radius enlarged.
-
-    Parameters
-    ----------
-    factor : float
-        By which the drawing is enlarged already, 1 for a real part.
-    """
+    """Return the cut skirt, deviations enlarged; by `factor` the drawing is enlarged already."""
     heights, turns, radius = radius_grid(surface, geometry)
     enlarged, largest = enlargement_of(factor), float(np.nanmax(radius))
     depth_mm = largest - radius

@@ -1,13 +1,13 @@
 """What is known about a table, as JSON for programs.
 
->>> from camtools.skirt.table.generate import generate
 >>> from camtools.skirt.part.part_file import example_part
->>> sorted(make_summary(generate(example_part())))[:4]
-['channels', 'continuity', 'design', 'error']
+>>> segment_facts(example_part().piston)
+{}
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import isinf
 
 import numpy as np
@@ -20,14 +20,13 @@ from camtools.skirt.geometry.corner import Corner
 from camtools.skirt.geometry.profile import (
     noise_facts,
     notable_overshoots,
-    ovality_pieces,
-    profile_pieces,
+    pieces_of,
     smoothing_facts,
     smoothing_takes_um,
 )
 from camtools.skirt.geometry.run_in import HeldSurface
 from camtools.skirt.geometry.scan import coverage
-from camtools.skirt.geometry.sides import SidesSurface, as_drawn
+from camtools.skirt.geometry.sides import SidesSurface, TurnedSurface
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
 from camtools.skirt.part.part_file import Piston
 from camtools.skirt.part.profile_keys import Ovality, Profile
@@ -38,19 +37,12 @@ from camtools.skirt.table.generate import NM_PER_UM, GeneratedSkirt, peaks_of_ta
 from camtools.skirt.table.speed import summary_of
 from camtools.skirt.tool.heel import Heel
 from camtools.table.channel import KIND_U, KIND_X, Channel
-from camtools.table.evaluate import Continuity, jumps
+from camtools.table.evaluate import jumps
 from camtools.table.image import Table
 from camtools.table.summary import about_image, describe_channel
 
 _PEAK_ANGLES = 1440
 _PEAK_HEIGHTS_PER_PIECE = 16
-
-
-def motion_peaks(geometry: Geometry, spindle_rpm: float, feed_mm: float) -> Json:
-    """Return the peaks of U of the exact geometry of a skirt at a spindle speed."""
-    z_mm = dense_heights_mm(geometry, _PEAK_HEIGHTS_PER_PIECE)
-    phi_rad = 2 * np.pi * np.arange(_PEAK_ANGLES) / _PEAK_ANGLES
-    return motion_at(geometry, (phi_rad, z_mm), spindle_rpm, feed_mm)
 
 
 def motion_at(
@@ -70,7 +62,7 @@ def motion_at(
 
 
 def error_of(accuracy: Accuracy, per: str) -> Json:
-    """Return the errors of a channel as the summary says them; derivatives by `per`."""
+    """Return the errors of a channel for the summary; derivatives by `per`."""
     return {
         "value_nm": accuracy.value_nm,
         f"first_nm_per_{per}": accuracy.first,
@@ -82,12 +74,8 @@ def error_of(accuracy: Accuracy, per: str) -> Json:
 
 def jumps_of(channel: Channel) -> Json:
     """Return the jumps of a channel at its knots and at the wrap."""
-    names = Continuity._fields
     knots, wrap = jumps(channel)
-    return {
-        "at_knots": dict(zip(names, knots, strict=True)),
-        "at_wrap": dict(zip(names, wrap, strict=True)),
-    }
+    return {"at_knots": knots._asdict(), "at_wrap": wrap._asdict()}
 
 
 def passes_of(table: Table) -> list[Json]:
@@ -151,8 +139,9 @@ def _refit(corner: Corner) -> Json:
 
 def where_sides_meet(geometry: Geometry) -> Json | None:
     """Return where two sides meet and by how much they differ there, nothing of other sections."""
-    held = geometry.surface
-    sides = as_drawn(held.inner if isinstance(held, HeldSurface) else held)
+    sides = geometry.surface
+    sides = sides.inner if isinstance(sides, HeldSurface) else sides
+    sides = sides.surface if isinstance(sides, TurnedSurface) else sides
     if not isinstance(sides, SidesSurface) or sides.antithrust is None:
         return None
     z_mm = dense_heights_mm(geometry, _PEAK_HEIGHTS_PER_PIECE)
@@ -175,12 +164,12 @@ def segment_facts(piston: Piston) -> Json:
     Values are diameters and ovalities at the ends; a line has no radius; kink_deg is the turn
     against the segment before.
     """
-    found: Json = {}
-    if isinstance(piston.profile, Profile) and piston.profile.segment:
-        found["profile"] = [_piece(one, 2) for one in profile_pieces(piston.profile)]
-    if isinstance(piston.ovality, Ovality) and piston.ovality.segment:
-        found["ovality"] = [_piece(one, 1) for one in ovality_pieces(piston.ovality)]
-    return found
+    drawn = {"profile": (piston.profile, 2), "ovality": (piston.ovality, 1)}
+    return {
+        name: [_piece(piece, scale) for piece in pieces_of(one)]
+        for name, (one, scale) in drawn.items()
+        if isinstance(one, Profile | Ovality) and one.segment
+    }
 
 
 def _extras(result: GeneratedSkirt) -> Json:
@@ -194,16 +183,15 @@ def _extras(result: GeneratedSkirt) -> Json:
             "joined_um": result.geometry.joined_um,
             **coverage(result.geometry.measured[0]),
         }
-    if overshoots := notable_overshoots(result.part.piston):
-        extras["overshoots"] = overshoots
-    if smoothing := smoothing_facts(result.part.piston):
-        extras["smoothing"] = smoothing
-    if noise := noise_facts(result.part.piston):
-        extras["noise"] = noise
-    if drawn := segment_facts(result.part.piston):
-        extras["segments"] = drawn
-    if (meeting := where_sides_meet(result.geometry)) is not None:
-        extras["sides"] = meeting
+    facts: dict[str, Callable[[Piston], Json | list[str]]] = {
+        "overshoots": notable_overshoots,
+        "smoothing": smoothing_facts,
+        "noise": noise_facts,
+        "segments": segment_facts,
+    }
+    known: Json = {name: facts_of(result.part.piston) for name, facts_of in facts.items()}
+    known["sides"] = where_sides_meet(result.geometry)
+    extras |= {name: fact for name, fact in known.items() if fact}
     if result.geometry.correction is not None:
         extras["correction"] = result.geometry.correction.document()
     if result.speed is not None:
@@ -216,6 +204,8 @@ def make_summary(result: GeneratedSkirt) -> Json:
     table = result.table
     u, x = table.channel(KIND_U), table.channel(KIND_X)
     process = result.part.process
+    phi_rad = 2 * np.pi * np.arange(_PEAK_ANGLES) / _PEAK_ANGLES
+    grid = phi_rad, dense_heights_mm(result.geometry, _PEAK_HEIGHTS_PER_PIECE)
     return (
         _extras(result)
         | about_image(table, result.tolerance_nm)
@@ -229,7 +219,7 @@ def make_summary(result: GeneratedSkirt) -> Json:
                 "x": error_of(result.accuracy_x, "mm"),
             },
             "continuity": {"u": jumps_of(u), "x": jumps_of(x)},
-            "motion": motion_peaks(result.geometry, process.spindle_rpm, process.feed_mm),
+            "motion": motion_at(result.geometry, grid, process.spindle_rpm, process.feed_mm),
             "feasibility": feasibility_of(
                 peaks_of_table(table, result.speed),
                 *(result.part.machine.limits, process.spindle_rpm, result.highest_speed),

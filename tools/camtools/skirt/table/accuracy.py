@@ -6,20 +6,6 @@
 32
 
 What is measured here is bounded by MATHS.md (48) .. (50).
-
->>> from camtools.skirt.geometry.skirt_geometry import make_geometry
->>> from camtools.skirt.part.part_file import example_part
->>> from camtools.skirt.table.accuracy import u_channel
->>> geometry = make_geometry(example_part())
->>> accuracy = measure_u(geometry, u_channel(geometry, 3, 32))
->>> accuracy.value_nm < 1.0, accuracy.first_share < 1e-3, accuracy.second_share < 1e-3
-(True, True, True)
-
->>> from camtools.skirt.geometry.skirt_geometry import make_geometry
->>> from camtools.skirt.part.part_file import example_part
->>> estimate = height_error(make_geometry(example_part()))
->>> [float(nm) for nm in estimate.kinks_nm if estimate.bends[0] >= 0][1]
-20000000.0
 """
 
 from __future__ import annotations
@@ -64,19 +50,8 @@ def balanced(geometry: Geometry, phi_rad: Floats, z_mm: Floats, spacing_mm: floa
     """Return what slices store so that blending errs to both sides alike.
 
     Chords between points of a curve err to one side by spacing^2 / 8 of its curvature; moved by
-    half of that they err by half as much, MATHS.md (50).
-
-    Parameters
-    ----------
-    phi_rad : ndarray, shape (n_phi,)
-        Angles [rad].
-    z_mm : ndarray, shape (n,)
-        Heights of slices [mm], neighbours spacing_mm apart.
-
-    Returns
-    -------
-    ndarray, shape (3, n, n_phi)
-        Reduction and two angle derivatives [mm, mm/rad, mm/rad^2].
+    half of that they err by half as much, MATHS.md (50). Returned are the reduction and two angle
+    derivatives [mm, mm/rad, mm/rad^2], shape (3, n, n_phi), of n slices spacing_mm apart.
     """
     exact = np.stack(geometry.delta(phi_rad, z_mm[:, None])[:3])
     curvature = _curvature(geometry, phi_rad, z_mm, spacing_mm)
@@ -96,8 +71,12 @@ def u_channel(
         u = balanced(geometry, phi_rad, z_mm, spacing_mm)
     else:
         u = np.stack(geometry.delta(phi_rad, z_mm[:, None])[:3])
-    knots_nm = np.stack([u[0], h * u[1], h**2 / 2 * u[2]], axis=-1) * NM_PER_MM
-    return quantise(KIND_U, knots_nm, repeat, range_nm)
+    return quantise(KIND_U, _as_stored(u, h) * NM_PER_MM, repeat, range_nm)
+
+
+def _as_stored(u: Floats, h: float) -> Floats:
+    """Return value and derivatives (3, ..) as a table with knots h [rad] apart stores them."""
+    return np.stack([u[0], h * u[1], h**2 / 2 * u[2]], axis=-1)
 
 
 def x_channel(geometry: Geometry, n_knots: int) -> Channel:
@@ -134,14 +113,18 @@ class Accuracy(NamedTuple):
         """Error of the second derivative as a share of its peak."""
         return self.second / self.second_peak if self.second_peak else 0.0
 
+    @property
+    def shares(self) -> tuple[float, float]:
+        """Both."""
+        return self.first_share, self.second_share
+
 
 def _accuracy(channel: Channel, got: Values, exact: Values) -> Accuracy:
     errors = [float(np.abs(a - b).max()) for a, b in zip(got, exact, strict=True)]
     peaks = [float(np.abs(values).max()) for values in exact]
-    lsb_nm = channel.lsb
-    value_nm = GRID_MARGIN * errors[0] + ROUNDING_LSB * lsb_nm
-    first, second = GRID_MARGIN * errors[1], GRID_MARGIN * errors[2]
-    return Accuracy(value_nm, first, second, peaks[1], peaks[2], lsb_nm)
+    value_nm, first, second = (GRID_MARGIN * error for error in errors)
+    value_nm += ROUNDING_LSB * channel.lsb
+    return Accuracy(value_nm, first, second, peaks[1], peaks[2], channel.lsb)
 
 
 def _between(geometry: Geometry, n_slices: int, weights: Floats) -> Floats:
@@ -154,17 +137,7 @@ def _between(geometry: Geometry, n_slices: int, weights: Floats) -> Floats:
 
 
 def measure_u(geometry: Geometry, channel: Channel, z_nm: Floats | None = None) -> Accuracy:
-    """Return the error of a u channel.
-
-    Parameters
-    ----------
-    geometry : Geometry
-        The truth.
-    channel : Channel
-        Of kind u, made from it.
-    z_nm : ndarray, shape (n,), optional
-        Heights to look at; the default is a dense grid with both ends and all kinks.
-    """
+    """Return the error of a u channel at heights, by default a dense grid with all kinks."""
     z_nm = _between(geometry, channel.n_slices, _W) if z_nm is None else z_nm
     n_knots = channel.knots.shape[1]
     pattern = (np.arange(n_knots)[:, None] + PLACES).ravel() / n_knots
@@ -262,12 +235,8 @@ def probe(
 ) -> Probe:
     """Return the error of an unquantised table of this size at its worst heights.
 
-    Only the slices around these heights are made, so the cost does not grow with their number.
-
-    Parameters
-    ----------
-    has_kinks : bool
-        The second derivative has kinks, between which the estimate may have missed its peak.
+    Only the slices around these heights are made, so the cost does not grow with their number. The
+    estimate may have missed the peak of a second derivative that has kinks.
     """
     probes_nm = estimate.probes_nm(n_slices)
     spacing, first_nm = estimate.span_nm / (n_slices - 1), height_range_nm(geometry)[0]
@@ -277,7 +246,7 @@ def probe(
     knots = np.arange(1 << log2_knots, dtype=np.float64)
     around_mm = (first_nm + (i_slice + np.array([[0], [1]])) * spacing) / NM_PER_MM
     u = balanced(geometry, h * knots, around_mm.ravel(), spacing / NM_PER_MM)
-    stored = np.stack([u[0], h * u[1], h**2 / 2 * u[2]], axis=-1)
+    stored = _as_stored(u, h)
     below, above = stored.reshape(*around_mm.shape, *stored.shape[1:])
     blended = segment_coefficients((1 - weight) * below + weight * above, periodic=True)
     phi_rad = (h * (knots[:, None] + PLACES)).ravel()

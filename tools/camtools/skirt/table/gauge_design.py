@@ -13,16 +13,13 @@ from scipy.interpolate import PPoly
 
 from camtools.base.text import Json
 from camtools.skirt.geometry.corner import Corner
-from camtools.skirt.geometry.poly_surface import TURN_RAD, PolySurface
+from camtools.skirt.geometry.poly_surface import TURN_RAD, PolySurface, piecewise
 from camtools.skirt.geometry.run_in import CorrectedSurface, HeldSurface
+from camtools.skirt.geometry.sections import SkirtSurface
 from camtools.skirt.geometry.sides import SidesSurface, TurnedSurface
-from camtools.skirt.geometry.skirt_geometry import Geometry, SkirtSurface
+from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import GeneratedSkirt
-
-
-def _piecewise(spline: PPoly) -> Json:
-    return {"breaks_mm": spline.x.tolist(), "coefficients": spline.c.T.tolist()}
 
 
 def _document(part: SkirtPart, geometry: Geometry, radius_mm: PPoly, surface: SkirtSurface) -> Json:
@@ -33,20 +30,20 @@ def _document(part: SkirtPart, geometry: Geometry, radius_mm: PPoly, surface: Sk
         more = {"correction": surface.correction.for_gauge()}
         return _document(part, geometry, radius_mm, surface.inner) | more
     section = part.piston.section
-    radius: Json = {"radius_mm": _piecewise(radius_mm)}
+    radius: Json = {"radius_mm": piecewise(radius_mm)}
     if isinstance(surface, TurnedSurface):
-        radius["phase_rad"] = _piecewise(surface.phase)
+        radius["phase_rad"] = piecewise(surface.phase)
         surface = surface.surface
     if isinstance(surface, PolySurface):
         return {"shape": "surface"} | radius | {"surface": surface.document()}
     if isinstance(surface, SidesSurface):
         return {"shape": "sides"} | radius | surface.document()
-    oval = radius | {"ovality_mm": _piecewise(geometry.ovality)}
+    oval = radius | {"ovality_mm": piecewise(geometry.ovality)}
     found: Json = {"shape": section.shape, "beta": float(np.asarray(section.beta))} | oval
     if isinstance(surface, Corner):
         # What it has beyond an oval; layout: host_sim/part/sim_design.h.
         joint = PPoly(np.radians(surface.joint_deg.c) / TURN_RAD, surface.joint_deg.x)
-        corner = {"trim_mm": _piecewise(surface.trim), "joint_turn": _piecewise(joint)}
+        corner = {"trim_mm": piecewise(surface.trim), "joint_turn": piecewise(joint)}
         found |= {"base": section.base} | corner
     return found
 

@@ -62,17 +62,8 @@ def refuse_scan(
 ) -> None:
     """Refuse a measured part that has no table, with the most waves that make one.
 
-    Does nothing for other parts.
-
-    Parameters
-    ----------
-    followed : callable
-        From the skirt's geometry to what the tool's tip follows.
-
-    Raises
-    ------
-    GeometryError
-        With the number of harmonics that was tried and works, and how far it is off the points.
+    It names how far those are off the points, and does nothing for other parts. `followed` returns
+    what the tool's tip follows of a geometry.
     """
     section = part.piston.section
     if geometry.measured is None:
@@ -131,14 +122,6 @@ def make_table(
     return replace(table, is_ring_helix=part.process.path == "ring-helix")
 
 
-def refuse_steps(part: SkirtPart) -> None:
-    """Refuse a stepped path: a controller plays helices and ring-helices."""
-    if part.process.path == "stepped":
-        problem = "is only for analyse and mkgcode; a controller cannot play it"
-        remedy = 'give --axes cxzu to mkgcode, or set path = "ring-helix" or "helix"'
-        raise GeometryError("process.path", problem, remedy)
-
-
 def refuse_corner(geometry: Geometry) -> None:
     """Refuse a composite section whose corner has no refit: no axis can follow it."""
     corner = geometry.corner
@@ -151,11 +134,6 @@ def refuse_corner(geometry: Geometry) -> None:
         f"{corner.worst_mm:.4g} mm), so U would need infinite acceleration"
     )
     raise GeometryError("piston.section.refit", problem, "add the table [piston.section.refit]")
-
-
-def default_tolerance_nm(geometry: Geometry) -> float:
-    """Return the tolerance of u that applies when none is asked for [nm]."""
-    return DEFAULT_TOLERANCE_NM if geometry.corner is None else REFIT_TOLERANCE_NM
 
 
 def _u_of(
@@ -179,7 +157,8 @@ def _within(
     part: SkirtPart, geometry: Geometry, tip: Geometry, tolerance_nm: float | None, most_nm: float
 ) -> tuple[float, tuple[Channel, Accuracy]]:
     """Return the tolerance of u with its channel; of a correction the least one that it allows."""
-    default_nm = tolerance_nm or default_tolerance_nm(geometry)
+    default_nm = DEFAULT_TOLERANCE_NM if geometry.corner is None else REFIT_TOLERANCE_NM
+    default_nm = tolerance_nm or default_nm
     if tolerance_nm is None and geometry.correction is not None:
         for wider_nm in CORRECTED_NM[:-1]:
             if wider_nm >= default_nm:
@@ -192,7 +171,10 @@ def _within(
 
 def _geometry_of(part: SkirtPart, passes: list[SkirtPart]) -> Geometry:
     """Return the exact geometry of a part, or refuse what Z or U cannot follow at any speed."""
-    refuse_steps(part)
+    if part.process.path == "stepped":  # a controller plays helices and ring-helices
+        problem = "is only for analyse and mkgcode; a controller cannot play it"
+        remedy = 'give --axes cxzu to mkgcode, or set path = "ring-helix" or "helix"'
+        raise GeometryError("process.path", problem, remedy)
     geometry = geometry_of(part)
     low_mm, high_mm = geometry.skirt_mm
     for one in passes:
@@ -208,20 +190,12 @@ def generate(
 ) -> GeneratedSkirt:
     """Return the smallest table of a part that keeps the tolerance.
 
-    Parameters
-    ----------
-    tolerance_nm : float, optional
-        Largest error of u and of x anywhere on the skirt [nm], the firmware's rounding included;
-        by default 1 nm, for u of a refitted composite section 5 nm, of a corrected drawing the
-        first of 3, 10, 30, 100 and 300 nm that can be reached, and of a profile or an ovality with
-        corners or steps of curvature what can be reached, at most half of the accepted form error.
-    correction : Correction, optional
-        By a gauged part: the table plays the drawing less this reduction.
-
-    Raises
-    ------
-    CamtoolsError
-        The shape is impossible, the tolerance is out of reach, or the machine is too weak.
+    The tolerance is the largest error of u and of x anywhere on the skirt [nm], the firmware's
+    rounding included; by default 1 nm, for u of a refitted composite section 5 nm, of a corrected
+    drawing the first of 3, 10, 30, 100 and 300 nm that can be reached, and of a profile or an
+    ovality with corners or steps of curvature what can be reached, at most half of the accepted
+    form error. A correction by a gauged part is taken off the drawing. Raises CamtoolsError: the
+    shape is impossible, the tolerance is out of reach, or the machine is too weak.
     """
     passes = checked_passes(part, part.tool, tolerance_nm)
     geometry = _geometry_of(part, passes)

@@ -77,14 +77,6 @@ def slice_counts(geometry: Geometry) -> Ints:
     return np.arange(fewest, most + 1)
 
 
-def angle_error(geometry: Geometry, log2_knots: int) -> Accuracy:
-    """Return the error of u at slices alone: interpolation in angle and quantisation."""
-    n_slices = int(slice_counts(geometry)[0])
-    first, last = height_range_nm(geometry)
-    channel = u_channel(geometry, log2_knots, n_slices, is_balanced=False)
-    return measure_u(geometry, channel, np.linspace(first, last, n_slices))
-
-
 def second_share_of(geometry: Geometry) -> float:
     """Return the error of the second derivative that is allowed, as a share of its peak.
 
@@ -112,6 +104,8 @@ class SizeCandidate(NamedTuple):
 def u_candidates(geometry: Geometry) -> list[SizeCandidate]:
     """Return all sizes that can satisfy the derivatives, smallest first."""
     counts = slice_counts(geometry)
+    n_slices = int(counts[0])
+    slices_nm = np.linspace(*height_range_nm(geometry), n_slices)
     in_height = height_error(geometry).estimate_nm(counts)
     found: list[SizeCandidate] = []
     for log2_knots in range(MIN_LOG2_KNOTS, MAX_LOG2_KNOTS + 1):
@@ -119,10 +113,11 @@ def u_candidates(geometry: Geometry) -> list[SizeCandidate]:
         if not fits.any():
             break
         try:
-            in_angle = angle_error(geometry, log2_knots)
+            exact = u_channel(geometry, log2_knots, n_slices, is_balanced=False)
+            in_angle = measure_u(geometry, exact, slices_nm)  # at slices alone
         except TooLargeError:
             continue
-        if not _keeps_derivatives(geometry, in_angle.first_share, in_angle.second_share):
+        if not _keeps_derivatives(geometry, *in_angle.shares):
             continue
         estimates = np.maximum(in_height, in_angle.value_nm)[fits]
         sizes = (counts[fits] << log2_knots) * KNOT_SIZE
@@ -130,9 +125,8 @@ def u_candidates(geometry: Geometry) -> list[SizeCandidate]:
             SizeCandidate(int(size), log2_knots, int(n), float(estimate))
             for size, n, estimate in zip(sizes, counts[fits], estimates, strict=True)
         ]
-        shares = max(in_angle.first_share, in_angle.second_share)
         is_fine = in_angle.value_nm <= _AT_FLOOR_LSB * in_angle.lsb_nm
-        if is_fine and shares <= DERIVATIVE_SHARE / 2:
+        if is_fine and max(in_angle.shares) <= DERIVATIVE_SHARE / 2:
             break  # more knots cannot help any more
     return sorted(found)
 
@@ -166,17 +160,8 @@ def choose_u(
     """Return the smallest u channel within the tolerance, and its measured error.
 
     Between slices at equal distances no cubic follows a step of the ovality's curvature within any
-    tolerance. Where none keeps it, the best one found is taken if its error is at most most_nm.
-
-    Parameters
-    ----------
-    sieve : Geometry, optional
-        Nearly the same and evaluated more quickly: the sizes that it needs are measured first.
-
-    Raises
-    ------
-    UnreachableError
-        With the best error that was found.
+    tolerance. Where none keeps it, the best one found is taken if its error is at most most_nm. A
+    sieve is nearly the same geometry, evaluated more quickly: the sizes that it needs come first.
     """
     if sieve is not None and sieve is not geometry:
         within, _ = _measured(geometry, sieve, tolerance_nm, _MAX_SIEVED)
@@ -185,16 +170,12 @@ def choose_u(
     within, others = _measured(geometry, geometry, tolerance_nm, _MAX_MEASURES)
     if within is not None:
         return within
-    smooth = [one for one in others if _keeps_derivatives(geometry, *_shares(one[1]))]
+    smooth = [one for one in others if _keeps_derivatives(geometry, *one[1].shares)]
     best = min(smooth, key=lambda one: one[1].value_nm, default=None)
     if best is None or best[1].value_nm > most_nm:
         best_nm = min((accuracy.value_nm for _, accuracy in others), default=inf)
         raise UnreachableError("u", tolerance_nm, best_nm)
     return best
-
-
-def _shares(accuracy: Accuracy) -> tuple[float, float]:
-    return accuracy.first_share, accuracy.second_share
 
 
 def _measured(
@@ -210,7 +191,7 @@ def _measured(
         channel = u_channel(geometry, candidate.log2_knots, candidate.n_slices)
         accuracy = measure_u(geometry, channel)
         is_within = accuracy.value_nm <= tolerance_nm
-        if is_within and _keeps_derivatives(geometry, *_shares(accuracy)):
+        if is_within and _keeps_derivatives(geometry, *accuracy.shares):
             return (channel, accuracy), others
         if is_within:
             coarse.add(candidate.log2_knots)  # a derivative decides, and that by the angle
@@ -226,11 +207,6 @@ def choose_x(
     No quintic with knots at equal distances follows a corner of the drawing, or a step of its
     curvature, within any tolerance. Where the best channel misses the tolerance, the smallest one
     that comes near the best is taken instead, as long as its error is at most most_nm.
-
-    Raises
-    ------
-    UnreachableError
-        With the best error that was found.
     """
     found: list[tuple[Channel, Accuracy]] = []
     for n_knots in slice_counts(geometry):

@@ -97,15 +97,8 @@ def _channel(laws: list[Law], range_nm: tuple[int, int], repeat: int) -> Channel
 def make_speed(part: SkirtPart, geometry: Geometry, u: Channel, uniform_rpm: float) -> SpeedTable:
     """Return the speed channel of least ripple for a part, at its own mean speed.
 
-    Parameters
-    ----------
-    uniform_rpm : float
-        Highest speed of uniform turning, for comparison [r/min].
-
-    Raises
-    ------
-    CamtoolsError
-        Uniform speed is beyond a limit already, or the rate ripples by more than is accepted.
+    The highest speed of uniform turning is for comparison. Raises CamtoolsError: uniform speed is
+    beyond a limit already, or the rate ripples by more than is accepted.
     """
     range_nm = height_range_nm(geometry)
     n = max(_SLICES, ceil((range_nm[1] - range_nm[0]) / MAX_SPACING_NM) + 1)
@@ -131,13 +124,7 @@ def make_speed(part: SkirtPart, geometry: Geometry, u: Channel, uniform_rpm: flo
 
 
 def check_ripple(speed: SpeedTable, part: SkirtPart) -> None:
-    """Refuse a part whose removal rate will ripple by more than its file accepts.
-
-    Raises
-    ------
-    CamtoolsError
-        With the highest mean speed at which it is kept.
-    """
+    """Refuse a part whose removal rate will ripple by more than its file accepts."""
     most, worst = part.process.ripple_percent, float(speed.played.max())
     if most is None or 100 * worst <= most:
         return
@@ -170,14 +157,9 @@ def highest_rpm_for(load: Load, limits: MachineLimits, ripple: float) -> float:
 def motion_played(
     geometry: Geometry, mean_rpm: float, z_mm: float, turns: Floats, speed: Channel | None
 ) -> tuple[Floats, Floats, Floats]:
-    """Return U [mm], its velocity and acceleration at a height, at the speed of the table.
+    """Return U [mm], its velocity and acceleration at turns of the drawing's angle at a height.
 
-    Parameters
-    ----------
-    turns : ndarray, shape (n,)
-        The drawing's angle, in turns.
-    speed : Channel or None
-        Over the drawing's angle; without, the spindle turns uniformly.
+    Without a speed channel the spindle turns uniformly.
     """
     wanted = turning_at(geometry, mean_rpm, z_mm, turns)
     velocity, acceleration = wanted.velocity_mm_s, wanted.acceleration_mm_s2

@@ -5,11 +5,6 @@
 >>> slower = part.process.model_copy(update={"spindle_rpm": 500.0})
 >>> shape_key(part) == shape_key(part.model_copy(update={"process": slower}))
 True
-
->>> from camtools.skirt.part.part_file import example_part
->>> shape = exact_skirt(example_part())
->>> shape.heights_mm, [curve.name for curve in shape.profile().curves]
-((0.0, 62.0), ['long axis', 'short axis'])
 """
 
 from __future__ import annotations
@@ -69,15 +64,7 @@ _HEIGHTS = 201
 
 
 class ExactGeometry(Exact):
-    """A shape that is told by reductions of a radius.
-
-    Parameters
-    ----------
-    tip : Geometry
-        What the tip of the tool follows.
-    middle_mm : float
-        Reduction that X takes over from U.
-    """
+    """A shape by reductions of a radius: the drawing, the tool's tip, and what X takes over."""
 
     def __init__(self, drawn: Geometry, tip: Geometry, middle_mm: float) -> None:
         self.heights_mm = drawn.skirt_mm
@@ -97,28 +84,17 @@ class ExactGeometry(Exact):
         radius = self._drawn.radius_mm(z_mm)
         reduction = self._drawn.drawing.delta(even_angles(4), z_mm[:, None]).delta
         at = [radius - reduction[:, k] for k in range(4)]
-        pairs = (("long axis", at[0], at[2]), ("short axis", at[1], at[3]))
         curves: list[HeightCurve] = []
-        for name, one, other in pairs:
-            if np.allclose(one, other, rtol=0, atol=1e-6):
-                curves.append(HeightCurve(name, one))
+        for i, name in enumerate(("long axis", "short axis")):
+            if np.allclose(at[i], at[i + 2], rtol=0, atol=1e-6):
+                curves.append(HeightCurve(name, at[i]))
             else:
-                degrees = (0, 180) if name == "long axis" else (90, 270)
-                curves += [
-                    HeightCurve(f"{name}, {degree}°", values)
-                    for degree, values in zip(degrees, (one, other), strict=True)
-                ]
+                curves += [HeightCurve(f"{name}, {90 * k}°", at[k]) for k in (i, i + 2)]
         return ProfileOver(z_mm, tuple(curves))
 
 
 def exact_skirt(part: SkirtPart) -> ExactGeometry:
-    """Return the exact shape of a skirt.
-
-    Raises
-    ------
-    CamtoolsError
-        The numbers make no skirt, or the tool's nose does not fit into it.
-    """
+    """Return the exact shape of a skirt, or refuse numbers or a nose that do not fit."""
     geometry, process = geometry_of(part), part.process
     tip = tip_geometry(with_run(geometry, process.run_in_mm, process.run_out_mm), part.tool)
     return ExactGeometry(geometry, tip, middle_nm(tip, process.u_zero) / NM_PER_MM)

@@ -35,13 +35,7 @@ class Heel(NamedTuple):
 
 
 def steepest_heel(geometry: Geometry, direction: int) -> Heel:
-    """Return the largest clearance angle that the sections of a skirt need.
-
-    Parameters
-    ----------
-    direction : int
-        1: the tool runs round the work in the sense of rising angles; -1: the other way.
-    """
+    """Return the largest clearance angle of all sections; 1: the tool runs to rising angles."""
     breaks = geometry.breaks_mm()
     inner = breaks[:: max(1, breaks.size // _MAX_BREAKS)]
     z_mm = np.union1d(inner, np.linspace(breaks[0], breaks[-1], _HEIGHTS))
@@ -53,13 +47,7 @@ def steepest_heel(geometry: Geometry, direction: int) -> Heel:
 
 
 def check_heel(geometry: Geometry, tool: Tool, direction: int) -> Heel:
-    """Return where the flank comes nearest to the work, or refuse a tool whose heel rubs.
-
-    Raises
-    ------
-    GeometryError
-        With the place, the least clearance angle that does, and the remedy.
-    """
+    """Return where the flank comes nearest to the work, or refuse a tool whose heel rubs."""
     found = steepest_heel(geometry, direction)
     if found.needed_deg < tool.clearance_deg:
         return found

@@ -35,14 +35,12 @@ from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from camtools.base.errors import GeometryError
-from camtools.base.quantities import Floats, FloatsLike, Ints, SectionValues
+from camtools.base.quantities import Bools, Floats, FloatsLike, Ints, SectionValues
 from camtools.part.common import MIN_NOSE_MM, Tool
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
 
-Bools = npt.NDArray[np.bool_]
 _STEP_MM = 1e-3  # of differences along the height
 ACROSS_MM = 1e-9  # how far beyond a break its other side is looked at
 _FOUND_MM = 1e-8
@@ -66,18 +64,10 @@ class Along(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Rays:
-    """A surface with derivatives along the height, taken from inside one piece of it.
-
-    Attributes
-    ----------
-    surface : Surface
-        With exact values.
-    breaks_mm : ndarray, shape (m + 1,)
-        Heights between which it is smooth, rising, both ends included.
-    """
+    """A surface with derivatives along the height, taken from inside one piece of it."""
 
     surface: Surface
-    breaks_mm: Floats
+    breaks_mm: Floats  # heights between which it is smooth, rising, both ends included
 
     def piece(self, z: Floats) -> Ints:
         """Return the index of the piece above each height, of the last one at the end."""
@@ -116,12 +106,7 @@ def find_contact(
     Newton's method on the difference of the slopes, inside a bracket; a step never crosses a break
     but stops at it and looks at its other side. Errs by less than 1e-8 mm of height.
 
-    Parameters
-    ----------
-    phi, centre_mm : ndarray, shape (n,)
-        Angle [rad] and height of the nose's middle.
-    nose_mm : float
-        Radius, less than the radius of every hollow between the two heights.
+    The nose's radius is less than that of every hollow between the two heights.
     """
     z = np.clip(centre_mm, low_mm, high_mm)
     is_free, todo = np.ones(z.size), np.arange(z.size)
@@ -162,9 +147,8 @@ class _Search:
         with np.errstate(divide="ignore", invalid="ignore"):
             newton = np.where(bend < 0, z - rise / bend, np.where(is_up, np.inf, -np.inf))
         wish = self._to_break(z, np.clip(newton, low, high))
-        is_stale = np.where(is_up, self.is_tested[1, todo] & (wish >= high), False) | np.where(
-            is_down, self.is_tested[0, todo] & (wish <= low), False
-        )
+        is_stale = is_up & self.is_tested[1, todo] & (wish >= high)
+        is_stale |= is_down & self.is_tested[0, todo] & (wish <= low)
         new = np.where(is_stale, (low + high) / 2, wish)
         is_free = np.abs(newton - z) < _FOUND_MM
         is_found = is_free | (high - low < _FOUND_MM)
@@ -232,18 +216,10 @@ def _rays(drawing: Geometry, nose_mm: float, *, is_flat: bool = False) -> Rays:
 
 @dataclass(frozen=True, eq=False)
 class NoseGeometry(Geometry):
-    """The tip's surface: radius_mm(z) - delta(phi, z) is where the tip of the nose stands.
+    """The tip's surface: radius_mm(z) - delta(phi, z) is where the tip of the nose stands."""
 
-    Attributes
-    ----------
-    work : Geometry
-        The surface that the nose leaves; what else this class has by its base is the drawing's.
-    nose_mm : float
-        Radius of the nose.
-    """
-
-    work: Geometry = field(kw_only=True)
-    nose_mm: float = field(kw_only=True)
+    work: Geometry = field(kw_only=True)  # that the nose leaves; all other fields are its own
+    nose_mm: float = field(kw_only=True)  # radius
 
     def radius_mm(self, z_mm: FloatsLike | Sequence[float], derivative: int = 0) -> Floats:
         """Return the tip's radius at the long axis, or its derivatives by the height."""
@@ -345,23 +321,21 @@ class NoseGeometry(Geometry):
         return best
 
 
+def _all_round(z: Floats) -> tuple[Floats, Floats]:
+    """Return angles and heights of points all round at each height."""
+    phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
+    return np.tile(phi, z.size), np.repeat(z, _ANGLES)
+
+
 def slopes_at(rays: Rays, z: Floats, *, below: bool = False) -> Floats:
     """Return dR/dz at heights all round, shape (n, angles); below: of the piece that ends there."""
-    phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
     at = np.nextafter(z, -np.inf) if below else z
-    grid_phi, grid_z = (one.ravel() for one in np.broadcast_arrays(phi, at[:, None]))
-    slopes = rays.along(grid_phi, grid_z).first[0]
+    slopes = rays.along(*_all_round(at)).first[0]
     return np.asarray(slopes.reshape(z.size, _ANGLES), dtype=np.float64)
 
 
 def tip_geometry(drawing: Geometry, tool: Tool) -> Geometry:
-    """Return what the tip must follow; of a tool with a point the drawing itself.
-
-    Raises
-    ------
-    GeometryError
-        A hollow of the surface along the height is too narrow for the nose.
-    """
+    """Return what the tip must follow; of a tool with a point the drawing itself."""
     if not tool.is_round:
         return drawing
     own = {one.name: getattr(drawing, one.name) for one in fields(Geometry)}
@@ -370,16 +344,10 @@ def tip_geometry(drawing: Geometry, tool: Tool) -> Geometry:
 
 
 def check_nose(drawing: Geometry, nose_mm: float) -> None:
-    """Refuse a nose that does not fit into a hollow or a crease, MATHS.md (108).
-
-    Raises
-    ------
-    GeometryError
-        With the place and the largest radius that does.
-    """
+    """Refuse a nose that does not fit into a hollow or a crease, MATHS.md (108)."""
     rays = Rays(_Drawn(drawing), drawing.breaks_mm())
-    places = [_narrowest_hollow(rays, drawing), _sharpest_crease(rays, drawing)]
-    largest_mm, angle_deg, z_mm, what = min(places, key=lambda one: one[0])
+    places = _narrowest_hollow(rays, drawing), _sharpest_crease(rays, drawing)
+    largest_mm, angle_deg, z_mm, what = min(places, key=lambda place: place[0])
     if nose_mm < largest_mm:
         return
     problem = f"{nose_mm:g} mm does not fit into the {what} at {angle_deg:g} degrees, height "
@@ -395,9 +363,7 @@ _Place = tuple[float, float, float, str]
 
 def _narrowest_hollow(rays: Rays, drawing: Geometry) -> _Place:
     """Return the least radius of a hollow along the height, and where it is."""
-    z = dense_heights_mm(drawing, _CHECKS_PER_PIECE)
-    phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
-    grid_phi, grid_z = (one.ravel() for one in np.broadcast_arrays(phi, z[:, None]))
+    grid_phi, grid_z = _all_round(dense_heights_mm(drawing, _CHECKS_PER_PIECE))
     along = rays.along(grid_phi, grid_z)
     curvature = along.second[0] / (1 + along.first[0] ** 2) ** 1.5
     worst = int(curvature.argmax())

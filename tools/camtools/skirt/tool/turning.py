@@ -5,21 +5,12 @@
 >>> motion = turning_at(make_geometry(example_part()), 600.0, 20.0, np.array([0.0, 0.25]))
 >>> motion.u_mm.round(6).tolist()
 [0.0, 0.1]
-
->>> from camtools.skirt.geometry.skirt_geometry import make_geometry
->>> from camtools.skirt.part.part_file import example_part
->>> middle_nm(make_geometry(example_part()), "mean")
-75000
-
->>> from camtools.part.passes import FeedLaw
->>> law = FeedLaw(height_mm=[0.0, 20.0], feed_mm=[0.1, 0.2])
->>> channel = way_channel(law, (0, 20_000_000))
->>> channel.kind, bool(channel.n_slices < 40)
-(7, True)
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from math import ceil
 from typing import NamedTuple
@@ -30,6 +21,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM, Floats, FloatsLike, omega_rad_s
 from camtools.cut.path import ToolPath, ramp_of, step_of
 from camtools.part.passes import FeedLaw
+from camtools.skirt.geometry.sections import ALL_AROUND_RAD
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.table.channel import (
@@ -60,21 +52,9 @@ class AxesMotion(NamedTuple):
 def turning_at(
     geometry: Geometry, spindle_rpm: float, z_mm: FloatsLike, turns: Floats
 ) -> AxesMotion:
-    """Return the axes of turning at constant speed, MATHS.md (8), (9).
+    """Return the axes at turns from the long axis, at constant speed, MATHS.md (8), (9).
 
-    Parameters
-    ----------
-    spindle_rpm : float
-        Speed [r/min].
-    z_mm : float or ndarray, shape (n,)
-        Height(s) [mm].
-    turns : ndarray, shape (n,)
-        Spindle angle from the long axis, in turns.
-
-    Returns
-    -------
-    AxesMotion
-        Velocity, acceleration and jerk of U at fixed height; the feed adds dU/dz feed n/60.
+    Velocity, acceleration and jerk of U are those at fixed height; the feed adds dU/dz feed n/60.
     """
     c_rad, omega = 2 * np.pi * turns, omega_rad_s(spindle_rpm)
     u = geometry.delta(c_rad, z_mm)
@@ -90,15 +70,7 @@ def path_of(
 ) -> ToolPath:
     """Return the path of a part between two heights, with the shortest ramp or step.
 
-    Parameters
-    ----------
-    speed_ratio : float
-        Highest speed of a modulated spindle over its mean; a step is made for that speed.
-
-    Raises
-    ------
-    CamtoolsError
-        See `ramp_of`, `step_of`.
+    A step is made for the highest speed of a modulated spindle, its mean times speed_ratio.
     """
     process, limits = part.process, part.machine.limits
     ends = z_first_mm, z_last_mm
@@ -112,22 +84,18 @@ def path_of(
 
 
 _PER_PIECE = 8  # heights between the breaks of the shape
-_AROUND_RAD = np.radians(np.arange(0, 360, 0.5))
 
 
 def middle_nm(geometry: Geometry, u_zero: str) -> int:
     """Return the reduction of the radius that X takes over from U [nm], MATHS.md (101).
 
-    Parameters
-    ----------
-    u_zero : str
-        "long-axis": 0. "mean": the middle between the least and the largest reduction of the whole
-        table, so that U swings equally far to both sides.
+    Of "long-axis" it is 0, of "mean" the middle between the least and the largest reduction of the
+    whole table, so that U swings equally far to both sides.
     """
     if u_zero == "long-axis":
         return 0
     z_mm = dense_heights_mm(geometry, _PER_PIECE)
-    ranges = [geometry.delta(_AROUND_RAD, float(z)).delta for z in z_mm]
+    ranges = [geometry.delta(ALL_AROUND_RAD, float(z)).delta for z in z_mm]
     low, high = min(float(one.min()) for one in ranges), max(float(one.max()) for one in ranges)
     return round((low + high) / 2 * NM_PER_MM)
 
@@ -150,32 +118,24 @@ TOLERANCE_NM = 50.0  # of Z: its drive is a thousand times coarser
 _NEWTON = 6
 _DENSE = 4001
 _GROWTH = 1.15
+_HeightAt = Callable[[Floats], Floats]
 
 
-class _Turned(NamedTuple):
-    """Turns over dense heights."""
-
-    z_mm: Floats
-    turns: Floats
-
-
-def _turned(law: FeedLaw, ends_mm: tuple[float, float]) -> _Turned:
+def _turned(law: FeedLaw, ends_mm: tuple[float, float]) -> tuple[Floats, Floats]:
+    """Return dense heights and the turns to them."""
     dense = np.linspace(*ends_mm, _DENSE)
-    return _Turned(dense, law.turns(ends_mm[0], dense))
+    return dense, law.turns(ends_mm[0], dense)
 
 
 def height_at_mm(
-    law: FeedLaw, ends_mm: tuple[float, float], helix_mm: Floats, turned: _Turned | None = None
+    law: FeedLaw,
+    ends_mm: tuple[float, float],
+    helix_mm: Floats,
+    turned: tuple[Floats, Floats] | None = None,
 ) -> Floats:
-    """Return Z where the plain helix with the mean feed is at some heights, MATHS.md (103).
-
-    Parameters
-    ----------
-    turned : _Turned, optional
-        Of the same law and ends, where it is known already.
-    """
+    """Return Z where the plain helix with the mean feed is at some heights, MATHS.md (103)."""
     first, last = ends_mm
-    dense, turns = _turned(law, ends_mm) if turned is None else turned
+    dense, turns = turned or _turned(law, ends_mm)
     mean = (last - first) / turns[-1]
     wanted = (np.asarray(helix_mm) - first) / mean
     z = np.interp(wanted, turns, dense)
@@ -187,47 +147,25 @@ def height_at_mm(
     return np.asarray(np.where(helix_mm <= first, first, np.where(helix_mm >= last, last, z)))
 
 
-class _Known:
-    """The turns of one law; the search for a size asks for the same ends again and again."""
-
-    def __init__(self, law: FeedLaw) -> None:
-        self.law = law
-        self._by_ends: dict[tuple[float, float], _Turned] = {}
-
-    def height_at_mm(self, ends_mm: tuple[float, float], helix_mm: Floats) -> Floats:
-        """Return `height_at_mm` of the law."""
-        if ends_mm not in self._by_ends:
-            self._by_ends[ends_mm] = _turned(self.law, ends_mm)
-        return height_at_mm(self.law, ends_mm, helix_mm, self._by_ends[ends_mm])
-
-
-def _channel(known: _Known, range_nm: tuple[int, int], n_knots: int) -> Channel:
-    law = known.law
+def _channel(law: FeedLaw, at_mm: _HeightAt, range_nm: tuple[int, int], n_knots: int) -> Channel:
     z = slice_heights_mm(range_nm, n_knots)
-    ends = float(z[0]), float(z[-1])
-    h_mm = (ends[1] - ends[0]) / (n_knots - 1)
-    at = known.height_at_mm(ends, z)
-    mean = law.mean_mm(*ends)
+    at, mean, h_mm = at_mm(z), law.mean_mm(z[0], z[-1]), (z[-1] - z[0]) / (n_knots - 1)
     feed, slope = law.at_mm(at), law.at_mm(at, 1)
     triple = [at - z, h_mm * (feed / mean - 1), h_mm**2 / 2 * slope * feed / mean**2]
     return quantise(KIND_WAY, np.stack(triple, axis=-1)[:, None] * NM_PER_MM, 0, range_nm)
 
 
-def _error_nm(known: _Known, channel: Channel) -> float:
-    range_nm = channel.z_first_nm, channel.z_last_nm
-    z_nm = np.linspace(*range_nm, 16 * channel.n_slices + 1)
-    ends = range_nm[0] / NM_PER_MM, range_nm[1] / NM_PER_MM
-    exact = known.height_at_mm(ends, z_nm / NM_PER_MM) * NM_PER_MM - z_nm
+def _error_nm(at_mm: _HeightAt, channel: Channel) -> float:
+    z_nm = np.linspace(channel.z_first_nm, channel.z_last_nm, 16 * channel.n_slices + 1)
+    exact = at_mm(z_nm / NM_PER_MM) * NM_PER_MM - z_nm
     return float(np.abs(evaluate_x(channel, z_nm).value - exact).max())
 
 
 def way_channel(law: FeedLaw, range_nm: tuple[int, int]) -> Channel:
     """Return the smallest way of a law over the heights of a table.
 
-    Raises
-    ------
-    CamtoolsError
-        The feed falls too far below its mean, or Z runs further ahead than the format holds.
+    Raises CamtoolsError: the feed falls too far below its mean, or Z runs further ahead than the
+    format holds.
     """
     span_nm = range_nm[1] - range_nm[0]
     ends = range_nm[0] / NM_PER_MM, range_nm[1] / NM_PER_MM
@@ -235,16 +173,17 @@ def way_channel(law: FeedLaw, range_nm: tuple[int, int]) -> Channel:
     if least < 2 * LEAST_FEED * mean:
         problem = f"feed_mm = {least:g} is less than {2 * LEAST_FEED:.0%} of the mean, {mean:.6g}"
         raise CamtoolsError([f"process.feed_law.feed_mm: {problem}; give feeds nearer together"])
-    known = _Known(law)
+    turned = _turned(law, ends)  # once for all sizes that are tried
+
+    def at_mm(helix_mm: Floats) -> Floats:
+        return height_at_mm(law, ends, helix_mm, turned)
+
     n, most = max(2, ceil(span_nm / MAX_SPACING_NM) + 1), span_nm // MIN_SPACING_NM + 1
     while n <= min(most, MAX_SLICES):
-        try:
-            found = _channel(known, range_nm, n)
-        except TooLargeError:
-            n = max(n + 1, int(n * _GROWTH))
-            continue
-        if _error_nm(known, found) <= TOLERANCE_NM:
-            return with_bounds(found)
+        with suppress(TooLargeError):
+            found = _channel(law, at_mm, range_nm, n)
+            if _error_nm(at_mm, found) <= TOLERANCE_NM:
+                return with_bounds(found)
         n = max(n + 1, int(n * _GROWTH))
     problem = "Z would run too far ahead of a plain helix, or change its feed too suddenly"
     remedy = "give feeds nearer together, or points of the law further apart"
