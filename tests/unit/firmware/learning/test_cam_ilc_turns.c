@@ -422,13 +422,13 @@ static void test_what_is_forgotten_is_walked_away_from(void)
 {
     int32_t *const values[] = {&t.speed_q32,         &t.drive.k1_q16,   &t.drive.k2_q16,
                                &t.drive.friction_q6, &t.drive.chip_q32, &t.chip_mean_q32};
-    for (size_t i = 0; i <= sizeof values / sizeof values[0]; i++) {
-        const bool is_none = i == sizeof values / sizeof values[0];
-        *values[is_none ? 0u : i] = is_none ? 0 : 1;
+    for (size_t i = 0; i <= 12u; i++) { // each of the six above and below 0
+        const bool is_none = i == 12u;
+        *values[i % 6u] = is_none ? 0 : i < 6u ? 1 : -1;
         t.blending = 0;
         cam_ilc_forget(&t);
         TEST_ASSERT_EQUAL_HEX8(is_none ? 0 : cam_ilc_blend_drive | cam_ilc_blend_correction,
                                t.blending);
-        TEST_ASSERT_EQUAL_INT32(0, *values[is_none ? 0u : i]);
+        TEST_ASSERT_EQUAL_INT32(0, *values[i % 6u]);
     }
 }

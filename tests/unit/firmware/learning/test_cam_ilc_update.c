@@ -480,9 +480,10 @@ static void test_best_error_ages_in_the_cut_alone(void)
         cam_ilc_phase_t phase;
         uint32_t last_q6, best_q6;
     } cases[] = {{cam_ilc_shape, 16100, 16000},
+                 {cam_ilc_shape, 16500, 16000},
                  {cam_ilc_cutting, 16500, 17001},
                  {cam_ilc_cutting, 16100, 16000}};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 4; i++) {
         begin_harmonic(cases[i].phase, 16500.0);
         t.correction.best_q6[1] = 16000;
         t.correction.last_q6[1] = cases[i].last_q6;
