@@ -5,7 +5,7 @@ import re
 import shutil
 import signal
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -15,7 +15,7 @@ import pytest
 from checks.patience import until
 from tests.linuxcnc.halbox import Halbox
 from tests.linuxcnc.test_recorder import read
-from tests.tools.cases.part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT, TableOf
 
 pytest_plugins = ["tests.linuxcnc.halrun_fixtures"]
 
@@ -58,7 +58,7 @@ def _settings(box: Halbox, table: Path, hal: Path = SIM / "lathe.hal") -> None:
 
 
 @pytest.fixture
-def lathe(box: Halbox, linuxcnc_root: Path, table_of: Callable[[str], Path]) -> Iterator[Halbox]:
+def lathe(box: Halbox, linuxcnc_root: Path, table_of: TableOf) -> Iterator[Halbox]:
     """Return the simulated lathe."""
     _settings(box, table_of("perkins240"))
     with (box.folder / "lathe.hal").open("a") as file:
@@ -254,10 +254,7 @@ def test_axis_shows_u_and_whether_it_is_homed(lathe: Halbox, linuxcnc_root: Path
 
 @pytest.fixture(params=["u_velocity.hal", "u_step.hal"])
 def mesa(
-    request: pytest.FixtureRequest,
-    box: Halbox,
-    linuxcnc_root: Path,
-    table_of: Callable[[str], Path],
+    request: pytest.FixtureRequest, box: Halbox, linuxcnc_root: Path, table_of: TableOf
 ) -> Iterator[Halbox]:
     """Return the Mesa sample, with simulated pins of the card in place of its drivers."""
     _settings(box, table_of("perkins240"), MESA / "lathe.hal")

@@ -7,6 +7,7 @@ import re
 import signal
 import threading
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -19,10 +20,7 @@ from checks.patience import until
 from tests.tools.cases.camctl_bench import Bench, Refusal
 from tests.tools.cases.part_cases import Capture
 
-
-def interrupt() -> None:
-    """Press control-C."""
-    signal.raise_signal(signal.SIGINT)
+interrupt = partial(signal.raise_signal, signal.SIGINT)  # press control-C
 
 
 def test_a_part_is_cut_and_recorded(bench: Bench, tmp_path: Path) -> None:
@@ -167,16 +165,6 @@ def test_an_interrupt_ends_a_record_whole(bench: Bench, tmp_path: Path) -> None:
     assert all(line.count(",") == len(COLUMNS) - 1 for line in lines)
 
 
-def test_a_record_of_nobody_leaves_the_old_one(tmp_path: Path, capsys: Capture) -> None:
-    """No controller: status 1, the file of before is there, and nothing beside it."""
-    file = tmp_path / "cut.csv"
-    file.write_text("an older cut\n")
-    assert main(["-i", "virtual", "-c", "nobody", "record", str(file)]) == 1
-    assert "no answer and no status" in capsys.readouterr().err
-    assert file.read_text() == "an older cut\n"
-    assert list(tmp_path.iterdir()) == [file]
-
-
 def test_a_record_replaces_the_old_one_at_its_end(bench: Bench, tmp_path: Path) -> None:
     """While it goes on the old one is whole."""
     file, seen = tmp_path / "cut.csv", list[str]()
@@ -221,13 +209,16 @@ def test_watch_prints_lines_or_draws(bench: Bench, monkeypatch: MonkeyPatch) -> 
     assert "short skirt   state: FAULT" in text
 
 
-def test_no_controller_is_told_with_what_to_check(capsys: Capture) -> None:
-    """An empty bus: status 1 and one line for both a command and the status."""
-    for command in ("enable", "status"):
-        assert main(["-i", "virtual", "-c", "nobody", command]) == 1
-        line = capsys.readouterr().err
-        assert "no answer and no status" in line
-        assert "--bitrate" in line
+def test_no_controller_is_told_with_what_to_check(tmp_path: Path, capsys: Capture) -> None:
+    """An empty bus: status 1 and one line; a record leaves the older one, and nothing beside it."""
+    file = tmp_path / "cut.csv"
+    file.write_text("an older cut\n")
+    for command in (["enable"], ["status"], ["record", str(file)]):
+        assert main(["-i", "virtual", "-c", "nobody", *command]) == 1
+        (line,) = capsys.readouterr().err.splitlines()
+        assert "no answer and no status" in line and "--bitrate" in line
+    assert file.read_text() == "an older cut\n"
+    assert list(tmp_path.iterdir()) == [file]
 
 
 def test_an_answer_that_does_not_come_is_told_from_silence(bench: Bench, refusal: Refusal) -> None:

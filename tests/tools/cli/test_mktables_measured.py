@@ -1,6 +1,7 @@
 """mktables --measured: what it writes and says, and every surface that it refuses."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from tests.tools.cases.command_cases import job_of
 from tests.tools.cases.gauged_cases import ENDS, Floats, error_um, traces
 from tests.tools.cases.part_cases import PERKINS, Capture
 
+Refusal = Callable[..., str]
 HEADER = "angle_deg,height_mm,deviation_um"
 
 
@@ -38,13 +40,17 @@ def correct(*words: str | Path) -> int:
     return main([str(PERKINS), *map(str, words)])
 
 
-def refusal(capsys: Capture, *words: str | Path) -> str:
-    """Return the one line of a run that was refused."""
-    capsys.readouterr()
-    assert correct(*words) == 2
-    lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 1, lines
-    return lines[0]
+@pytest.fixture
+def refusal(capsys: Capture) -> Refusal:
+    """Return what runs a correction that is refused, and gives its one line."""
+
+    def run(*words: str | Path) -> str:
+        capsys.readouterr()
+        assert correct(*words) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        return line
+
+    return run
 
 
 def test_round_is_reported(first: Path, tmp_path: Path, capsys: Capture) -> None:
@@ -63,14 +69,14 @@ def test_round_is_reported(first: Path, tmp_path: Path, capsys: Capture) -> None
     assert about["expected_um"]["max"] == pytest.approx(0.3 * about["gauged_um"]["max"], rel=0.1)
 
 
-def test_same_surface_is_not_taken_twice(first: Path, tmp_path: Path, capsys: Capture) -> None:
+def test_same_surface_is_not_taken_twice(first: Path, tmp_path: Path, refusal: Refusal) -> None:
     """Neither into the folder of the table that cut it, nor by the report of the next one."""
     surface = first / "surface.csv"
-    line = refusal(capsys, "-o", first, "--measured", surface)
+    line = refusal("-o", first, "--measured", surface)
     assert "has the perkins240.json of the table that cut the measured part" in line
     assert correct("-o", tmp_path, "--measured", surface) == 0
     words: list[str | Path] = ["--measured", surface, "--previous", tmp_path / "perkins240.json"]
-    line = refusal(capsys, "-o", tmp_path / "next", *words)
+    line = refusal("-o", tmp_path / "next", *words)
     assert "was already used in round 1 of" in line
     assert not (tmp_path / "next").exists()
 
@@ -101,51 +107,49 @@ def test_corrections_add_up(first: Path, tmp_path: Path) -> None:
     ],
 )
 def test_options_out_of_range(
-    first: Path, tmp_path: Path, capsys: Capture, words: list[str], message: str
+    first: Path, tmp_path: Path, refusal: Refusal, words: list[str], message: str
 ) -> None:
     """Each option is named with its range or what it needs."""
     surface = first / "surface.csv"
-    assert message in refusal(capsys, "-o", tmp_path / "x", "--measured", surface, *words)
+    assert message in refusal("-o", tmp_path / "x", "--measured", surface, *words)
     assert not (tmp_path / "x").exists()
 
 
 @pytest.mark.parametrize("words", [["--gain", "0.5"], ["--keep-harmonics", "4"], ["--centred"]])
-def test_options_without_a_surface(tmp_path: Path, capsys: Capture, words: list[str]) -> None:
+def test_options_without_a_surface(tmp_path: Path, refusal: Refusal, words: list[str]) -> None:
     """An option that says how to correct wants a surface."""
-    assert "has no effect without --measured; add --measured" in refusal(
-        capsys, "-o", tmp_path, *words
-    )
+    assert "has no effect without --measured; add --measured" in refusal("-o", tmp_path, *words)
 
 
-def test_surface_of_another_part(first: Path, tmp_path: Path, capsys: Capture) -> None:
+def test_surface_of_another_part(first: Path, tmp_path: Path, refusal: Refusal) -> None:
     """Heights, radii, name, drawing or table show that a surface is not of this part."""
     turn, z_mm = traces(np.linspace(*ENDS, 9), 120)
     alone = write_surface(tmp_path / "alone.csv", turn, z_mm, error_um(turn, z_mm))
     out: list[str | Path] = ["-o", tmp_path / "x", "--measured", alone]
     assert "no perkins240.json next to it, so the table that cut the part is unknown" in refusal(
-        capsys, *out
+        *out
     )
     report = first / "perkins240.json"
     high = write_surface(tmp_path / "high.csv", turn, z_mm + 20, error_um(turn, z_mm))
     words: list[str | Path] = ["-o", tmp_path / "x", "--previous", report, "--measured"]
-    assert "height 82 mm is beyond the part's 0 .. 62 mm" in refusal(capsys, *words, high)
+    assert "height 82 mm is beyond the part's 0 .. 62 mm" in refusal(*words, high)
     rows = np.column_stack([turn, z_mm, np.full(turn.size, 45.0), 1000 * error_um(turn, z_mm)])
     thin, header = tmp_path / "thin.csv", "turn,z_mm,radius_mm,error_nm"
     np.savetxt(thin, rows, delimiter=",", header=header, comments="")
-    assert "radii and deviations contradict each other by -913 um" in refusal(capsys, *words, thin)
+    assert "radii and deviations contradict each other by -913 um" in refusal(*words, thin)
     other = json.loads(report.read_text())
     other["part"]["name"] = "other"
     wrong = tmp_path / "wrong.json"
     wrong.write_text(json.dumps(other))
-    line = refusal(capsys, "-o", tmp_path / "x", "--measured", alone, "--previous", wrong)
+    line = refusal("-o", tmp_path / "x", "--measured", alone, "--previous", wrong)
     assert "is of the part 'other', not of 'perkins240'" in line
     other["part"]["name"] = "perkins240"
     other["design"]["ovality_mm"]["coefficients"][0][3] += 0.001
     wrong.write_text(json.dumps(other))
-    line = refusal(capsys, "-o", tmp_path / "x", "--measured", alone, "--previous", wrong)
+    line = refusal("-o", tmp_path / "x", "--measured", alone, "--previous", wrong)
     assert "not the drawing of the part file" in line
     (tmp_path / "summary.json").write_text('{"table_crc32": 1}')
-    assert "another table cut the part" in refusal(capsys, *words, alone)
+    assert "another table cut the part" in refusal(*words, alone)
     assert not (tmp_path / "x").exists()
 
 
@@ -157,14 +161,14 @@ def test_surface_of_another_part(first: Path, tmp_path: Path, capsys: Capture) -
     ],
 )
 def test_too_large_an_error(
-    first: Path, tmp_path: Path, capsys: Capture, error: object, message: str
+    first: Path, tmp_path: Path, refusal: Refusal, error: object, message: str
 ) -> None:
     """What no machine does that cuts this part is refused with the limit."""
     assert callable(error)
     turn, z_mm = traces(np.linspace(*ENDS, 9), 120)
     surface = write_surface(tmp_path / "large.csv", turn, z_mm, error(turn))
     words: list[str | Path] = ["--previous", first / "perkins240.json", "--measured", surface]
-    assert message in refusal(capsys, "-o", tmp_path / "x", *words)
+    assert message in refusal("-o", tmp_path / "x", *words)
 
 
 def test_changed_speed_is_cautioned(first: Path, tmp_path: Path, capsys: Capture) -> None:
@@ -179,13 +183,13 @@ def test_changed_speed_is_cautioned(first: Path, tmp_path: Path, capsys: Capture
     )
 
 
-def test_drive_that_cannot_follow(first: Path, tmp_path: Path, capsys: Capture) -> None:
+def test_drive_that_cannot_follow(first: Path, tmp_path: Path, refusal: Refusal) -> None:
     """A high wave that takes more acceleration than U has is refused as in any table."""
     turn, z_mm = traces(np.linspace(*ENDS, 9), 360)
     error = 12 * np.cos(60 * np.pi * turn)
     surface = write_surface(tmp_path / "high.csv", turn, z_mm, error)
     words: list[str | Path] = ["--previous", first / "perkins240.json", "--measured", surface]
-    line = refusal(capsys, "-o", tmp_path / "x", *words, "--keep-harmonics", "40")
+    line = refusal("-o", tmp_path / "x", *words, "--keep-harmonics", "40")
     assert "u_acceleration" in line
     assert line.endswith("or leave the high waves of the correction out by --keep-harmonics")
 

@@ -1,5 +1,7 @@
 """Progress, load and convergence from the status: also what is not known, and says so."""
 
+import itertools
+
 import pytest
 
 from camtools.link.controller import Link
@@ -70,9 +72,11 @@ def test_lessons_are_bounded_and_begin_anew() -> None:
     seen = Convergence(most=3)
     seen.add({"learn_turns": 5.0})
     assert len(seen.lessons().turn) == 0
-    for turn in range(6):
-        seen.add({"learn_turns": turn, "learn_error": 10.0 - turn, "learn_begin_error": 11.0})
+    for turn, more in itertools.product(range(6), (0.5, 0.0)):
+        told = {"learn_turns": turn, "learn_error": 10.0 - turn + more, "learn_begin_error": 11.0}
+        seen.add(told)
     assert seen.lessons().turn.tolist() == [3, 4, 5]
+    assert seen.lessons().error_um.tolist() == [7, 6, 5]
     assert seen.lessons().begin_error_um == 11.0
     seen.add({"learn_turns": 1.0, "learn_error": 9.0, "learn_phase": 5.0})
     lessons = seen.lessons()

@@ -98,11 +98,7 @@ def _parameters(function: Function) -> Iterator[_Parameter]:
 
 
 def option_of(name: str, about: Option | None = None) -> str:
-    """Return the option of a parameter.
-
-    >>> option_of("step_deg")
-    '--step-deg'
-    """
+    """Return the option of a parameter: --step-deg of step_deg."""
     return f"--{(about and about.name) or name.replace('_', '-')}"
 
 
@@ -274,11 +270,7 @@ def whole(text: str) -> int:
 
 
 def whole_within(low: int, high: int) -> Callable[[str], int]:
-    """Return the reader of a whole number of a range.
-
-    >>> whole_within(1, 9)("9")
-    9
-    """
+    """Return the reader of a whole number of a range."""
 
     def read(text: str) -> int:
         value = whole(text)

@@ -57,11 +57,7 @@ def with_names(text: str) -> str:
 
 
 def shown_name(command: str) -> str:
-    """Return what begins a command's messages: run, or camturn-run where it is installed.
-
-    >>> shown_name("run")
-    'run'
-    """
+    """Return what begins a command's messages: run, or camturn-run where it is installed."""
     return with_names(f"tools/{command}").removeprefix("tools/")
 
 

@@ -4,9 +4,6 @@
 >>> import sys
 >>> Control(Mock(), sys.stdout).say("ready")
 ready
-
->>> RightsOptions(sender=7, take_over=True).sender
-7
 """
 
 from __future__ import annotations

@@ -2,10 +2,6 @@
 
 >>> names_of("state,u_actual_nm")
 ['state', 'u_actual_nm']
->>> check_name(Path("a.txt"))
-Traceback (most recent call last):
-    ...
-camtools.base.errors.CamtoolsError: a.txt: give a name that ends in .csv or .parquet
 """
 
 from __future__ import annotations

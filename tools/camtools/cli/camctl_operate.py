@@ -3,9 +3,6 @@
 >>> signals = {"has_end": 1, "turns_left": 250.0, "turns_whole": 1000.0, "pass_speed": 500.0}
 >>> _reached_text("cutting", signals | {"pass": 2, "passes": 3})
 'in pass 2 of 3 at 75 %, 750 of 1000 turns'
-
->>> speed_of("-", 2.5)
--2.5
 """
 
 from __future__ import annotations
@@ -151,11 +148,6 @@ def parts(
     control.say(f"parts = {_parts(link)}" if number is None else operator.set_parts(link, number))
 
 
-def speed_of(sense: str, mm_per_s: float) -> float:
-    """Return a speed with the sign of its sense, "+" or "-"."""
-    return -mm_per_s if sense == "-" else mm_per_s
-
-
 def _to_its_end(link: Link, command: str, axis: str, **value: float) -> str:
     """Return what an order came to; interrupted, the axis is at rest."""
     try:
@@ -199,7 +191,7 @@ def jog_axis(
     end = "done"
     try:
         end = operator.jog(
-            link, axis, speed_of(str(sense), mm_per_s), operator.for_seconds(seconds)
+            link, axis, -mm_per_s if sense == "-" else mm_per_s, operator.for_seconds(seconds)
         )
     except Interrupted:  # how a jog that is held ends
         operator.rest(link, axis)

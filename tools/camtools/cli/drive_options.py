@@ -4,13 +4,6 @@
 Traceback (most recent call last):
     ...
 camtools.base.arguments.UsageError: --channel: needs a bus: add --bus
-
->>> from tempfile import TemporaryDirectory
->>> with TemporaryDirectory() as folder:
-...     file = Path(folder) / "scope.csv"
-...     _ = file.write_text("time_s,force_n")
-...     record_text(file)
-'time_s,force_n'
 """
 
 from __future__ import annotations

@@ -2,9 +2,6 @@
 
 >>> Options().port
 8417
->>> token_of(Path("nosuch"))
-Traceback (most recent call last):
-camtools.base.errors.CamtoolsError: --token-file nosuch: No such file or directory; check the path
 """
 
 from __future__ import annotations

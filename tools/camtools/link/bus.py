@@ -18,9 +18,6 @@ out those of others.
 >>> bus.shutdown()
 >>> where
 'virtual demo'
->>> open_bus({"interface": "slcn"})
-Traceback (most recent call last):
-camtools.base.errors.CamtoolsError: interface slcn: unknown to python-can; did you mean slcan?
 """
 
 from __future__ import annotations

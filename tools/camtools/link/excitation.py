@@ -1,10 +1,4 @@
-"""U excited by a wave, and what the controller records of it.
-
->>> check_excitation(1, 15, 0)
-Traceback (most recent call last):
-    ...
-camtools.base.errors.CamtoolsError: fade_ticks 15: give 16 .. 65535
-"""
+"""U excited by a wave, and what the controller records of it."""
 
 from __future__ import annotations
 

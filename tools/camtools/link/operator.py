@@ -64,11 +64,7 @@ def _set(link: Link, name: str, value: int, shown: str) -> float:
 
 
 def value_text(name: str, value: float) -> str:
-    """Return a value of a setting with its unit.
-
-    >>> value_text("speed", 2500.0)
-    '2500 r/min'
-    """
+    """Return a value of a setting with its unit."""
     return f"{value:.10g} {SETTINGS[name].unit}"
 
 

@@ -1,8 +1,5 @@
 """Why a controller refused a command or stopped with a fault, and what to do.
 
->>> state_remedy("jog", "off")
-'give manual first'
-
 Cause and remedy have one source, the table of firmware/FAULTS.md; the title is the comment of the
 fault's signal in the DBC.
 
@@ -155,8 +152,8 @@ def _by_hand(answer: Answer) -> str:
 def state_remedy(command: str, state: str) -> str:
     """Return what to do before a command that the state does not take.
 
-    >>> state_remedy("manual", "ready"), state_remedy("jog", "fault")
-    ('disable first', 'reset, then give manual first')
+    >>> state_remedy("jog", "off"), state_remedy("jog", "fault")
+    ('give manual first', 'reset, then give manual first')
     >>> state_remedy("start", "cutting")
     'wait for the end of the cut, or stop it'
     >>> state_remedy("resume", "ready"), state_remedy("resume", "cutting")

@@ -12,13 +12,6 @@ every frame that comes, so that it ends with the program that reads the bus.
 
 >>> best_every(20000, 1000.0)                  # 40 would meet the same 30 angles in every turn
 43
-
->>> seen = Convergence()
->>> for turns, error_um in ((2, 8.0), (2, 7.9), (4, 3.0)):
-...     seen.add({"learn_turns": turns, "learn_error": error_um, "learn_phase": 3})
->>> lessons = seen.lessons()
->>> lessons.turn.tolist(), lessons.error_um.tolist(), lessons.phase
-([2, 4], [7.9, 3.0], ('drive', 'drive'))
 """
 
 from __future__ import annotations

@@ -91,11 +91,7 @@ class Table(NamedTuple):
     numbers: npt.NDArray[np.int64]  # shape (rows, columns), in units of a column's last decimal
 
     def rows(self) -> Rows:
-        """Return all columns as fields of a structured array.
-
-        >>> Table((Column("z_mm", "3"),), np.array([[1234], [-5]])).rows()["z_mm"].tolist()
-        [1.234, -0.005]
-        """
+        """Return all columns as fields of a structured array."""
         if not self.columns:
             return np.empty(0)
         kinds = np.dtype([(column.name, np.float64) for column in self.columns])
