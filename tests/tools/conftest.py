@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
-import can
 import pytest
 from hypothesis import settings
 
@@ -12,7 +11,7 @@ from camtools.link.controller import Link
 from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import GeneratedSkirt
-from tests.tools.cases.camctl_bench import SECRET, Act, Bench, Refusal
+from tests.tools.cases.camctl_bench import SECRET, Act, Bench, Refusal, linked
 from tests.tools.cases.command_cases import command, signals_kept, undraw
 from tests.tools.cases.cut_cases import geometry_of_part, skirt_of
 from tests.tools.cases.linuxcnc import Interpreter, NotHereError, interpreter
@@ -109,6 +108,5 @@ def linuxcnc() -> Interpreter:
 @pytest.fixture
 def link(bench: Bench) -> Iterator[Link]:
     """Return a link of the test's own."""
-    bus = can.Bus(interface="virtual", channel=bench.channel)
-    yield Link(bus, bench.channel)
-    bus.shutdown()
+    with linked(bench) as one:
+        yield one

@@ -33,6 +33,16 @@ ESTOP_ID, BUTTON_ID, KEY_ID, FORCE_ID, DRIVE_ID, BUS_ID = range(0x10000, 0x10006
 FAULTS = {"estop": ESTOP_ID, "drive": DRIVE_ID, "bus": BUS_ID}
 
 
+@contextmanager
+def linked(bench: "Bench") -> Iterator[Link]:
+    """Give a link to the controller of a bench over a bus of its own."""
+    bus = can.Bus(interface="virtual", channel=bench.channel)
+    try:
+        yield Link(bus, f"virtual {bench.channel}", bench.node)
+    finally:
+        bus.shutdown()
+
+
 def pass_time(link: Link, seconds: float) -> None:
     """Wait while virtual time passes, by the rows of the status."""
     end = link.status.n_rows + seconds / PERIOD_S
@@ -43,11 +53,8 @@ def act_when(bench: "Bench", is_so: Callable[[Status], bool], act: Act) -> threa
     """Act beside the test when the status meets a condition; return the thread."""
 
     def look() -> None:
-        bus = can.Bus(interface="virtual", channel=bench.channel)
-        link = Link(bus, bench.channel, bench.node)
-        found = link.wait(lambda: is_so(link.status), limit_s())
-        bus.shutdown()
-        assert found
+        with linked(bench) as link:
+            assert link.wait(lambda: is_so(link.status), limit_s())
         act()
 
     thread = threading.Thread(target=look)
@@ -167,8 +174,6 @@ class Bench:
     @contextmanager
     def cutting(self, state: str = "") -> Iterator[Link]:
         """Cut a part beside the block, as camctl start does elsewhere, from a state on."""
-        bus = can.Bus(interface="virtual", channel=self.channel)
-        link = Link(bus, f"virtual {self.channel}", self.node)
 
         def follow() -> None:
             try:
@@ -184,17 +189,17 @@ class Bench:
                 begun.set()
 
         begun, thread = threading.Event(), threading.Thread(target=follow)
-        thread.start()
-        begun.wait()
-        try:
-            if state:
-                until(lambda: link.status.state == state, state)
-            yield link
-            if thread.is_alive():
-                self.run("stop")
-        finally:
-            thread.join()
-            bus.shutdown()
+        with linked(self) as link:
+            thread.start()
+            begun.wait()
+            try:
+                if state:
+                    until(lambda: link.status.state == state, state)
+                yield link
+                if thread.is_alive():
+                    self.run("stop")
+            finally:
+                thread.join()
 
     def do(self, *words: str | Path, on: str = "", act: Act = print) -> str:
         """Run camctl, which must succeed; act beside it when it says `on`."""

@@ -6,7 +6,6 @@ import threading
 from collections.abc import Iterator
 from pathlib import Path
 
-import can
 import pytest
 from pytest import MonkeyPatch
 
@@ -18,7 +17,7 @@ from camtools.link.refusal_text import ask_done
 from camtools.link.rights import CommandHeld, CommandLost, May, SharedSession, sender_of
 from checks.patience import limit_s
 from tests.tools.cases.background import background, python
-from tests.tools.cases.camctl_bench import SECRET, Bench, Refusal, keeping, order
+from tests.tools.cases.camctl_bench import SECRET, Bench, Refusal, keeping, linked, order
 from tests.tools.cases.live_cases import LiveCase, live_case
 
 
@@ -34,11 +33,9 @@ def secret(tmp_path: Path) -> Path:
 @pytest.fixture
 def other(bench: Bench) -> Iterator[Link]:
     """Return the link of another sender."""
-    bus = can.Bus(interface="virtual", channel=bench.channel)
-    one = Link(bus, "the other")
-    one.rights.sender = 7
-    yield one
-    bus.shutdown()
+    with linked(bench) as one:
+        one.rights.sender = 7
+        yield one
 
 
 def wait_for_press(case: LiveCase) -> None:

@@ -15,7 +15,7 @@ from camtools.link import excitation, scope
 from camtools.link.controller import BLOCK_ID, FD_PART_ID, PART_ID, Link
 from camtools.link.messages import Refused
 from checks.patience import limit_s
-from tests.tools.cases.camctl_bench import Bench, Refusal, columns, order, pass_time
+from tests.tools.cases.camctl_bench import Bench, Refusal, columns, linked, order, pass_time
 
 
 def test_signals_of_ticks_are_recorded(bench: Bench, tmp_path: Path) -> None:
@@ -228,10 +228,9 @@ def test_a_reader_goes_on_where_the_bus_was_lost(bench: Bench, link: Link) -> No
         reader.read(link, progress)
     bench.drop = lambda frame: False
     assert 2000 <= seen < 4800
-    bus = can.Bus(interface="virtual", channel=bench.channel)
     begun: list[int] = []
-    whole = reader.read(Link(bus, "again"), lambda there, _: begun.append(there))
-    bus.shutdown()
+    with linked(bench) as again:
+        whole = reader.read(again, lambda there, _: begun.append(there))
     assert begun[0] > 2000
     assert np.array_equal(whole.rows, sound.rows)
 

@@ -209,10 +209,6 @@ def test_interrupted_run_leaves_nothing(
     assert listing(tmp_path) == []
 
 
-def _default_interrupt() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # a shell's background jobs ignore it
-
-
 def _interrupted_import(folder: Path, *words: str) -> tuple[int, str]:
     """Return status and complaint of a Python that is interrupted while it imports numpy."""
     (folder / "numpy.py").write_text("import time\nprint('here', flush=True)\ntime.sleep(30)\n")
@@ -221,7 +217,8 @@ def _interrupted_import(folder: Path, *words: str) -> tuple[int, str]:
     with subprocess.Popen(
         [sys.executable, *words],
         env=env,
-        preexec_fn=_default_interrupt,
+        # A shell's background jobs ignore it.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

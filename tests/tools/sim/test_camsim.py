@@ -262,14 +262,10 @@ def test_run_refuses_an_unwritable_output(table: Path, tmp_path: Path, option: s
 
 def test_run_leaves_nothing_when_the_disk_is_full(table: Path, tmp_path: Path) -> None:
     """Stop at a size limit, as at a full disk: one line, status 2, no file under any name."""
-
-    def small_files_only() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
-
-    trace = tmp_path / "t.csv"
     done = subprocess.run(
-        [CAMSIM, "run", table, *CUT, "--trace", trace],
-        capture_output=True, text=True, preexec_fn=small_files_only, check=False,
+        [CAMSIM, "run", table, *CUT, "--trace", tmp_path / "t.csv"],
+        capture_output=True, text=True, check=False,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000)),
     )  # fmt: skip
     assert "t.csv" in only_error(done)
     assert list(tmp_path.iterdir()) == []

@@ -60,19 +60,13 @@ def test_every_machine_has_its_row() -> None:
 SLOW_ROWS = {("friction", "200"), ("sticks", "1500")}  # long cuts; others have friction, too
 
 
-def row_cases() -> list[Any]:
-    """Return the lines as parameters of a test."""
-    return [
-        pytest.param(
-            row,
-            id=f"{row.machine}-{row.rpm}",
-            marks=[pytest.mark.long] if (row.machine, row.rpm) in SLOW_ROWS else [],
-        )
-        for row in rows()
-    ]
+def row_case(row: Row) -> Any:  # noqa: ANN401
+    """Return a line as parameter of a test."""
+    marks = [pytest.mark.long] if (row.machine, row.rpm) in SLOW_ROWS else []
+    return pytest.param(row, id=f"{row.machine}-{row.rpm}", marks=marks)
 
 
-@pytest.mark.parametrize("row", row_cases())
+@pytest.mark.parametrize("row", [row_case(row) for row in rows()])
 def test_what_is_learned_keeps_the_form_error(table_of: TableOf, row: Row) -> None:
     """The whole cut is gauged, also while the force of the chip rises and falls."""
     words: list[str | Path] = ["--machine", MACHINES / f"{row.machine}.toml", "--rpm", row.rpm]

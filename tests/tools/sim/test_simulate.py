@@ -26,18 +26,11 @@ CUT = ("--rpm", "2500", "--turns-limit", "3")
 CLOCK = re.compile(r'^\t"(wall_time_s|ticks_per_s)":.*$', re.MULTILINE)
 
 
-def files_of(folder: Path, table: Path, *words: str) -> tuple[Path, Path, Path]:
-    """Let the program cut; return its surface, trace and summary."""
-    paths = tuple(folder / name for name in ("surface.csv", "trace.csv", "summary.json"))
-    surface, trace, summary = paths
-    outs = ("--surface", surface, "--trace", trace, "--summary", summary)
-    assert camsim("run", table, *CUT, *words, *outs).returncode in (0, 1)
-    return surface, trace, summary
-
-
 def test_results_are_those_of_the_program(table: Path, tmp_path: Path) -> None:
     """Every number of the surface, and every 9th row of the trace; the summary is the same text."""
-    surface, trace, summary = files_of(tmp_path, table, "--machine", str(ROUGH))
+    surface, trace, summary = (tmp_path / f"{name}.csv" for name in ("a", "b", "c"))
+    outs = ("--surface", surface, "--trace", trace, "--summary", summary)
+    assert camsim("run", table, *CUT, "--machine", ROUGH, *outs).returncode in (0, 1)
     result = simulate(table, ROUGH, rpm=2500, turns=3, trace=True)
     read = np.loadtxt(surface, delimiter=",", skiprows=1)
     assert np.array_equal(result.surface.view(np.float64).reshape(read.shape), read)
