@@ -63,13 +63,9 @@ class Task(NamedTuple):
 class CutOutcome(NamedTuple):
     """What one cut came to.
 
-    Attributes
-    ----------
-    end : str
-        done, stopped, fault, timeout, refused: as in the summary; "refused" also where the
-        simulator refused the machine or the speed.
-    form_max_um, form_rms_um, roundness_um, following_max_um : float
-        NaN where nothing was gauged.
+    `end`: done, stopped, fault, timeout, refused: as in the summary; "refused" also where the
+    simulator refused the machine or the speed. `form_max_um`, `form_rms_um`, `roundness_um`,
+    `following_max_um`: NaN where nothing was gauged.
     """
 
     key: str  # digest of all that it depends on
@@ -92,13 +88,7 @@ class CutOutcome(NamedTuple):
 
 @cache
 def build_of(path: Path) -> str:
-    """Return the digest of a simulator's library.
-
-    Raises
-    ------
-    CamtoolsError
-        It is not there.
-    """
+    """Return the digest of a simulator's library. Raises `CamtoolsError`: it is not there."""
     try:
         return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
     except OSError as error:
@@ -181,20 +171,8 @@ SCHEMA = pa.schema(list(_FIELDS.items()))
 class Store:
     """Outcomes in a folder.
 
-    Parameters
-    ----------
-    folder : Path
-        Made when the first outcome is added.
-
-    Attributes
-    ----------
-    found : dict
-        All outcomes by key.
-
-    Raises
-    ------
-    InputError
-        A file there is none of ours.
+    `folder`: made when the first outcome is added. `found`: all outcomes by key. Raises
+    `InputError`: a file there is none of ours.
     """
 
     def __init__(self, folder: Path) -> None:

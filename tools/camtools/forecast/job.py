@@ -33,13 +33,7 @@ _LINE = re.compile(rf"{_PROBE}: line \d+: (.*)")
 
 
 def limits(option: str, value: int, low: int, high: int) -> int:
-    """Return the number of an option.
-
-    Raises
-    ------
-    CamtoolsError
-        It is out of range.
-    """
+    """Return the number of an option. Raises `CamtoolsError`: it is out of range."""
     if not low <= value <= high:
         raise CamtoolsError([f"{option} {value}: out of range; give {low} .. {high}"])
     return value
@@ -61,12 +55,7 @@ class Question:
 
 @dataclass(frozen=True, eq=False)
 class ForecastPlan:
-    """All that is to be cut.
-
-    Attributes
-    ----------
-    unknowns : list of Unknown
-    """
+    """All that is to be cut."""
 
     made: Made  # the part and its table
     machine: Machine  # as given or made from the part file
@@ -87,10 +76,7 @@ class ForecastPlan:
 def plan_of(question: Question) -> ForecastPlan:
     """Make the table, read machine and unknowns, draw the machines.
 
-    Raises
-    ------
-    CamtoolsError
-        Anything of it is no good; nothing has been cut or written then.
+    Raises `CamtoolsError`: anything of it is no good; nothing has been cut or written then.
     """
     loaded = load(question.part)
     made = make(loaded, question.part, rpm=question.rpm)
@@ -135,26 +121,14 @@ def _unknowns(vary: Path | None, tree: Tree) -> tuple[list[Unknown], list[str]]:
 
 
 def _begin(task: Task, machine: Machine) -> None:
-    """Begin a cut on a machine and end it at once.
-
-    Raises
-    ------
-    CamtoolsError
-        The simulator refuses.
-    """
+    """Begin a cut on a machine and end it at once."""
     table = folder_of(task.table, task.design) / TABLE
     with begun([str(table), *task.words], machine):
         pass
 
 
 def _check(task: Task, machine: Machine, name: str) -> None:
-    """Refuse what the nominal machine cannot cut.
-
-    Raises
-    ------
-    CamtoolsError
-        The simulator's line, with the table's name instead of a place of ours.
-    """
+    """Refuse what the nominal machine cannot cut."""
     try:
         _begin(task, machine)
     except CamtoolsError as error:
@@ -164,13 +138,7 @@ def _check(task: Task, machine: Machine, name: str) -> None:
 
 
 def _check_ends(task: Task, tree: Tree, unknowns: Sequence[Unknown], file: str) -> None:
-    """Refuse numbers that no machine file may have; what is only infeasible is cut and counted.
-
-    Raises
-    ------
-    CamtoolsError
-        An end of a distribution is out of the simulator's range.
-    """
+    """Refuse numbers that no machine file may have; what is only infeasible is cut and counted."""
     for one in unknowns:
         for end, value in (("low", one.low), ("high", one.high)):
             text = emit_machine(mistaken(tree, {one.key: value}))

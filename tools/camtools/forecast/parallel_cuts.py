@@ -53,13 +53,7 @@ def _local(n_workers: int, folder: str) -> LocalCluster:
 
 @contextmanager
 def _client(scheduler: str | None, n_workers: int) -> Iterator[Client]:
-    """Connect to a cluster, or start one on this computer, which ends with it.
-
-    Raises
-    ------
-    CamtoolsError
-        The scheduler does not answer, or has no worker.
-    """
+    """Connect to a cluster, or start one on this computer, which ends with it."""
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     with ExitStack() as stack:
         stack.enter_context(dask.config.set({"logging.distributed": "critical"}))
@@ -89,19 +83,10 @@ def cut_all(
 ) -> None:
     """Cut on every machine.
 
-    Parameters
-    ----------
-    take : callable
-        Is given the outcomes of every batch as soon as they are there, in any order.
-    scheduler : str, optional
-        Address of a Dask cluster; else as many processes of this computer as there are cores.
-    n_workers : int, optional
-        Processes on this computer.
-
-    Raises
-    ------
-    CamtoolsError
-        The cluster is no good, or its workers died again and again.
+    `take`: Is given the outcomes of every batch as soon as they are there, in any order.
+    `scheduler`: address of a Dask cluster; else as many processes of this computer as there are
+    cores. `n_workers`: processes on this computer. Raises `CamtoolsError`: the cluster is no good,
+    or its workers died again and again.
     """
     if not machines:
         return
@@ -124,13 +109,7 @@ def cut_all(
 
 
 def _checked(answer: list[CutOutcome] | str) -> list[CutOutcome]:
-    """Return the outcomes of a batch.
-
-    Raises
-    ------
-    CamtoolsError
-        The worker could not cut at all.
-    """
+    """Return the outcomes of a batch."""
     if isinstance(answer, str):
         raise CamtoolsError([answer])
     return answer

@@ -52,11 +52,8 @@ class Quantile(NamedTuple):
 class Effect(NamedTuple):
     """How much an unknown matters for the form error.
 
-    Attributes
-    ----------
-    first_order, first_order_conf : float
-        Share of the variance of the error's logarithm that it explains alone, and half the width of
-        its interval of 95 %.
+    `first_order`, `first_order_conf`: share of the variance of the error's logarithm that it
+    explains alone, and half the width of its interval of 95 %.
     """
 
     key: str  # of the unknown
@@ -77,10 +74,7 @@ def share_within(n_within: int, n: int) -> Share:
 def quantile(errors: Floats, percent: float) -> Quantile:
     """Return a quantile of a sample with the interval of its order statistics, MATHS.md (163).
 
-    Parameters
-    ----------
-    errors : ndarray, shape (n,)
-        Infinite for cuts without a result.
+    `errors`, shape (n,): infinite for cuts without a result.
     """
     ordered, n, share = np.sort(errors), errors.size, percent / 100
     place = min(max(int(np.ceil(share * n)), 1), n)
@@ -101,13 +95,7 @@ def _problem(inputs: Floats) -> dict[str, Any]:
 def effects(keys: list[str], inputs: Floats, errors: Floats, *, seed: int) -> list[Effect]:
     """Return how much each unknown matters, the strongest first; MATHS.md (165).
 
-    Parameters
-    ----------
-    keys : list of str
-        Of the unknowns.
-    inputs : ndarray, shape (n, len(keys))
-    errors : ndarray, shape (n,)
-        Finite, above 0.
+    `keys`: of the unknowns. `inputs`, shape (n, len(keys)). `errors`, shape (n,): finite, above 0.
     """
     from SALib.analyze import pawn, rbd_fast  # slow to load
 
@@ -149,10 +137,7 @@ class Forecast(NamedTuple):
 def evaluate(plan: ForecastPlan, outcomes: Sequence[CutOutcome], seed: int) -> Forecast:
     """Return what the cuts of a plan say.
 
-    Raises
-    ------
-    CamtoolsError
-        Not one of them was gauged; the line has the reason of the first.
+    Raises `CamtoolsError`: not one of them was gauged; the line has the reason of the first.
     """
     is_gauged = np.array([one.is_gauged for one in outcomes])
     if not is_gauged.any():

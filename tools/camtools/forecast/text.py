@@ -32,13 +32,7 @@ _LINES = 10  # where there is no terminal
 class Progress:
     """Counts cuts.
 
-    Parameters
-    ----------
-    n_all, n_done : int
-        Cuts in all, and those that were there before.
-    stream : text stream
-    clock : callable
-        Returns seconds.
+    `n_all`, `n_done`: cuts in all, and those that were there before. `clock`: returns seconds.
     """
 
     def __init__(self, n_all: int, n_done: int, stream: TextIO, clock: Callable[[], float]) -> None:

@@ -54,11 +54,9 @@ class Spread(TomlTable):
 
     @model_validator(mode="after")
     def _check_keys(self) -> Self:
-        wanted = {
-            "uniform": ("low", "high"),
-            "normal": ("sd",),
-            "lognormal": ("factor",),
-        }[self.distribution]
+        wanted = {"uniform": ("low", "high"), "normal": ("sd",), "lognormal": ("factor",)}[
+            self.distribution
+        ]
         allowed = {
             "uniform": {"low", "high"},
             "normal": {"mean", "sd", "low", "high"},
@@ -81,10 +79,7 @@ class Spread(TomlTable):
 class Unknown(NamedTuple):
     """A number of the machine that is not known.
 
-    Attributes
-    ----------
-    low, high : float
-        Ends of what is drawn, in the unit of the key.
+    `low`, `high`: ends of what is drawn, in the unit of the key.
     """
 
     key: str  # table and key of the machine file
@@ -170,15 +165,8 @@ def _spreads(tree: Mapping[str, Any], file: str) -> dict[str, Spread]:
 def read_vary(data: bytes, file: str, machine: Mapping[str, Any]) -> list[Unknown]:
     """Return the unknown numbers of a machine.
 
-    Parameters
-    ----------
-    machine : mapping
-        Tree of the machine file, for the nominal values.
-
-    Raises
-    ------
-    CamtoolsError
-        Not TOML, unknown keys, or a distribution that cannot be.
+    `machine`: tree of the machine file, for the nominal values. Raises `CamtoolsError`: not TOML,
+    unknown keys, or a distribution that cannot be.
     """
     spreads = _spreads(read_tree(data, file), file)
     return [_unknown(key, spread, machine, file) for key, spread in spreads.items()]

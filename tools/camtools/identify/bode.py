@@ -81,10 +81,8 @@ def _residual(axes: Axes, found: Identified) -> None:
 def bode_png(found: Identified, believed: Floats, title: str) -> bytes:
     """Return the picture as PNG: amplitude, phase, and what the fit leaves.
 
-    Parameters
-    ----------
-    believed : ndarray, shape (4,)
-        constants that the controller has, the scale's latency added to its lead
+    `believed`, shape (4,): constants that the controller has, the scale's latency added to its
+    lead.
     """
     measured, sigma = measured_response(found)
     hz = found.spectra.frequency_hz

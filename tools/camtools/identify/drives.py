@@ -43,12 +43,8 @@ def not_ready(state: str) -> str:
 class ConnectedU:
     """U of a controller.
 
-    Parameters
-    ----------
-    keeps_command : bool
-        whether the link's owner sends heartbeats on, so that command is not given back
-    progress : callable, optional
-        that of `excite`
+    `keeps_command`: whether the link's owner sends heartbeats on, so that command is not given
+    back. `progress`: that of `excite`.
     """
 
     def __init__(
@@ -74,10 +70,7 @@ class ConnectedU:
     def believed(self) -> Believed:
         """Return what the controller is configured with.
 
-        Raises
-        ------
-        Refused
-            There is none, or its state is not ready.
+        Raises `Refused`: there is none, or its state is not ready.
         """
         status = self.link.listen()
         if status.state != "ready":
@@ -85,13 +78,7 @@ class ConnectedU:
         return Believed.of(status.signals["tick_rate"], self.values(PARAMETERS))
 
     def values(self, names: Iterable[str]) -> dict[str, int]:
-        """Return parameters in force.
-
-        Raises
-        ------
-        Refused
-            The controller does not know one.
-        """
+        """Return parameters in force. Raises `Refused`: the controller does not know one."""
         return {name: self._get(name) for name in names}
 
     def played(self, play: Play, signals: Sequence[str]) -> Floats:
@@ -99,17 +86,8 @@ class ConnectedU:
 
         The controller itself sees to the state, to the clearance of the tool and to the limits of
         U. However this ends, U comes to rest.
-
-        Parameters
-        ----------
-        play : Play
-        signals : sequence of str
-            of the recorder, in the order of firmware/recorder/cam_recorder.h
-
-        Raises
-        ------
-        Refused
-            It refuses, the excitation was cut short, or the record has a gap.
+        `signals`: of the recorder, in the order of firmware/recorder/cam_recorder.h. Raises
+        `Refused`: it refuses, the excitation was cut short, or the record has a gap.
         """
         try:
             recording = excite(
@@ -139,10 +117,7 @@ class ConnectedU:
     def apply(self, settings: Mapping[str, int]) -> None:
         """Disable the drives, set parameters, all of them or none, and read them back.
 
-        Raises
-        ------
-        Refused
-            The controller does not go off, refuses one, or reads another value.
+        Raises `Refused`: the controller does not go off, refuses one, or reads another value.
         """
         answer = self.link.ask("disable")
         if answer.result != "done":
@@ -180,18 +155,9 @@ def parameters_of(text: str) -> dict[str, int]:
 class SimulatedU:
     """U of a machine of the simulator.
 
-    Parameters
-    ----------
-    folder : Path
-        for files in between; it exists
-    machine : bytes
-        of the machine file
-    name : str
-        by which the user knows the machine file
-    image : bytes
-        of a table that is made for the machine
-    options : sequence of str
-        of `camsim identify`, beside those of the excitation
+    `folder`: for files in between; it exists. `name`: by which the user knows the machine file.
+    `image`: of a table that is made for the machine. `options`: of `camsim identify`, beside those
+    of the excitation.
     """
 
     def __init__(
@@ -223,10 +189,7 @@ class SimulatedU:
     def believed(self) -> Believed:
         """Return what the simulated controller is configured with.
 
-        Raises
-        ------
-        CamtoolsError
-            The machine file is wrong, or the part cannot be cut on the machine.
+        Raises `CamtoolsError`: the machine file is wrong, or the part cannot be cut on the machine.
         """
         parameters = parameters_of(self._camsim("params", []))
         return Believed.of(parameters["tick_hz"], parameters)
@@ -239,18 +202,8 @@ class SimulatedU:
     def played(self, play: Play, signals: Sequence[str]) -> Floats:
         """Let U play a wave; return tick and signals of its periods, a row each.
 
-        Parameters
-        ----------
-        play : Play
-        signals : sequence of str
-            of the recorder, in the order of firmware/recorder/cam_recorder.h
-
-        Raises
-        ------
-        CamtoolsError
-            The controller refuses.
-        CutShortError
-            It began and did not end.
+        `signals`: of the recorder, in the order of firmware/recorder/cam_recorder.h. Raises
+        `CamtoolsError`: the controller refuses; `CutShortError`: it began and did not end.
         """
         text = "\n".join([HEADINGS[play.unit], *(str(one) for one in play.samples.tolist())])
         (self._folder / _WAVE).write_text(f"{text}\n", "ascii")

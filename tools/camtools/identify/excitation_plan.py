@@ -128,11 +128,8 @@ def plan(believed: Believed, wishes: Wishes) -> Excitation:
 
     What was not asked for is chosen: 25 um rms, 100 um for a scale of 1 um, and a carrier of
     0.3 mm, each less where stroke, speed or acceleration of U ask for it.
-
-    Raises
-    ------
-    CamtoolsError
-        What was asked for, or the least that a fit can use, is beyond a limit of U.
+    Raises `CamtoolsError`: what was asked for, or the least that a fit can use, is beyond a limit
+    of U.
     """
     grid = Grid.of(believed.tick_hz, wishes.highest_hz, wishes.least_ticks)
     coarse = believed.u_scale_nm >= _COARSE_NM
@@ -177,12 +174,8 @@ class U(Protocol):
 def excited(u: U, excitation: Excitation, believed: Believed) -> SettledRecord:
     """Let U play an excitation; return set-points and positions.
 
-    Raises
-    ------
-    CamtoolsError
-        The record is of no use, or the simulated controller refuses.
-    Refused, CutShortError
-        The controller refuses, or the excitation was cut short.
+    Raises `CamtoolsError`: the record is of no use, or the simulated controller refuses; `Refused`,
+    `CutShortError`: the controller refuses, or the excitation was cut short.
     """
     tick, u_nm, y_nm = u.played(excitation.play, SIGNALS)
     grid = excitation.wave.grid

@@ -37,10 +37,7 @@ K1, K2, FRICTION, LEAD = range(4)
 class DriveFit:
     """Constants of U's drive with what is known about their errors.
 
-    Attributes
-    ----------
-    values : ndarray, shape (4,)
-        k1 [s], k2 [s2], friction c [nm], dead time with half a tick of hold [s]
+    `values`, shape (4,): k1 [s], k2 [s2], friction c [nm], dead time with half a tick of hold [s].
     """
 
     values: Floats
@@ -96,10 +93,8 @@ def stacked(values: Complexes) -> Floats:
 def line_weights(spectra: Spectra, inverse: Complexes | float) -> Floats:
     """Return the weights of the lines: 1 / |y| where noise allows it.
 
-    Parameters
-    ----------
-    inverse : ndarray, shape (n,)
-        of the drive's response, by which the noise of y becomes that of the equation
+    `inverse`, shape (n,): of the drive's response, by which the noise of y becomes that of the
+    equation.
     """
     noise = spectra.noise_nm * np.abs(inverse)
     return np.asarray(1 / np.hypot(np.abs(spectra.y), noise / _LIKENESS))
@@ -196,10 +191,7 @@ def _between(spectra: Spectra, values: Floats, weight: Floats) -> Floats:
 def fit(spectra: Spectra) -> DriveFit:
     """Return the constants of a drive from the lines of a record.
 
-    Raises
-    ------
-    CamtoolsError
-        Too few lines stand above their noise.
+    Raises `CamtoolsError`: too few lines stand above their noise.
     """
     if spectra.s.size < MIN_LINES:
         problem = (

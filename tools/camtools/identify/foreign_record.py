@@ -94,18 +94,9 @@ class Table(NamedTuple):
 def parse_table(text: str, file: str, quantities: Mapping[str, Units], header: str) -> Table:
     """Return the columns of a text.
 
-    Parameters
-    ----------
-    quantities
-        The names that the column of each quantity may have, with their units in SI.
-    header
-        An example for the remedy.
-
-    Raises
-    ------
-    InputError
-        With the line: columns are missing, no numbers, uneven times, too few or too many rows, a
-        column that does not change.
+    `quantities`: the names that the column of each quantity may have, with their units in SI.
+    `header`: an example for the remedy. Raises `InputError`: with the line: columns are missing, no
+    numbers, uneven times, too few or too many rows, a column that does not change.
     """
     lines = text.rstrip().splitlines()
     columns = NumberLines(lines[0] if lines else "")

@@ -36,13 +36,7 @@ def _step(k1_s: float, k2_s2: float, dt_s: float) -> tuple[float, ...]:
 
 
 class _Slide:
-    """A slide that is pulled to a command and rubs.
-
-    Attributes
-    ----------
-    y, v : float
-        place [nm] and speed [nm/s]
-    """
+    """A slide that is pulled to a command and rubs. `y`, `v`: place [nm] and speed [nm/s]."""
 
     def __init__(self, k2_s2: float, friction_nm: float) -> None:
         self.k2_s2, self.friction_nm = k2_s2, friction_nm
@@ -88,18 +82,9 @@ class _Slide:
 def friction_of(values: Floats, u_nm: Floats, tick_s: float) -> Floats:
     """Return the friction of a drive in each tick, as a share of its greatest, -1 .. 1.
 
-    Parameters
-    ----------
-    values : ndarray, shape (4,)
-        k1 [s] and k2 [s2], both > 0, friction [nm], dead time with half a tick of hold [s]
-    u_nm : ndarray, shape (n,)
-        set-points from rest on, one a tick
-    tick_s : float
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        mean over the tick that begins with the set-point
+    `values`, shape (4,): k1 [s] and k2 [s2], both > 0, friction [nm], dead time with half a tick of
+    hold [s]. `u_nm`, shape (n,): set-points from rest on, one a tick. Returns shape (n,): mean over
+    the tick that begins with the set-point.
     """
     k1_s, k2_s2, friction_nm, lead_s = (float(value) for value in values)
     if friction_nm <= 0:
@@ -268,17 +253,8 @@ def identify(record: SettledRecord, *, with_mode: bool = True) -> Identified:
     """Return what a record says about U's drive.
 
     A scale that is coarse may belong to a drive that rounds its commands likewise; the record with
-    rounded set-points is believed where it leaves less.
-
-    Parameters
-    ----------
-    with_mode : bool
-        look for a mode as well
-
-    Raises
-    ------
-    CamtoolsError
-        Too few lines stand above their noise.
+    rounded set-points is believed where it leaves less. Raises `CamtoolsError`: too few lines stand
+    above their noise.
     """
     spectra, plain = _plain_of(record)
     if record.is_coarse:

@@ -198,14 +198,9 @@ def _halves(segments: _Segments, begin: Floats) -> list[Half]:
 def response_of(values: Floats, s: Complexes, hold_s: float) -> Complexes:
     """Return the frequency response of constants, for a command that is held by MATHS.md (225).
 
-    Parameters
-    ----------
-    values : ndarray, shape (4,)
-        As of `LinearModel`.
-    s : ndarray
-        j times the angular frequency [rad/s], below half of the sampling rate.
-    hold_s : float
-        How long each value of the command is held: the sampling step, or 0.
+    `values`, shape (4,): as of `LinearModel`. `s`: j times the angular frequency [rad/s], below
+    half of the sampling rate. `hold_s`: how long each value of the command is held: the sampling
+    step, or 0.
     """
     if hold_s:
         step = 2j * np.pi / hold_s
@@ -235,11 +230,8 @@ def identify_record(record: ForeignRecord) -> LinearModel:
     """Return the constants of a recording with their deviations and doubts.
 
     The command is taken as held for each step where that fits clearly better than a continuous one.
-
-    Raises
-    ------
-    CamtoolsError
-        The command moves in too little of the record, or too few lines are coherent.
+    Raises `CamtoolsError`: the command moves in too little of the record, or too few lines are
+    coherent.
     """
     segments, lines, values = _held_or_not(record)
     blocks = np.array_split(np.arange(segments.u.shape[0]), _N_BLOCKS)

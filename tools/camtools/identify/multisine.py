@@ -37,12 +37,7 @@ _OVERSAMPLED = 8
 
 @dataclass(frozen=True)
 class Grid:
-    """The lines of an excitation at a tick rate.
-
-    Attributes
-    ----------
-    tick_hz : float
-    """
+    """The lines of an excitation at a tick rate."""
 
     tick_hz: float
     n_ticks: int  # of a period
@@ -144,16 +139,9 @@ def _peaks(bins: Ints, lines: Complexes, line_hz: float) -> WavePeaks:
 def multisine(grid: Grid, rms_nm: float, carrier_nm: float, quantum_nm: float = 1.0) -> Wave:
     """Return an excitation; the same arguments give the same wave.
 
-    Parameters
-    ----------
-    grid : Grid
-    rms_nm : float
-        of the multisine, > 0
-    carrier_nm : float
-        amplitude of the carrier, >= 0
-    quantum_nm : float
-        the wave is rounded to whole multiples, so that a drive which rounds its commands to that
-        quantum plays what is known; below 1: to 1 nm
+    `rms_nm`: of the multisine, > 0. `carrier_nm`: amplitude of the carrier, >= 0. `quantum_nm`: the
+    wave is rounded to whole multiples, so that a drive which rounds its commands to that quantum
+    plays what is known; below 1: to 1 nm.
     """
     bins = grid.bins
     lines = rms_nm * _shape(bins, grid.line_hz) * np.exp(1j * _phases(bins.size))

@@ -78,10 +78,7 @@ def motion_of(table: Table, rpm: float) -> ToolMotion:
 def form_error_nm(motion: ToolMotion, believed: Floats, response: Complexes) -> float:
     """Return the largest error of form that feed-forward with some constants leaves.
 
-    Parameters
-    ----------
-    believed : ndarray, shape (4,)
-        constants of the feed-forward, as of `fit.DriveFit.values`
+    `believed`, shape (4,): constants of the feed-forward, as of `fit.DriveFit.values`.
     """
     s = motion.s
     error = (response / second_order(s, *believed[[K1, K2, LEAD]]) - 1) * motion.harmonics
@@ -92,15 +89,8 @@ def form_error_nm(motion: ToolMotion, believed: Floats, response: Complexes) -> 
 def constants_for(motion: ToolMotion, response: Complexes, lead_s: float) -> Floats:
     """Return constants of the feed-forward that leave a part the least error of form.
 
-    Parameters
-    ----------
-    response : ndarray
-        of the drive at `motion.s`, of whatever order
-
-    Returns
-    -------
-    ndarray, shape (4,)
-        as of `fit.DriveFit.values`, without friction; k1 and k2 by least squares over the turn
+    `response`: of the drive at `motion.s`, of whatever order. Returns shape (4,): as of
+    `fit.DriveFit.values`, without friction; k1 and k2 by least squares over the turn.
     """
     s = motion.s[1:]
     moved = (response[1:] * np.exp(lead_s * s)) * motion.harmonics[1:]
@@ -121,10 +111,7 @@ def mode_sigma_nm(motion: ToolMotion, found: ModeFit) -> float:
 def form_sigma_nm(motion: ToolMotion, values: Floats, covariance: Floats) -> float:
     """Return the standard deviation of the error of form where it is largest.
 
-    Parameters
-    ----------
-    values, covariance : ndarray, shape (4,), (4, 4)
-        of the constants that feed-forward uses
+    `values`, `covariance`, shape (4,), (4, 4): of the constants that feed-forward uses.
     """
     s = motion.s
     inverse = 1 + values[K1] * s + values[K2] * s**2

@@ -37,10 +37,8 @@ _AGAIN = "nothing is fitted, excite again"
 class SettledRecord:
     """Set-points and measured positions of U in every tick of some periods.
 
-    Attributes
-    ----------
-    u_nm : ndarray, shape (n_dropped + n_periods, n_ticks)
-        written in a tick; the first periods are those in which U settles
+    `u_nm`, shape (n_dropped + n_periods, n_ticks): written in a tick; the first periods are those
+    in which U settles.
     """
 
     grid: Grid
@@ -80,18 +78,9 @@ def record_of(
 ) -> SettledRecord:
     """Return the whole periods at the end of a record.
 
-    Parameters
-    ----------
-    tick : ndarray, shape (n,)
-        number of each tick
-    u_nm, y_nm : ndarray, shape (n,)
-        while U plays the wave in full; the fading of its begin may be in periods that are dropped
-
-    Raises
-    ------
-    CamtoolsError
-        Ticks are missing, there are too few periods, U did not move, or its set-points do not
-        repeat.
+    `tick`, shape (n,): number of each tick. `u_nm`, `y_nm`, shape (n,): while U plays the wave in
+    full; the fading of its begin may be in periods that are dropped. Raises `CamtoolsError`: ticks
+    are missing, there are too few periods, U did not move, or its set-points do not repeat.
     """
     gaps = np.flatnonzero(np.diff(tick) != 1)
     if gaps.size:
@@ -132,22 +121,13 @@ _ROUNDED = 1 / np.sqrt(12)  # rms of what rounding adds, per quantum
 class Spectra:
     """The excited lines of a record; amplitudes as of a cosine, nm.
 
-    Attributes
-    ----------
-    bins : ndarray, shape (n,)
-        lines that stand above their noise
-    n_lost : int
-        excited lines that do not
-    s : ndarray, shape (n,)
-        j times the angular frequency [rad/s]
-    u, y, friction : ndarray, shape (n,)
-        mean over the periods: set-points with their hold's attenuation, but not its delay;
-        measured positions; the direction in which U moves, -1 .. 1
-    u_of, y_of, friction_of : ndarray, shape (n_periods, n)
-        the same of each period
-    noise_nm : ndarray, shape (n,)
-        rms of the error of y: the larger of the scatter between periods and what rounding by the
-        scale adds, which may be the same in every period
+    `bins`, shape (n,): lines that stand above their noise. `n_lost`: excited lines that do not.
+    `s`, shape (n,): j times the angular frequency [rad/s]. `u`, `y`, `friction`, shape (n,): mean
+    over the periods: set-points with their hold's attenuation, but not its delay; measured
+    positions; the direction in which U moves, -1 .. 1. `u_of`, `y_of`, `friction_of`, shape
+    (n_periods, n): the same of each period. `noise_nm`, shape (n,): rms of the error of y: the
+    larger of the scatter between periods and what rounding by the scale adds, which may be the same
+    in every period.
     """
 
     grid: Grid
@@ -184,10 +164,7 @@ class Spectra:
     def with_friction(self, shares: Floats) -> Spectra:
         """Return the same lines with another friction.
 
-        Parameters
-        ----------
-        shares : ndarray, shape (n_periods, n_ticks)
-            mean over each tick, as `stick.friction_of` gives it
+        `shares`, shape (n_periods, n_ticks): mean over each tick, as `stick.friction_of` gives it.
         """
         hold = np.sinc(self.bins / self.grid.n_ticks)
         half_tick = np.exp(-0.5 * self.s / self.grid.tick_hz)
@@ -215,13 +192,9 @@ def _direction(grid: Grid, y: Complexes) -> Complexes:
 def spectra_of(grid: Grid, u_nm: Floats, y_nm: Floats, quantum_nm: float) -> Spectra:
     """Return the excited lines of a record.
 
-    Parameters
-    ----------
-    u_nm, y_nm : ndarray, shape (n_periods, n_ticks)
-        set-points written in a tick and positions measured in it; settled, so without the first
-        periods
-    quantum_nm : float
-        of the scale, 0 when it is not known
+    `u_nm`, `y_nm`, shape (n_periods, n_ticks): set-points written in a tick and positions measured
+    in it; settled, so without the first periods. `quantum_nm`: of the scale, 0 when it is not
+    known.
     """
     bins = grid.excited
     n_periods = y_nm.shape[0]

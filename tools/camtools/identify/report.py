@@ -21,14 +21,7 @@ from camtools.identify.configured_drive import Believed
 from camtools.identify.fit import FRICTION, K1, K2, LEAD
 from camtools.identify.foreign_record import FORCES, ForeignRecord
 from camtools.identify.identified import Identified, Limits
-from camtools.identify.linear_model import (
-    DELAY,
-    RATE,
-    SECOND,
-    STATIC,
-    LinearModel,
-    jackknife,
-)
+from camtools.identify.linear_model import DELAY, RATE, SECOND, STATIC, LinearModel, jackknife
 from camtools.identify.part_error import (
     ToolMotion,
     constants_for,
@@ -220,12 +213,8 @@ def report(
 ) -> list[str]:
     """Return the whole report, line by line.
 
-    Parameters
-    ----------
-    motion, part : ToolMotion, str
-        of a part, whose form error is reported, too
-    is_good : bool
-        the constants are to be set; the settings are listed
+    `motion`, `part`: of a part, whose form error is reported, too. `is_good`: the constants are to
+    be set; the settings are listed.
     """
     lines = [*_table(found, believed, limits), *_fit_lines(found, believed)]
     what = "doubtful" if is_good else "not to be applied"
@@ -287,12 +276,8 @@ _NS, _US2, _UM = 1e9, 1e12, 1e6  # per s, s2 and m
 def constants_of(values: Floats, command: str) -> dict[str, float]:
     """Return constants by name and unit.
 
-    Parameters
-    ----------
-    values : ndarray, shape (4,)
-        As of `LinearModel`.
-    command : str
-        Name of the column of the command or force.
+    `values`, shape (4,): as of `LinearModel`. `command`: name of the column of the command or
+    force.
     """
     static, rate, second, delay_s = (float(values[i]) for i in (STATIC, RATE, SECOND, DELAY))
     ringing = max(static / second, 0.0) ** 0.5 if second else 0.0  # rad/s

@@ -41,13 +41,7 @@ _LOWEST_HZ, _HIGHEST_HZ, _MOST_DAMPING = 40.0, 8000.0, 0.3
 
 @dataclass(frozen=True)
 class Mode:
-    """What is measured, as a share of what a slide without the mode would move.
-
-    Attributes
-    ----------
-    hz, damping : float
-        of the mode
-    """
+    """What is measured, as a share of what a slide without the mode would move."""
 
     hz: float
     damping: float
@@ -71,17 +65,11 @@ class Mode:
 class ModeFit:
     """The constants of a drive and of its mode.
 
-    Attributes
-    ----------
-    values : ndarray, shape (4,)
-        as of `DriveFit`
-    place, place_covariance : ndarray, shape (8,), (8, 8)
-        what was searched: the values over `scale`, logarithms of frequency and damping, and how
-        far the numerator is off; with the covariance that the residual gives it
-    misfit : float
-        rms of the residual, as a share of the amplitude
-    cost : float
-        sum of the squares that was made least; `plain_cost` is that of the fit without a mode
+    `values`, shape (4,): as of `DriveFit`. `place`, `place_covariance`, shape (8,), (8, 8): what
+    was searched: the values over `scale`, logarithms of frequency and damping, and how far the
+    numerator is off; with the covariance that the residual gives it. `misfit`: rms of the residual,
+    as a share of the amplitude. `cost`: sum of the squares that was made least; `plain_cost` is
+    that of the fit without a mode.
     """
 
     values: Floats
@@ -175,15 +163,8 @@ def _begins(start: Floats, near: ModeFit | None) -> Iterator[Floats]:
 def fit_mode(spectra: Spectra, plain: DriveFit, near: ModeFit | None = None) -> ModeFit | None:
     """Return the constants of a drive with one mode, nothing where there are too few lines.
 
-    The search begins at several frequencies, above the highest line too: the flank of a mode
-    that is not excited itself is seen as well.
-
-    Parameters
-    ----------
-    plain : DriveFit
-        without a mode
-    near : ModeFit or None
-        where to begin instead
+    The search begins at several frequencies, above the highest line too: the flank of a mode that
+    is not excited itself is seen as well. `near`: where to begin instead.
     """
     if spectra.s.size < _MIN_LINES:
         return None

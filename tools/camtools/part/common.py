@@ -170,10 +170,7 @@ def is_feed_within(part: PartFile, feed_mm: float) -> bool:
 def check_feed(part: PartFile) -> None:
     """Refuse a feed beyond the height of the part: the firmware would not cut its table.
 
-    Raises
-    ------
-    CamtoolsError
-        With the highest feed that would do.
+    Raises `CamtoolsError`: with the highest feed that would do.
     """
     feed_mm = part.process.feed_mm
     if not is_feed_within(part, feed_mm):
@@ -254,15 +251,8 @@ class Tool(TomlTable):
 def check_tracks(tool: Tool, feed_mm: float) -> None:
     """Refuse a feed at which metal stays between the tracks of a round nose.
 
-    Parameters
-    ----------
-    feed_mm : float
-        Distance of neighbouring tracks [mm].
-
-    Raises
-    ------
-    CamtoolsError
-        With the feed below which the tracks meet.
+    `feed_mm`: distance of neighbouring tracks [mm]. Raises `CamtoolsError`: with the feed below
+    which the tracks meet.
     """
     widest_mm = 2 * tool.nose_radius_mm
     if tool.is_round and feed_mm >= widest_mm:

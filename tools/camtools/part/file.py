@@ -84,17 +84,7 @@ MAX_FILE_BYTES = 1_000_000
 def read_tree(data: bytes, file: str) -> dict[str, Any]:
     """Return the tables of a TOML file.
 
-    Parameters
-    ----------
-    data : bytes
-        Whole content of the file, UTF-8.
-    file : str
-        Name for error messages.
-
-    Raises
-    ------
-    InputError
-        Not UTF-8 or not TOML.
+    `data`: whole content of the file, UTF-8. Raises `InputError`: not UTF-8 or not TOML.
     """
     try:
         return toml_tree(data.decode("utf-8"))
@@ -127,15 +117,8 @@ def validated(
 ) -> Model:
     """Return the tables of a part file as a model.
 
-    Parameters
-    ----------
-    context : dict
-        What the fields are checked against: the folder of the file, the names of all kinds.
-
-    Raises
-    ------
-    CamtoolsError
-        Fields are wrong: one line each, in the file's order of tables.
+    `context`: what the fields are checked against: the folder of the file, the names of all kinds.
+    Raises `CamtoolsError`: fields are wrong: one line each, in the file's order of tables.
     """
     try:
         return model.model_validate(tree, context=context)
@@ -146,10 +129,7 @@ def validated(
 def read_part_file(path: Path) -> bytes:
     """Return the content of a part file.
 
-    Raises
-    ------
-    InputError
-        It cannot be read, is no file, or is too large.
+    Raises `InputError`: it cannot be read, is no file, or is too large.
     """
     try:
         return read_limited(path, MAX_FILE_BYTES)

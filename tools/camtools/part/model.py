@@ -62,12 +62,8 @@ def wrong(kind: str, problem: str, remedy: str, **context: Any) -> PydanticCusto
 class Only:
     """Annotation of a key that has a meaning for some choices of another key alone.
 
-    Attributes
-    ----------
-    chooser : str
-        The other key, which stands before this one.
-    needed : tuple of str
-        Choices that cannot do without the key.
+    `chooser`: the other key, which stands before this one. `needed`: choices that cannot do without
+    the key.
     """
 
     chooser: str

@@ -112,10 +112,7 @@ class FeedLaw(TomlTable):
     def turns(self, z_first_mm: float, z_mm: Floats) -> Floats:
         """Return the turns that Z takes from a height to others, rising.
 
-        Parameters
-        ----------
-        z_mm : ndarray, shape (n,)
-            Rising heights from z_first_mm on.
+        `z_mm`, shape (n,): rising heights from z_first_mm on.
         """
         knots = np.array(self.height_mm)
         inside = knots[(knots > z_first_mm) & (knots < z_mm[-1])]

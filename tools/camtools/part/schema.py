@@ -46,10 +46,7 @@ def plain(meaning: str) -> str:
 class Key:
     """One key of a table.
 
-    Attributes
-    ----------
-    sort : str
-        number, whole, choice, switch, text, numbers (one or a list) or other (the text alone).
+    `sort`: number, whole, choice, switch, text, numbers (one or a list) or other (the text alone).
     """
 
     path: tuple[Step, ...]  # of the key in the file; numbers are places in lists of tables
@@ -100,10 +97,7 @@ class Table:
 class Keys:
     """The tables and keys of a model.
 
-    Parameters
-    ----------
-    kinds : sequence of str
-        What `part.kind` may be; none: the model has no such key.
+    `kinds`: what `part.kind` may be; none: the model has no such key.
     """
 
     def __init__(self, model: type[TomlTable], kinds: Sequence[str]) -> None:

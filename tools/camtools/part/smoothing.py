@@ -48,14 +48,9 @@ _WORTH = 0.95  # of a peak: what smoothing must lower it to
 def differences(x: Floats, order: int, period: float | None = None) -> csr_array:
     """Return the matrix of the divided differences of values at x, times the factorial of order.
 
-    Parameters
-    ----------
-    x : ndarray, shape (n,)
-        Rising, more than `order` of them.
-    order : int
-        Of the derivative that the differences estimate.
-    period : float, optional
-        After which the values repeat; then every point begins a difference.
+    `x`, shape (n,): rising, more than `order` of them. `order`: of the derivative that the
+    differences estimate. `period`: after which the values repeat; then every point begins a
+    difference.
     """
     n = x.size
     n_rows = n if period else n - order
@@ -77,16 +72,9 @@ def smoothed(
 ) -> Floats:
     """Return the values within a band whose third derivative is least in the mean square.
 
-    Parameters
-    ----------
-    x, values : ndarray, shape (n,)
-        Rising places and the values listed there, none below 0.
-    band : float
-        How far a value may move to either side, above 0; none moves below 0.
-    period : float, optional
-        After which the values repeat.
-    held : ndarray of bool, optional
-        Values that do not move.
+    `x`, `values`, shape (n,): rising places and the values listed there, none below 0. `band`: how
+    far a value may move to either side, above 0; none moves below 0. `period`: after which the
+    values repeat. `held`: values that do not move.
     """
     free = np.arange(x.size) if held is None else np.flatnonzero(~held)
     if x.size <= ORDER or not free.size:
@@ -158,12 +146,8 @@ def first_enough(
 ) -> T | None:
     """Return values smoothed within the narrowest of rising bands that removes their noise.
 
-    Parameters
-    ----------
-    smooth : function
-        Returns the values smoothed within a band.
-    peaks : function
-        Returns the peak of a derivative before and after; each band must lower it by 5 %.
+    `smooth`: returns the values smoothed within a band. `peaks`: returns the peak of a derivative
+    before and after; each band must lower it by 5 %.
     """
     found, least = None, np.inf
     for band_um in bands:
@@ -208,14 +192,8 @@ def residuals(band_um: float, off_um: Floats, places: Floats, key: str) -> Json:
 def smoothed_texts(what: str, facts: Json, place: str, peaks: list[PeakChange]) -> list[str]:
     """Return what smoothing did as lines for people.
 
-    Parameters
-    ----------
-    facts : dict
-        From `residuals`.
-    place : str
-        Of the largest residual, with its unit.
-    peaks : list of PeakChange
-        The second derivative is the first of them.
+    `facts`: from `residuals`. `place`: of the largest residual, with its unit. `peaks`: the second
+    derivative is the first of them.
     """
     within = f"{what} smoothed within {facts['smooth_um']:g} um"
     if facts["largest_um"] < _NOTHING_UM:
@@ -271,12 +249,8 @@ def sheet_note(form: Json, taken_um: float) -> str:
 def check_share(field: str, taken_um: float, form_error_um: float) -> None:
     """Refuse smoothing that leaves nothing of the tolerance for the cut.
 
-    Parameters
-    ----------
-    field : str
-        Dotted path of smooth_um.
-    taken_um : float
-        How far smoothing moves the surface at most, along the radius or the lift.
+    `field`: dotted path of smooth_um. `taken_um`: how far smoothing moves the surface at most,
+    along the radius or the lift.
     """
     if taken_um and taken_um >= form_error_um:
         problem = (

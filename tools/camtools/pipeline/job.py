@@ -36,10 +36,7 @@ from camtools.table.header import check_tolerance
 class Correcting:
     """How the surface of a gauged part corrects the next table.
 
-    Raises
-    ------
-    CamtoolsError
-        An option that says how to correct, without the surface.
+    Raises `CamtoolsError`: an option that says how to correct, without the surface.
     """
 
     measured: Annotated[
@@ -76,17 +73,9 @@ class Correcting:
         """Return the correction that is asked for, nothing without --measured.
 
         Cautions go to standard error.
-
-        Parameters
-        ----------
-        output : Path or None
-            Folder of the new table; None: not known to be that of the old one.
-
-        Raises
-        ------
-        CamtoolsError
-            See `next_round`; or the new table would take the place of the one that cut the part,
-            of which the next round must know.
+        `output`: folder of the new table; None: not known to be that of the old one. Raises
+        `CamtoolsError`: see `next_round`; or the new table would take the place of the one that cut
+        the part, of which the next round must know.
         """
         if self.measured is None:
             return None
@@ -146,13 +135,7 @@ def _above_0(option: str, unit: str) -> Callable[[str], float]:
 
 
 def _for_camsim(words: Sequence[str]) -> list[str]:
-    """Return the user's words for camsim, which works in another folder.
-
-    Raises
-    ------
-    CamtoolsError
-        An option that this command sets itself.
-    """
+    """Return the user's words for camsim, which works in another folder."""
     for word in words:
         if word.split("=")[0] in _OURS:
             raise CamtoolsError([f"-- {word}: is set by tools/run itself; leave it out"])
@@ -163,10 +146,7 @@ def _for_camsim(words: Sequence[str]) -> list[str]:
 class RunJob:
     """What was asked for, checked as far as this is possible without the part.
 
-    Attributes
-    ----------
-    extra : tuple of str
-        Words for camsim.
+    `extra`: words for camsim.
     """
 
     correcting: Correcting
@@ -236,11 +216,8 @@ class RunJob:
     def check_feed(self, part: PartFile) -> None:
         """Refuse a feed that camsim would refuse, before anything is made.
 
-        Raises
-        ------
-        CamtoolsError
-            Beyond the height of the part, beyond what the firmware takes, or so large that metal
-            stays between the tracks of the part's tool.
+        Raises `CamtoolsError`: beyond the height of the part, beyond what the firmware takes, or so
+        large that metal stays between the tracks of the part's tool.
         """
         feed_mm, tool = self.feed, getattr(part, "tool", None)
         if feed_mm is not None and isinstance(tool, Tool):
@@ -261,11 +238,7 @@ class RunJob:
         """Return what smoothing leaves of the form error, the part's or the one given, for camsim.
 
         It follows the other words, of which camsim takes the last of a name.
-
-        Raises
-        ------
-        CamtoolsError
-            The form error that is given leaves nothing.
+        Raises `CamtoolsError`: the form error that is given leaves nothing.
         """
         given = _last_value(self.extra, "--tolerance-um")
         if given is None:
@@ -317,13 +290,7 @@ def say(text: str) -> None:
 
 
 def write_files(folder: Path, files: dict[str, bytes]) -> None:
-    """Write files into a folder.
-
-    Raises
-    ------
-    CamtoolsError
-        A file cannot be written.
-    """
+    """Write files into a folder. Raises `CamtoolsError`: a file cannot be written."""
     try:
         for name, data in files.items():
             (folder / name).write_bytes(data)

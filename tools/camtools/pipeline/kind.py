@@ -70,10 +70,7 @@ class SpeedRatio(NamedTuple):
 class Exact(ABC):
     """The exact geometry of a part.
 
-    Attributes
-    ----------
-    heights_mm : tuple of float
-        First and last height of the part [mm], without what the tool travels in the air.
+    `heights_mm`: first and last height of the part [mm], without what the tool travels in the air.
     """
 
     heights_mm: tuple[float, float]
@@ -128,10 +125,7 @@ class Rig(NamedTuple):
 class Kind(ABC, Generic[PartT, MadeT, CutT]):
     """A kind of part.
 
-    Attributes
-    ----------
-    commands : tuple of str
-        Commands of the project that can do something with such a part.
+    `commands`: commands of the project that can do something with such a part.
     """
 
     name: ClassVar[str]  # `part.kind` of its part files
@@ -147,10 +141,7 @@ class Kind(ABC, Generic[PartT, MadeT, CutT]):
     def exact(self, part: PartT) -> Exact:
         """Return the exact shape of a part and the motion of U along it.
 
-        Raises
-        ------
-        CamtoolsError
-            The numbers make no shape, or this kind has no preview.
+        Raises `CamtoolsError`: the numbers make no shape, or this kind has no preview.
         """
         problem = f"{self.plural} have no preview"
         raise CamtoolsError([f"part.kind = '{self.name}': {problem}; make the table by mktables"])
@@ -158,10 +149,7 @@ class Kind(ABC, Generic[PartT, MadeT, CutT]):
     def drawing(self, part: PartT) -> Drawing:
         """Return what a gauged part is compared with.
 
-        Raises
-        ------
-        CamtoolsError
-            The tables of this kind are not corrected by gauged parts.
+        Raises `CamtoolsError`: the tables of this kind are not corrected by gauged parts.
         """
         problem = f"tables of {self.plural} are not corrected by gauged parts"
         raise CamtoolsError([f"part.kind = '{self.name}': {problem}; leave out --measured"])

@@ -86,11 +86,8 @@ def parse(data: bytes, file: str, folder: Path = Path(), *, is_confined: bool = 
 
     Files that the part names are looked for in the folder; `file` names it in messages. A confined
     part may name no file outside of it.
-
-    Raises
-    ------
-    CamtoolsError
-        Not UTF-8, not TOML, or fields wrong: one line each, in the file's order of tables.
+    Raises `CamtoolsError`: not UTF-8, not TOML, or fields wrong: one line each, in the file's order
+    of tables.
     """
     return _checked(read_tree(data, file), file, folder, is_confined=is_confined)
 
@@ -100,17 +97,8 @@ def parse_for(
 ) -> PartT:
     """Return the part for a command that not every kind can do.
 
-    Parameters
-    ----------
-    command : str
-        Name of the command, as in `Kind.commands`.
-    model : type
-        Of the parts that the command works on.
-
-    Raises
-    ------
-    CamtoolsError
-        The command has no use for this kind, or see `parse`.
+    `command`: name of the command, as in `Kind.commands`. `model`: of the parts that the command
+    works on. Raises `CamtoolsError`: the command has no use for this kind, or see `parse`.
     """
     part = parse_able(command, data, file, folder)
     if not isinstance(part, model):
@@ -184,10 +172,7 @@ def make(
 ) -> Made:
     """Return the table of a part, made for another speed where the kind's tables depend on it.
 
-    Raises
-    ------
-    CamtoolsError
-        It cannot be made; the file's name is in every line.
+    Raises `CamtoolsError`: it cannot be made; the file's name is in every line.
     """
     kind, part = loaded
     try:

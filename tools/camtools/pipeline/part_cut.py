@@ -85,13 +85,7 @@ class CutPlan(NamedTuple):
 
 
 def plan_of(table: str, words: Sequence[str]) -> CutPlan:
-    """Return what a cut will take.
-
-    Raises
-    ------
-    CamtoolsError
-        The simulator refuses it.
-    """
+    """Return what a cut will take. Raises `CamtoolsError`: the simulator refuses it."""
     with begun([table, *words]) as session:
         plan = CutPlan(*session.plan())
         if not plan.is_long:
@@ -134,10 +128,7 @@ def made_cut(
 ) -> Result:
     """Cut as `cut` does, and refuse what the controller refuses.
 
-    Raises
-    ------
-    CamtoolsError
-        The simulator or the controller refuses the cut.
+    Raises `CamtoolsError`: the simulator or the controller refuses the cut.
     """
     result = cut([table, *words], tables=tables, files=files, progress=progress)
     if result.status == BAD_INPUT:
@@ -157,16 +148,10 @@ def cut_part(
 ) -> Result:
     """Cut a part; write surface, sections and trace; return the result with surface and sections.
 
-    Parameters
-    ----------
-    window_turns : float or None
-        The trace is of a second run that ends after so many turns; None: of the cut itself.
-    every : int
-        The overview of a longer cut holds one tick of so many.
-    sections_mm : list of float
-        Heights of sections, rising; none: those that camsim chooses.
-    keeps_text : bool
-        Also write the traces as CSV.
+    `window_turns`: the trace is of a second run that ends after so many turns; None: of the cut
+    itself. `every`: the overview of a longer cut holds one tick of so many. `sections_mm`: heights
+    of sections, rising; none: those that camsim chooses. `keeps_text`: also write the traces as
+    CSV.
     """
     more = ["--sections-mm", ",".join(map(repr, sections_mm))] if len(sections_mm) else []
     more += [] if window_turns is None else ["--trace-every", str(every)]

@@ -26,13 +26,7 @@ from camtools.base.text import Json, size_text
 from camtools.pipeline.job import RUNS, RunJob, say, shown, without_faults, write_files
 from camtools.pipeline.kind import Rig
 from camtools.pipeline.load import Made, load, make
-from camtools.pipeline.part_cut import (
-    compare,
-    cut_part,
-    overview_every,
-    plan_of,
-    traced_turns,
-)
+from camtools.pipeline.part_cut import compare, cut_part, overview_every, plan_of, traced_turns
 from camtools.report.kind_report import make_report, rows_of
 from camtools.report.sheet_page import SHEETS, out_of_tolerance
 from camtools.report.text import ReportRow, page_text, remedies
@@ -122,9 +116,7 @@ def _simulate(job: RunJob, made: Made, folder: Path, origin: Origin) -> AnyCut:
             plan = plan_of(table, words)
             say(f"cutting {plan.text()} on the host simulator")
             result = cut_part(
-                *(table, words, plan, window, every),
-                sections_mm=sections_mm,
-                keeps_text=job.csv,
+                *(table, words, plan, window, every), sections_mm=sections_mm, keeps_text=job.csv
             )
             measured = Measured(
                 result.summary,
@@ -179,22 +171,9 @@ def run(
 ) -> int:
     """Make the table of a part, cut the part on the host simulator, write a report.
 
-    Parameters
-    ----------
-    typed : tuple of str
-        The whole command line, for the report.
-    extra : tuple of str
-        Words for camsim.
-
-    Returns
-    -------
-    int
-        0 done, 1 fault or out of tolerance.
-
-    Raises
-    ------
-    CamtoolsError
-        Wrong usage, or a part that cannot be made or cut.
+    `typed`: the whole command line, for the report. `extra`: words for camsim. Returns 0 done, 1
+    fault or out of tolerance. Raises `CamtoolsError`: wrong usage, or a part that cannot be made or
+    cut.
     """
     begin_s = time.monotonic()
     job = job.with_words(extra)

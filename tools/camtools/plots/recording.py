@@ -149,16 +149,9 @@ def time_picture(
 ) -> bytes:
     """Return signals over time as PNG.
 
-    Parameters
-    ----------
-    t_s : ndarray, shape (n,)
-        [s] from the trigger on
-    columns : mapping
-        by names whose last word is the unit
-    states : mapping
-        names of the numbers in the column state
-    bits : mapping, optional
-        names of the bits of columns that are sums of bits, by column
+    `t_s`, shape (n,): [s] from the trigger on. `columns`: by names whose last word is the unit.
+    `states`: names of the numbers in the column state. `bits`: names of the bits of columns that
+    are sums of bits, by column.
     """
     all_of, named = _in_mm(_with_error(columns)), bits or {}
     panels = _panels(all_of)
@@ -219,10 +212,7 @@ def _draw_turns(unrolled: Axes, polar: PolarAxes, columns: Columns, name: str) -
 def angle_picture(columns: Columns) -> bytes:
     """Return signals against the spindle's angle as PNG, unrolled and polar, one turn over another.
 
-    Parameters
-    ----------
-    columns : mapping
-        by names whose last word is the unit, with the angle
+    `columns`: by names whose last word is the unit, with the angle.
     """
     all_of = _in_mm(_with_error(columns))
     left_out = {ANGLE, _DUE} if _ERROR in all_of else {ANGLE}  # the error tells more

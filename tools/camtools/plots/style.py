@@ -215,12 +215,7 @@ def paint_band(
 ) -> None:
     """Draw the range of a curve around its dashed middle, both named above the panel.
 
-    Parameters
-    ----------
-    curves : tuple of ndarray
-        Smallest and largest value, and the middle.
-    names : tuple of str
-        Of the range and of the middle.
+    `curves`: smallest and largest value, and the middle. `names`: of the range and of the middle.
     """
     least, most, middle = curves
     axes.fill_between(x, least, most, color=ORANGE, alpha=0.35, lw=0)

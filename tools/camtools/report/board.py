@@ -99,10 +99,7 @@ def board_of(
 ) -> Board | None:
     """Return the board of a surface; nothing where none was gauged.
 
-    Parameters
-    ----------
-    space : int, optional
-        Enlargement of the part in space; by default a round one that shows its shape.
+    `space`: enlargement of the part in space; by default a round one that shows its shape.
     """
     if not surface.turn.size or z_range_mm[1] <= z_range_mm[0]:
         return None
@@ -131,11 +128,8 @@ def _quantised(error_um: Floats) -> tuple[float, Floats]:
 def board_data(board: Board) -> Json:
     """Return the numbers of a board for the page.
 
-    Returns
-    -------
-    dict
-        `error` int16 in steps of `error_step_um`, -32768 where nothing was cut; `radius` float32
-        in mm; `turn` uint16, the place of the point within its column in 65536th.
+    Returns `error` int16 in steps of `error_step_um`, -32768 where nothing was cut; `radius`
+    float32 in mm; `turn` uint16, the place of the point within its column in 65536th.
     """
     cells = board.cells
     n_rows, n_columns = cells.error_um.shape

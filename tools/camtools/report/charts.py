@@ -176,10 +176,7 @@ def board_charts(board: Board, angle: str) -> dict[str, Json]:
 def following_chart(by_angle: Floats) -> Json:
     """Return the following error over the angle.
 
-    Parameters
-    ----------
-    by_angle : ndarray, shape (4, n)
-        As `report.motion.following_by_angle`.
+    `by_angle`, shape (4, n): as `report.motion.following_by_angle`.
     """
     degrees, least, most, mean = by_angle
     factor, unit = length_unit(float(np.abs([least, most]).max(initial=0.0)))

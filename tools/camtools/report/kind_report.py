@@ -51,21 +51,9 @@ def _answer(work: Callable[[], object], out: int) -> None:
 def beside(work: Callable[[], _T]) -> Iterator[Callable[[], _T]]:
     """Begin work in a fork of this process.
 
-    Parameters
-    ----------
-    work : callable
-        sees all that is here; it must not use threads, and its result can be pickled
-
-    Yields
-    ------
-    callable
-        waits for the result and returns it, or raises what the work raised; the process ends with
-        the context, done or not
-
-    Raises
-    ------
-    EOFError
-        from the callable: the process was ended
+    `work`: sees all that is here; it must not use threads, and its result can be pickled. Yields
+    waits for the result and returns it, or raises what the work raised; the process ends with the
+    context, done or not. Raises `EOFError`: from the callable: the process was ended.
     """
     source, out = os.pipe()
     child = os.fork()
@@ -121,10 +109,7 @@ def picture_of(view: View[CutT], cut: CutT) -> Figure:
 
 
 def page_of(
-    report: KindReport[CutT],
-    cut: CutT,
-    pngs: dict[str, bytes],
-    sheets: SheetPages | None = None,
+    report: KindReport[CutT], cut: CutT, pngs: dict[str, bytes], sheets: SheetPages | None = None
 ) -> str:
     """Return the HTML page with the pictures that are given by key."""
     shown = [

@@ -153,10 +153,7 @@ def _cause(summary: Json) -> str:
 def remaining_text(summary: Json) -> str | None:
     """Return the sentence, nothing if no turn was gauged.
 
-    Parameters
-    ----------
-    summary
-        Of camsim, with learning on.
+    `summary`: of camsim, with learning on.
     """
     largest_um = summary["form_error_um"]["max"]
     if largest_um is None:

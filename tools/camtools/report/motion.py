@@ -52,10 +52,8 @@ def thin(values: Floats, n: int) -> Floats:
 def following_by_angle(trace: CutTrace) -> Floats:
     """Return the following error while cutting against the angle.
 
-    Returns
-    -------
-    ndarray, shape (4, n)
-        Angle [degrees], smallest, largest and mean error [um] of every bin that has ticks.
+    Returns shape (4, n): angle [degrees], smallest, largest and mean error [um] of every bin that
+    has ticks.
     """
     rows = trace.state == CUTTING
     error_um = trace.following_um[rows]
@@ -155,10 +153,7 @@ def _between(trace: CutTrace, begin_s: float, end_s: float) -> CutTrace:
 def draw_sequence(trace: CutTrace, overview: CutTrace | None = None) -> Figure:
     """Return states, Z, X and U against time: how the cut begins, goes on and ends.
 
-    Parameters
-    ----------
-    overview : CutTrace, optional
-        One tick of several of the whole cut, where the trace holds only its first turns.
+    `overview`: one tick of several of the whole cut, where the trace holds only its first turns.
     """
     whole = trace if overview is None else overview
     windows = windows_s(trace, whole)
@@ -198,12 +193,7 @@ class _FaultView:
 def draw_fault(trace: CutTrace, retract_s: float) -> Figure:
     """Return U, X, the gap to the part and the spindle around the first fault.
 
-    Parameters
-    ----------
-    trace : CutTrace
-        With at least one tick in state fault.
-    retract_s : float
-        How long the retract took [s].
+    `trace`: with at least one tick in state fault. `retract_s`: how long the retract took [s].
     """
     view = _FaultView(trace, retract_s)
     figure = new_figure(10, 6.6)

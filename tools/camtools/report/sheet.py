@@ -111,12 +111,8 @@ def feature(
 ) -> Feature:
     """Return a line of a table; what has no nominal value is a deviation itself.
 
-    Parameters
-    ----------
-    kind : tuple of str
-        Quantity (diameter, radius, angle) and unit.
-    tolerance : float or None
-        In um where the unit is a length, else in the unit.
+    `kind`: quantity (diameter, radius, angle) and unit. `tolerance`: in um where the unit is a
+    length, else in the unit.
     """
     deviation = None if nominal is None else actual - nominal
     judged = actual if deviation is None else deviation

@@ -84,10 +84,8 @@ def closed(near: GaugedSurface) -> GaugedSurface:
 def bands_by_height(surface: GaugedSurface, z_range_mm: tuple[float, float]) -> Floats:
     """Return the error in bands of height.
 
-    Returns
-    -------
-    ndarray, shape (4, n)
-        Height [mm], smallest, largest and rms error [um] of every band that has points.
+    Returns shape (4, n): height [mm], smallest, largest and rms error [um] of every band that has
+    points.
     """
     low, high = z_range_mm
     n = N_BANDS

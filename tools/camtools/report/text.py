@@ -92,10 +92,7 @@ def _named(names: Sequence[str]) -> str:
 def verdict_of(outcome: AnyCut, out: Sequence[str] = ()) -> Verdict:
     """Return whether the part is good, and why not.
 
-    Parameters
-    ----------
-    out : sequence of str
-        What the sheets of the part found out of tolerance.
+    `out`: what the sheets of the part found out of tolerance.
     """
     summary = outcome.summary
     form = summary["form_error_um"]
@@ -142,12 +139,8 @@ def error_pair(error: Json) -> str:
 def form_text(form: Json, taken_um: float = 0.0) -> str:
     """Return the form error with what it is measured against and its tolerance.
 
-    Parameters
-    ----------
-    form : dict
-        Of camsim's summary; its tolerance is what smoothing leaves.
-    taken_um : float
-        What smoothing of the drawing's points takes of the tolerance.
+    `form`: of camsim's summary; its tolerance is what smoothing leaves. `taken_um`: what smoothing
+    of the drawing's points takes of the tolerance.
 
     >>> form_text({"max": 0.25, "rms": 0.1, "tolerance": 5.0})
     'max 250 nm, rms 100 nm against the drawing (tolerance 5 µm)'
@@ -220,16 +213,9 @@ def page_text(
 ) -> str:
     """Return the summary table for the terminal.
 
-    Parameters
-    ----------
-    about : list of ReportRow
-        What the kind of the part says of the cut.
-    place : str
-        Folder of the results, as the user may type it.
-    total_s : float
-        Computing time of everything [s].
-    out : sequence of str
-        What the sheets of the part found out of tolerance.
+    `about`: what the kind of the part says of the cut. `place`: folder of the results, as the user
+    may type it. `total_s`: computing time of everything [s]. `out`: what the sheets of the part
+    found out of tolerance.
     """
     rows = [row for row in about if row.name != "computing time"]
     for margin in margins_of(outcome):
@@ -262,10 +248,7 @@ def origin_rows(outcome: AnyCut) -> list[ReportRow]:
 def fault_facts(path: Path = _FAULTS) -> dict[str, FaultFacts]:
     """Return the table of faults of the firmware's manual.
 
-    Raises
-    ------
-    InputError
-        The manual cannot be read.
+    Raises `InputError`: the manual cannot be read.
     """
     try:
         text = path.read_text(encoding="utf-8")

@@ -41,17 +41,9 @@ Numbers = TypeVar("Numbers", npt.NDArray[np.int64], npt.NDArray[np.float64])
 def segment_coefficients(knots: Numbers, *, periodic: bool) -> Numbers:
     """Return the quintics between neighbouring knots, of integers exactly, MATHS.md (46).
 
-    Parameters
-    ----------
-    knots : ndarray of int64 or float64, shape (..., n, 3)
-        Triples (p, v, a) along the second last axis.
-    periodic : bool
-        Whether the first knot follows the last one.
-
-    Returns
-    -------
-    ndarray, shape (..., n, 6) or (..., n - 1, 6)
-        c0 .. c5 of each segment in t = 0 .. 1, LSB as the knots.
+    `knots`, shape (..., n, 3): triples (p, v, a) along the second last axis. `periodic`: whether
+    the first knot follows the last one. Returns shape (..., n, 6) or (..., n - 1, 6): c0 .. c5 of
+    each segment in t = 0 .. 1, LSB as the knots.
     """
     left = knots if periodic else knots[..., :-1, :]
     right = np.roll(knots, -1, axis=-2) if periodic else knots[..., 1:, :]
@@ -114,13 +106,9 @@ class Bounds:
 class Channel:
     """One channel of a table.
 
-    Attributes
-    ----------
-    knots : ndarray of int32, shape (n_slices, n_knots, 3)
-        (p, v, a) of each knot, LSB 2^-frac_bits nm, of speed 2^-frac_bits 2^-20, of
-        swing and contact 2^-frac_bits 2^-26 turn; n_knots = 1 for x.
-    has_patterns : bool
-        Slices are patterns of lobes, found by their number instead of a height.
+    `knots`, shape (n_slices, n_knots, 3): (p, v, a) of each knot, LSB 2^-frac_bits nm, of speed
+    2^-frac_bits 2^-20, of swing and contact 2^-frac_bits 2^-26 turn; n_knots = 1 for x.
+    `has_patterns`: slices are patterns of lobes, found by their number instead of a height.
     """
 
     kind: int  # KIND_U, KIND_X, KIND_SPEED, KIND_SWING or KIND_CONTACT
@@ -219,11 +207,7 @@ def in_sense(channel: Channel, direction: int) -> Channel:
     Knot k becomes knot -k of the pattern: (p, v, a) -> (p, -v, a), exactly, so the mirror of the
     mirror is the same channel. Bounds stay, and so does the size. A channel over height alone
     stays as it is. `quantise` makes no channel whose mirror would overflow.
-
-    Parameters
-    ----------
-    direction : int
-        `process.direction`: 1 (M3) changes nothing, -1 (M4) mirrors.
+    `direction`: `process.direction`: 1 (M3) changes nothing, -1 (M4) mirrors.
     """
     if direction == 1 or channel.kind in OVER_HEIGHT:
         return channel

@@ -76,19 +76,8 @@ def _scaled(channel: Channel, raw: Floats) -> Values:
 def evaluate_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
     """Return a channel over angle on a grid of all segments of a pattern.
 
-    Parameters
-    ----------
-    channel : Channel
-        Of any kind but x.
-    z_nm : ndarray, shape (n_z,)
-        Heights.
-    t : ndarray, shape (n_t,)
-        Places inside each segment, 0 .. 1.
-
-    Returns
-    -------
-    Values
-        Each of shape (n_z, n_knots * n_t), angle rising.
+    `channel`: of any kind but x. `z_nm`, shape (n_z,): heights. `t`, shape (n_t,): places inside
+    each segment, 0 .. 1. Returns each of shape (n_z, n_knots * n_t), angle rising.
     """
     i_slice, weight = locate(channel, z_nm)
     w = weight[:, None, None]
@@ -101,15 +90,8 @@ def evaluate_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
 def evaluate_at(channel: Channel, turn: Floats, z_nm: Floats) -> Values:
     """Return a channel over angle at points.
 
-    Parameters
-    ----------
-    turn, z_nm : ndarray, shape (n,)
-        Spindle angle in turns (any value) and height.
-
-    Returns
-    -------
-    Values
-        Each of shape (n,).
+    `turn`, `z_nm`, shape (n,): spindle angle in turns (any value) and height. Returns each of shape
+    (n,).
     """
     place = np.mod(turn * (1 << channel.log2_repeat), 1.0) * channel.knots.shape[1]
     i_knot = np.minimum(place.astype(np.int64), channel.knots.shape[1] - 1)
@@ -142,10 +124,7 @@ def _bernstein_rows(degree: int) -> Floats:
 def polynomial_bounds(coefficients: Floats) -> tuple[float, float]:
     """Return true bounds of polynomials on 0 .. 1, MATHS.md (51), on eight sub-intervals.
 
-    Parameters
-    ----------
-    coefficients : ndarray, shape (..., degree + 1)
-        Lowest power first.
+    `coefficients`, shape (..., degree + 1): lowest power first.
     """
     points = coefficients @ _bernstein_rows(coefficients.shape[-1] - 1)
     return float(points.min()), float(points.max())

@@ -90,13 +90,7 @@ def quantity_of(table: Table, channel: Channel) -> _Quantity:
 
 
 def _at_height(table: Table, drawn: Channel, z_mm: float) -> tuple[Floats, float]:
-    """Return the knots that are played at a height, and by how many turns they come later.
-
-    Raises
-    ------
-    CamtoolsError
-        Between two lobes, where no profile is played whole.
-    """
+    """Return the knots that are played at a height, and by how many turns they come later."""
     z_nm = z_mm * NM_PER_MM
     if not drawn.has_patterns:
         i_slice, weight = locate(drawn, np.array([z_nm]))
@@ -135,10 +129,8 @@ def _sampled(
 def points_of(table: Table, channel: Channel, z_mm: float, n_points: int = 0) -> ExportedPoints:
     """Return a channel over the drawing's angle at a height, as the firmware plays it.
 
-    Parameters
-    ----------
-    n_points : int
-        Points per turn, equally spaced; 0 takes the knots, from which the quintics follow exactly.
+    `n_points`: points per turn, equally spaced; 0 takes the knots, from which the quintics follow
+    exactly.
     """
     drawn = in_sense(channel, table.direction)
     return _sampled(table, drawn, *_at_height(table, drawn, z_mm), n_points)
@@ -201,10 +193,7 @@ def _over_height(table: Table, form: str) -> str:
 def check_heights(table: Table, heights_mm: Sequence[float]) -> None:
     """Refuse a height that the table does not cover.
 
-    Raises
-    ------
-    CamtoolsError
-        With the heights of the table.
+    Raises `CamtoolsError`: with the heights of the table.
     """
     low, high = table.z_first_nm / NM_PER_MM, table.z_last_nm / NM_PER_MM
     for z_mm in heights_mm:
@@ -216,10 +205,7 @@ def check_heights(table: Table, heights_mm: Sequence[float]) -> None:
 def export_files(table: Table, export: Export) -> dict[str, bytes]:
     """Return the files of an export by their names.
 
-    Raises
-    ------
-    CamtoolsError
-        A height outside of the table.
+    Raises `CamtoolsError`: a height outside of the table.
     """
     check_heights(table, export.heights_mm)
     start, form = table.part_name, export.form

@@ -68,10 +68,7 @@ def _units(value: float, per_unit: int) -> int:
 def check_bounds(bounds: Bounds) -> None:
     """Refuse bounds of u that the header of an image does not hold, TABLE_FORMAT.md.
 
-    Raises
-    ------
-    CamtoolsError
-        With what is needed and what a table holds.
+    Raises `CamtoolsError`: with what is needed and what a table holds.
     """
     reach_nm = max(bounds.u_max_nm, -bounds.u_min_nm)
     lines = [
@@ -93,17 +90,8 @@ def table_of(
 ) -> Table:
     """Return a table with the header of a part and its channels in the sense of cutting.
 
-    Parameters
-    ----------
-    spindle_rpm : float
-        Mean speed [r/min].
-    channels : tuple of Channel
-        Over the drawing's angle; u comes first.
-
-    Raises
-    ------
-    CamtoolsError
-        See `check_bounds`.
+    `spindle_rpm`: mean speed [r/min]. `channels`: over the drawing's angle; u comes first. Raises
+    `CamtoolsError`: see `check_bounds`.
     """
     check_bounds(bounds)
     process, u = part.process, channels[0]
@@ -124,10 +112,7 @@ def table_of(
 def check_tolerance(tolerance_nm: float) -> None:
     """Refuse a tolerance that is not a length.
 
-    Raises
-    ------
-    CamtoolsError
-        Not above 0, not at most MAX_TOLERANCE_NM, or not a number.
+    Raises `CamtoolsError`: not above 0, not at most MAX_TOLERANCE_NM, or not a number.
     """
     if not 0 < tolerance_nm <= MAX_TOLERANCE_NM:
         problem = f"must be above 0 and at most {MAX_TOLERANCE_NM:g}"

@@ -175,10 +175,7 @@ def crc32_of(image: bytes) -> int:
 def pack(table: Table) -> bytes:
     """Return the image of a table; a valid table gives an image that `unpack` accepts.
 
-    Raises
-    ------
-    OverflowError
-        A number does not fit its field.
+    Raises `OverflowError`: a number does not fit its field.
     """
     lobes, passes = table.lobes, table.passes
     bent = {"is_ring_helix": table.is_ring_helix, "has_stations": table.has_stations}
@@ -207,10 +204,7 @@ def _demand(condition: bool, rule: str) -> None:
 def unpack(image: bytes) -> Table:
     """Return the table of an image, checked as the firmware checks it.
 
-    Raises
-    ------
-    ImageError
-        The first rule of TABLE_FORMAT.md that the image breaks.
+    Raises `ImageError`: the first rule of TABLE_FORMAT.md that the image breaks.
     """
     _demand(len(image) >= HEADER_SIZE, "size: shorter than a header")
     header = fields_of(HEADER, image, 0)

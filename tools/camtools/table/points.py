@@ -164,11 +164,9 @@ def _in_units(columns: list[_Column], units: Units, file: str, place: str) -> li
 def parse_points(text: str, file: str, units: Units = DEGREES_AND_MM) -> PointFile:
     """Return the points of a text.
 
-    Raises
-    ------
-    InputError
-        With the line: columns missing or unknown, no numbers, angles that do not rise, a turn that
-        does not close, velocities or accelerations that contradict the values, two units.
+    Raises `InputError`: with the line: columns missing or unknown, no numbers, angles that do not
+    rise, a turn that does not close, velocities or accelerations that contradict the values, two
+    units.
     """
     lines = [
         (i, line.strip())
@@ -274,10 +272,7 @@ def _check_motion(turn: PointedTurn, numbers: Floats, file: str) -> None:
 def read_points(path: Path) -> PointFile:
     """Return the points of a file.
 
-    Raises
-    ------
-    InputError
-        It cannot be read, is no file or too large, or see `parse_points`.
+    Raises `InputError`: it cannot be read, is no file or too large, or see `parse_points`.
     """
     return parse_points(read_whole_table(path, MAX_BYTES), path.name)
 

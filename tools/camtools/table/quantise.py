@@ -52,17 +52,9 @@ def _largest_sum(channel: Channel) -> int:
 def quantise(kind: int, exact: Floats, log2_repeat: int, range_nm: tuple[int, int]) -> Channel:
     """Return a channel with as many fraction bits as the format's bound allows.
 
-    Parameters
-    ----------
-    exact : ndarray, shape (n_slices, n_knots, 3)
-        Triples (value, h value', h^2 value'' / 2) in the unit of the channel.
-    range_nm : (int, int)
-        Height of the first and of the last slice.
-
-    Raises
-    ------
-    TooLargeError
-        Even whole nanometres are too fine.
+    `exact`, shape (n_slices, n_knots, 3): triples (value, h value', h^2 value'' / 2) in the unit of
+    the channel. `range_nm`: height of the first and of the last slice. Raises `TooLargeError`: even
+    whole nanometres are too fine.
     """
     # Begin with frac_bits from the size of the numbers, at most one too many.
     coarse = _integers(kind, exact / 2**16, 0, (0, 1), 8)

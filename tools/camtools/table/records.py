@@ -115,14 +115,8 @@ def listed(
 ) -> list[tuple[int, ...]]:
     """Return the records of an entry that holds no knots but a list, checked as far as all are.
 
-    Parameters
-    ----------
-    name : str
-        What the list has, at most `most` of it: "lobes", "passes".
-    ends_nm : tuple of int
-        Heights of the whole table, which every list has.
-    demand : callable
-        Raises with the rule that is broken.
+    `name`: what the list has, at most `most` of it: "lobes", "passes". `ends_nm`: heights of the
+    whole table, which every list has. `demand`: raises with the rule that is broken.
     """
     n, offset = entry["n_slices"], entry["offset"]
     demand(1 <= n <= most, f"n_slices: not 1 .. {most} {name}")

@@ -79,10 +79,7 @@ class Drive(TomlTable):
     def needed(self) -> Needed:
         """Return the force that the task takes, without cutting force.
 
-        Raises
-        ------
-        ValueError
-            There is no task.
+        Raises `ValueError`: there is no task.
         """
         if self.task is None:
             raise ValueError("the drive has no task")
@@ -103,13 +100,7 @@ def _tree(text: str, file: str) -> dict[str, Any]:
 
 
 def read_tree(path: Path) -> dict[str, Any]:
-    """Return the tables of a TOML file.
-
-    Raises
-    ------
-    InputError
-        It cannot be read, or is no TOML.
-    """
+    """Return the tables of a TOML file. Raises `InputError`: it cannot be read, or is no TOML."""
     try:
         return _tree(read_limited(path, _MOST_BYTES).decode("utf-8"), str(path))
     except (OSError, UnicodeDecodeError) as error:
@@ -120,10 +111,7 @@ def read_tree(path: Path) -> dict[str, Any]:
 def drive_of(tree: dict[str, Any], file: str) -> Drive:
     """Return the drive of some keys.
 
-    Raises
-    ------
-    CamtoolsError
-        Keys are missing, unknown or out of their ranges: one line each.
+    Raises `CamtoolsError`: keys are missing, unknown or out of their ranges: one line each.
     """
     try:
         return Drive.model_validate(tree)

@@ -76,21 +76,9 @@ def simulated_u(machine: bytes, name: str) -> Iterator[SimulatedU]:
 def recorded(u: U, name: str, highest_hz: float = HIGHEST_HZ) -> Recorded:
     """Excite U and record it.
 
-    Parameters
-    ----------
-    u : U
-        takes forces; its loop may be weak
-    name : str
-        of the machine, for errors
-    highest_hz : float
-        [Hz] highest line, at least 50
-
-    Raises
-    ------
-    CamtoolsError
-        The machine is wrong, or U takes positions.
-    Refused, CutShortError
-        The controller refuses, or the excitation was cut short.
+    `u`: takes forces; its loop may be weak. `name`: of the machine, for errors. `highest_hz`: [Hz]
+    highest line, at least 50. Raises `CamtoolsError`: the machine is wrong, or U takes positions;
+    `Refused`, `CutShortError`: the controller refuses, or the excitation was cut short.
     """
     believed, values = u.believed(), u.values(ranges())
     if values["servo_crossover_hz"] == 0:
@@ -165,18 +153,10 @@ def _one(tick_hz: float, force_n: Floats, position_m: Floats) -> tuple[float, fl
 def pulse_fit(tick_hz: float, force_n: Floats, position_m: Floats) -> Pulse:
     """Return sign and mass.
 
-    Parameters
-    ----------
-    tick_hz : float
-        Rate of the record.
-    force_n, position_m : ndarray, shape (n,)
-        From rest: a pulse in one direction in the first half, in the other in the second; each
-        ends at rest.
-
-    Raises
-    ------
-    CamtoolsError
-        The scale did not move, or the directions differ in sign or by more than 30 % of the mass.
+    `tick_hz`: rate of the record. `force_n`, `position_m`, shape (n,): from rest: a pulse in one
+    direction in the first half, in the other in the second; each ends at rest. Raises
+    `CamtoolsError`: the scale did not move, or the directions differ in sign or by more than 30 %
+    of the mass.
     """
     half = force_n.size // 2
     parts = (slice(0, half), slice(half, None))
@@ -210,19 +190,10 @@ def pulse_play(force_n: float, mass_kg: float, believed: Believed) -> Play:
 def measure_pulse(u: U, force_n: float) -> Pulse:
     """Push U in both directions; return sign, mass and friction.
 
-    Parameters
-    ----------
-    u : U
-        in ready; its loop may be weak, because the whole force is recorded
-    force_n : float
-        [N] above 0, at most the force limit
-
-    Raises
-    ------
-    CamtoolsError
-        As `pulse_fit`; U hardly moved; or the simulated controller refuses.
-    Refused, CutShortError
-        The controller refuses, for instance a force above its limit, or a fault ends the pulse.
+    `u`: in ready; its loop may be weak, because the whole force is recorded. `force_n`: [N] above
+    0, at most the force limit. Raises `CamtoolsError`: as `pulse_fit`; U hardly moved; or the
+    simulated controller refuses; `Refused`, `CutShortError`: the controller refuses, for instance a
+    force above its limit, or a fault ends the pulse.
     """
     if force_n <= 0:
         raise CamtoolsError([f"pulse of {force_n:g} N: give a force above 0 N"])

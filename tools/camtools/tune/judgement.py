@@ -56,14 +56,8 @@ _WITHOUT_LAG_HZ = 1e6
 class Judgement:
     """A loop on its drive.
 
-    Attributes
-    ----------
-    plant
-        The drive, with the mass that the loop is made for.
-    mass
-        The real mass, relative to that; the fields below are for it.
-    at
-        Margins at MASSES times the real mass.
+    `plant`: the drive, with the mass that the loop is made for. `mass`: the real mass, relative to
+    that; the fields below are for it. `at`: margins at MASSES times the real mass.
     """
 
     loop: Loop
@@ -167,12 +161,7 @@ def _culprit(judged: Judgement, is_proposal: bool) -> str:
 def refusal(judged: Judgement, *, is_proposal: bool) -> str:
     """Return why a loop is refused, which cause weighs most and what to do; "" if it is not.
 
-    Parameters
-    ----------
-    judged
-        The loop.
-    is_proposal
-        It is the best one, so that a better drive would have another.
+    `is_proposal`: it is the best one, so that a better drive would have another.
     """
     poor = [(mass, one) for mass, one in zip(MASSES, judged.at, strict=True) if not one.is_enough]
     if not poor:

@@ -76,14 +76,8 @@ class Margins:
 def controller_response(loop: Reals, plant: Plant, hz: Reals) -> Complexes:
     """Return the response of loops in N/m.
 
-    Parameters
-    ----------
-    loop
-        Fields of Loop, one row each; one column for each loop.
-    plant
-        For its mass and rate.
-    hz
-        Frequencies below half the rate.
+    `loop`: fields of Loop, one row each; one column for each loop. `plant`: for its mass and rate.
+    `hz`: frequencies below half the rate.
     """
     crossover, ratio, pole, integral, notch, zero_damping, pole_damping = loop[..., None]
     s = 2j * plant.step_hz * np.tan(np.pi * hz / plant.step_hz) / (2.0 * np.pi)
@@ -124,12 +118,7 @@ def word_shares(loops: Reals, plant: Plant) -> Reals:
 def compliance(plant: Plant, hz: Reals, mass: float = 1.0) -> Complexes:
     """Return what the scale sees per force at the mass, in m/N.
 
-    Parameters
-    ----------
-    plant, hz
-        The drive, and frequencies.
-    mass
-        The real mass, relative to that of the plant.
+    `mass`: the real mass, relative to that of the plant.
     """
     s = 2j * np.pi * hz
     omega = 2.0 * np.pi * plant.mode_hz
@@ -208,14 +197,8 @@ def _is_stable(opened: Complexes) -> NDArray[np.bool_]:
 def open_loop(loops: Reals, plant: Plant, hz: Reals, mass: float = 1.0) -> Complexes:
     """Return the response of loops with the plant.
 
-    Parameters
-    ----------
-    loops, hz
-        As `controller_response`.
-    plant
-        The drive; the loops are made for its mass.
-    mass
-        The real mass, relative to that.
+    `loops`, `hz`: as `controller_response`. `plant`: the drive; the loops are made for its mass.
+    `mass`: the real mass, relative to that.
     """
     outside = actuator_response(plant, hz) * compliance(plant, hz, mass)
     return controller_response(loops, plant, hz) * outside
@@ -224,14 +207,7 @@ def open_loop(loops: Reals, plant: Plant, hz: Reals, mass: float = 1.0) -> Compl
 def margins(loop: Loop, plant: Plant, mass: float = 1.0) -> Margins:
     """Judge a loop.
 
-    Parameters
-    ----------
-    loop
-        Made for the mass of the plant.
-    plant
-        The drive.
-    mass
-        The real mass, relative to that of the plant.
+    `loop`: made for the mass of the plant. `mass`: the real mass, relative to that of the plant.
     """
     opened = open_loop(np.array(astuple(loop)), plant, response_grid(plant), mass)
     [gain], [phase] = _judged(opened)
@@ -248,12 +224,8 @@ def closed_compliance(loops: Reals, plant: Plant, hz: Reals, mass: float = 1.0) 
 def step_response(loops: Reals, plant: Plant, line_hz: float, mass: float = 1.0) -> Reals:
     """Return the response in m to a step of 1 N, one row for each loop.
 
-    Parameters
-    ----------
-    loops, plant, mass
-        As `open_loop`; stable.
-    line_hz
-        The response lasts half its period, in which it must end.
+    `loops`, `plant`, `mass`: as `open_loop`; stable. `line_hz`: the response lasts half its period,
+    in which it must end.
     """
     hz = np.arange(line_hz, min(_FASTEST_HZ, 0.45 * plant.step_hz), line_hz)
     static = closed_compliance(loops, plant, _STATIC, mass).real  # 0 with an integral
@@ -294,11 +266,7 @@ def best(plant: Plant) -> Loop:
     Loops are preferred whose margins are 6 dB and 30 degrees over the mass +-30 %, and among these
     such that are stable from half the mass to twice the mass, and back within 0.1 um 20 ms after a
     step of 10 N. Where none has the margins, the best one lacks some.
-
-    Parameters
-    ----------
-    plant
-        The drive.
+    `plant`: the drive.
     """
     fastest = plant.step_hz / 5.0
     about = plant.mode_hz if plant.mode_hz > 0.0 else fastest / 4.0

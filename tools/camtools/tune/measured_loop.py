@@ -51,14 +51,8 @@ class Figures(NamedTuple):
 def measured_loop(lines: Spectra, values: Mapping[str, int], drive: Drive) -> OpenLoop:
     """Return what a record shows.
 
-    Parameters
-    ----------
-    lines : Spectra
-        of force [N] and position [nm]
-    values : mapping
-        parameters in force, complete
-    drive : Drive
-        for its rate
+    `lines`: of force [N] and position [nm]. `values`: parameters in force, complete. `drive`: for
+    its rate.
     """
     hz = lines.frequency_hz
     row = np.array(astuple(loop_of(values, drive)))

@@ -71,11 +71,7 @@ def parameters_of(loop: Loop, drive: Drive) -> dict[str, int]:
     """Return the parameters by name, in the order of the firmware.
 
     Limits that the drive does not give are left out.
-
-    Raises
-    ------
-    InputError
-        One is out of its range.
+    Raises `InputError`: one is out of its range.
     """
     found = {PREFIX + k: round(v) for k, v in (_loop_values(loop) | _drive_values(drive)).items()}
     values = {name: found[name] for name in ranges() if name in found}
@@ -103,10 +99,7 @@ def _bounds(at: Mapping[str, int], tick_hz: float) -> dict[str, tuple[float, flo
 def check(values: Mapping[str, int], drive: Drive, file: str) -> None:
     """Check the ranges of parameters, and their bounds by others.
 
-    Raises
-    ------
-    InputError
-        One is out of its range.
+    Raises `InputError`: one is out of its range.
     """
     by_others = _bounds({name.removeprefix(PREFIX): v for name, v in values.items()}, drive.tick_hz)
     for name, value in values.items():
@@ -133,10 +126,8 @@ def _check_words(values: Mapping[str, int], drive: Drive, file: str) -> None:
 def read_loop(path: Path, drive: Drive) -> dict[str, int]:
     """Return the parameters of a file that `text_of` wrote, or `camctl params save`.
 
-    Raises
-    ------
-    InputError
-        It cannot be read; a parameter of the loop is missing, no whole number or out of its range.
+    Raises `InputError`: it cannot be read; a parameter of the loop is missing, no whole number or
+    out of its range.
     """
     flat: dict[str, Any] = {}
     for key, value in read_tree(path).items():

@@ -168,10 +168,7 @@ def _best(residual: _Residual) -> Floats:
 def fit_lines(one: Spectra) -> PlantFit:
     """Return the constants of lines of force [N] and position [nm].
 
-    Raises
-    ------
-    CamtoolsError
-        There are too few lines.
+    Raises `CamtoolsError`: there are too few lines.
     """
     if one.s.size < _MIN_LINES:
         problem = f"{one.s.size} lines stand above their noise, {_MIN_LINES} are needed"
@@ -205,10 +202,7 @@ def fit_record(
 ) -> PlantFit:
     """Return the constants of a record; arguments and errors of `record_lines`.
 
-    Raises
-    ------
-    CamtoolsError
-        There are too few lines.
+    Raises `CamtoolsError`: there are too few lines.
     """
     return fit_lines(record_lines(tick_hz, injected, force_n, position_m, quantum_nm))
 
@@ -218,24 +212,11 @@ def record_lines(
 ) -> Spectra:
     """Return the lines of force [N] and position [nm] of a record.
 
-    Parameters
-    ----------
-    tick_hz : float
-        Rate of record, loop and force.
-    injected : ndarray, shape (n,)
-        Set-point or injected force, in any unit; repeats every 0.2 s, in odd lines of 5 Hz and
-        one of 20 Hz (`multisine`).
-    force_n : ndarray, shape (n,)
-        Whole force that was commanded in each tick.
-    position_m : ndarray, shape (n,)
-        Reading of the scale in the same tick.
-    quantum_nm : float
-        Of the scale, 0 if it is not known.
-
-    Raises
-    ------
-    CamtoolsError
-        The record is too short, or the injected signal does not repeat.
+    `tick_hz`: rate of record, loop and force. `injected`, shape (n,): set-point or injected force,
+    in any unit; repeats every 0.2 s, in odd lines of 5 Hz and one of 20 Hz (`multisine`).
+    `force_n`, shape (n,): whole force that was commanded in each tick. `position_m`, shape (n,):
+    reading of the scale in the same tick. `quantum_nm`: of the scale, 0 if it is not known. Raises
+    `CamtoolsError`: the record is too short, or the injected signal does not repeat.
     """
     grid = Grid(tick_hz, round(tick_hz / LINE_HZ), _HIGHEST * tick_hz)
     n = force_n.size // grid.n_ticks - _DROPPED

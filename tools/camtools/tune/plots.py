@@ -91,16 +91,7 @@ def _measured(panels: list[Axes], one: OpenLoop) -> None:
 
 
 def loop_png(judged: Judgement, title: str, measured: OpenLoop | None = None) -> bytes:
-    """Return the picture as PNG.
-
-    Parameters
-    ----------
-    judged : Judgement
-        of a stable loop
-    title : str
-    measured : OpenLoop
-        of the loop in force
-    """
+    """Return the picture as PNG. `judged`: of a stable loop. `measured`: of the loop in force."""
     hz = response_grid(judged.plant)
     hz = hz[hz >= _LOWEST_HZ]
     with drawing():

@@ -43,17 +43,9 @@ class Proposal(NamedTuple):
 def subject_of(found: Measured, keys: dict[str, Any], name: str, where: str) -> Subject:
     """Return the drive that an excitation shows, and its loop as it is.
 
-    Parameters
-    ----------
-    keys : dict
-        of a drive file, for what an excitation does not show; may be empty
-    name, where : str
-        of files, and in errors
-
-    Raises
-    ------
-    CamtoolsError
-        A key is wrong, or a constant that was found is out of its range.
+    `keys`: of a drive file, for what an excitation does not show; may be empty. `name`, `where`: of
+    files, and in errors. Raises `CamtoolsError`: a key is wrong, or a constant that was found is
+    out of its range.
     """
     drive = drive_of(with_fit(keys, found.fit, found.tick_hz), where)
     measured = measured_loop(found.lines, found.values, drive)
@@ -68,10 +60,7 @@ def subject_of(found: Measured, keys: dict[str, Any], name: str, where: str) -> 
 def proposed(one: Subject, given: Path | None = None) -> Proposal:
     """Return the best loop for a drive, or the given one, which may be made for another mass.
 
-    Raises
-    ------
-    InputError
-        A parameter of it is out of its range, or the file cannot be read.
+    Raises `InputError`: a parameter of it is out of its range, or the file cannot be read.
     """
     drive = one.drive
     values = read_loop(given, drive) if given else parameters_of(best(drive.plant), drive)
