@@ -2,9 +2,6 @@
 
 A worker gets bytes, not paths: it keeps the table in a folder of its own, which ends with it.
 
->>> CutOutcome("", "done", 0, "", "", 0.1, 0.05, 0.1, 0.1, 1000, 0.2).is_gauged
-True
-
 Every batch becomes a file of its own, which appears complete or not at all; a forecast that was
 stopped finds what is there and goes on.
 

@@ -121,14 +121,12 @@ def _unknowns(vary: Path | None, tree: Tree) -> tuple[list[Unknown], list[str]]:
 
 
 def _begin(task: Task, machine: Machine) -> None:
-    """Begin a cut on a machine and end it at once."""
     table = folder_of(task.table, task.design) / TABLE
     with begun([str(table), *task.words], machine):
         pass
 
 
 def _check(task: Task, machine: Machine, name: str) -> None:
-    """Refuse what the nominal machine cannot cut."""
     try:
         _begin(task, machine)
     except CamtoolsError as error:

@@ -109,7 +109,6 @@ def cut_all(
 
 
 def _checked(answer: list[CutOutcome] | str) -> list[CutOutcome]:
-    """Return the outcomes of a batch."""
     if isinstance(answer, str):
         raise CamtoolsError([answer])
     return answer

@@ -2,9 +2,6 @@
 
 >>> share_within(98, 100).share
 0.98
-
->>> forecast_summary.__name__
-'forecast_summary'
 """
 
 from __future__ import annotations

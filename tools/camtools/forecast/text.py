@@ -6,11 +6,6 @@ r"""A forecast in lines for people: how far it is, and what it found.
 >>> progress.add(4, 1)
 >>> stream.getvalue()
 'forecast: 4 of 4 cuts, 1 without a result\n'
-
->>> _um(float("inf")), _um(0.1234)
-('no result', '123 nm')
->>> _interval(0.1, float("inf"))
-'from 100 nm up'
 """
 
 from __future__ import annotations

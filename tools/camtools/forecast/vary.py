@@ -5,13 +5,6 @@ A table for each number, named as in machine files; tools/docs/FORECAST.md descr
 >>> text = '[u.delay_us]\ndistribution = "uniform"\nof = "nominal"\nlow = 0.9\nhigh = 1.1\n'
 >>> [one.key for one in read_vary(text.encode(), "v.toml", {})]
 ['u.delay_us']
->>> read_vary(text.encode(), "v.toml", {})[0].at(0.5).round(3)
-np.float64(75.0)
-
->>> from camtools.forecast.vary import default_vary
->>> unknowns, _ = default_vary({})
->>> draw(unknowns, 4, seed=1).shape == (4, len(unknowns))
-True
 """
 
 from __future__ import annotations

@@ -22,8 +22,6 @@ _CURVE_POINTS = 400
 
 
 class _Line(NamedTuple):
-    """One curve of the picture."""
-
     label: str
     colour: str
     style: str

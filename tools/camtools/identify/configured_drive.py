@@ -1,9 +1,5 @@
 r"""What a controller is configured with, and machine files with other numbers for it.
 
->>> believed = Believed(20_000.0, 742_723, 281_448, 100_000, 4000, 10, 1_200_000, 400_000, 250_000)
->>> believed.values.round(9).tolist()
-[0.000742723, 2.81e-07, 0.0, 0.000104]
-
 >>> print(with_keys("[u]\nmode_hz = 3\n", "controller", {"k1_ns": 5}), end="")
 [u]
 mode_hz = 3
@@ -127,7 +123,6 @@ def _inner(tree: dict[str, object], table: str) -> dict[str, object]:
 
 
 def _check(text: str, changed: str, table: str, keys: Mapping[str, float]) -> None:
-    """Compare what a reader sees with what it should see."""
     try:
         wanted, found = tomllib.loads(text), tomllib.loads(changed)
         _inner(wanted, table).update(keys)

@@ -2,9 +2,6 @@ r"""A U that plays excitations: of a controller over CAN, and of the simulator.
 
 >>> not_ready("cutting")
 'the state is cutting, U is excited in ready only; stop and wait for ready'
-
->>> parameters_of("name,value\ntick_hz,20000\nk1_ns,742723\n")
-{'tick_hz': 20000, 'k1_ns': 742723}
 """
 
 from __future__ import annotations
@@ -169,7 +166,6 @@ class SimulatedU:
         (folder / _TABLE).write_bytes(image)
 
     def _camsim(self, command: str, words: Sequence[str]) -> str:
-        """Run a command of camsim; return what it printed."""
         program = camsim_path()
         line = [str(program), command, _TABLE, "--machine", _MACHINE, *words]
         try:

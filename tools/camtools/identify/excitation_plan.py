@@ -4,9 +4,6 @@
 >>> excitation = plan(believed, Wishes())
 >>> excitation.wave.rms_nm, excitation.place_nm
 (25000.0, -219736)
-
->>> SIGNALS
-('u_command_nm', 'u_actual_nm')
 """
 
 from __future__ import annotations
@@ -79,7 +76,6 @@ def _refused(option: str, value_um: float, what: str, found: str, remedy: str) -
 
 
 def _check(wave: Wave, believed: Believed) -> None:
-    """Raise when a wave of the user asks for more than U can."""
     peaks, rms_um = wave.peaks, wave.rms_nm * 1e-3
     of_axis = (
         ("acceleration", peaks.acceleration_mm_s2, believed.u_acceleration_mm_per_s2, "mm/s2"),

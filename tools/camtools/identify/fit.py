@@ -1,6 +1,5 @@
 """The constants of a drive of second order with dead time and friction, MATHS.md (152), (153).
 
->>> import numpy as np
 >>> from camtools.identify.multisine import Grid
 >>> grid = Grid.of(20_000.0)
 >>> s = 2j * np.pi * grid.excited * grid.line_hz
@@ -157,11 +156,7 @@ def _lead(lines: _Lines) -> float:
 
 
 def _covariance(lines: _Lines, spectra: Spectra, values: Floats, residual: Floats) -> Floats:
-    """Return the covariance of the values.
-
-    What is left of each line counts as its error, whatever it comes from (the sandwich of White,
-    with the degrees of freedom spent); where the periods scatter by more than that, they count.
-    """
+    """Return the covariance of the values."""
     jacobian = lines.jacobian(float(values[LEAD]))
     scale = np.linalg.norm(jacobian, axis=0)
     scale[scale == 0] = 1.0

@@ -71,7 +71,6 @@ def _rows(lines: list[str], columns: NumberLines, places: list[int], file: str) 
 
 
 def _rate_hz(time_s: Floats, file: str) -> float:
-    """Return the rate of even times."""
     step_s = float(time_s[-1] - time_s[0]) / (time_s.size - 1)
     even_s = time_s[0] + step_s * np.arange(time_s.size)
     wrong = np.abs(np.diff(time_s) - step_s) > max(_UNEVEN * step_s, 1e-12 * abs(even_s[-1]))

@@ -4,13 +4,9 @@ The direction of motion that a scale shows is blurred by its quantum, and says n
 that sticks, whose friction is whatever holds it. The drive with its friction, played forward from
 the set-points, has neither fault.
 
->>> import numpy as np
 >>> still = friction_of(np.array([7e-4, 3e-7, 5.0, 1e-4]), np.zeros(200), 1e-4)
 >>> bool(np.all(still == 0))
 True
-
->>> Limits().k1_share, Limits().lead_s
-(0.01, 2e-06)
 """
 
 from __future__ import annotations

@@ -81,7 +81,6 @@ class _Segments(NamedTuple):
 
 
 def _transforms(values: Floats) -> Complexes:
-    """Return the windowed transforms of half overlapping segments, shape (segments, bins)."""
     n = min(_MOST_SEGMENT, 2 * values.size // (_LEAST_SEGMENTS + 1))
     starts = np.arange(0, values.size - n + 1, n // 2)
     rows = values[starts[:, None] + np.arange(n)]
@@ -133,7 +132,6 @@ def _lines(segments: _Segments) -> Lines:
 
 
 def _solve(lines: Lines, delay_s: float) -> Floats:
-    """Return the constants without the delay by linear least squares."""
     weight = 1 / np.hypot(lines.noise, _LIKENESS)
     columns = [lines.response * lines.s**i * np.exp(delay_s * lines.s) * weight for i in range(3)]
     matrix = np.column_stack([stacked(column) for column in columns])
@@ -167,12 +165,10 @@ def _fit(lines: Lines, begin: Floats) -> Floats:
 
 
 def _fit_of(segments: _Segments, rows: Ints, begin: Floats) -> Floats:
-    """Return the constants of some of the segments."""
     return _fit(_lines(segments._replace(u=segments.u[rows], y=segments.y[rows])), begin)
 
 
 def _replicas(segments: _Segments, blocks: list[Ints], begin: Floats) -> Floats:
-    """Return the constants without one block of segments after the other."""
     rows = [np.concatenate(blocks[:i] + blocks[i + 1 :]) for i in range(len(blocks))]
     return np.array([_fit_of(segments, one, begin) for one in rows])
 
@@ -185,7 +181,6 @@ def jackknife(replicas: Floats) -> Floats:
 
 
 def _halves(segments: _Segments, begin: Floats) -> list[Half]:
-    """Return the constants of the segments with the smaller and with the larger motion."""
     order = np.argsort(np.sum(np.abs(segments.y) ** 2, axis=1))
     found = []
     for rows in np.array_split(order, 2):

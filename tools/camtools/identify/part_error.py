@@ -1,13 +1,9 @@
 """What errors of the constants do to a part, MATHS.md (156).
 
->>> import numpy as np
 >>> turn = np.arange(64) / 64
 >>> motion = ToolMotion(500_000 * np.cos(4 * np.pi * turn), 3000.0)
 >>> round(motion.peak_speed_mm_s), round(motion.peak_acceleration_m_s2)
 (314, 197)
->>> true = np.array([7e-4, 3e-7, 0.0, 1e-4])
->>> round(form_error_nm(motion, true, second_order(motion.s, *true[[0, 1, 3]])))
-0
 """
 
 from __future__ import annotations

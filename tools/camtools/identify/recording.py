@@ -2,14 +2,6 @@
 
 >>> import numpy as np
 >>> grid = Grid.of(20_000.0)
->>> record_of(grid, np.array([0, 1, 3]), np.zeros(3), np.zeros(3), 10.0)
-Traceback (most recent call last):
-    ...
-camtools.base.errors.CamtoolsError: record: 1 gap, the first after tick 1; nothing is fitted, \
-excite again
-
->>> import numpy as np
->>> grid = Grid.of(20_000.0)
 >>> t = np.arange(4000) / 4000
 >>> wave = 1000.0 * np.cos(2 * np.pi * 5 * t)
 >>> spectra = spectra_of(grid, np.tile(wave, (2, 1)), np.tile(0.5 * wave, (2, 1)), quantum_nm=0.0)

@@ -1,8 +1,5 @@
 """What was identified, as text and as JSON: constants, doubts, settings, error of a part.
 
->>> print(*set_lines({"k1_ns": 742723}), sep="|")
-tools/camctl set k1_ns 742723
-
 >>> constants_of(np.array([1.0, 7e-4, 3e-7, 1e-4]), "command_um")["k1 ns"]
 700000.0
 """
@@ -36,8 +33,6 @@ _NOTHING_UM = 1e-6
 
 
 class _Entry(NamedTuple):
-    """One row of the table: name, unit, found, deviation, believed."""
-
     name: str
     unit: str
     found: float
@@ -46,7 +41,6 @@ class _Entry(NamedTuple):
 
 
 def _derived(values: Floats) -> tuple[float, float]:
-    """Return natural frequency [Hz] and damping."""
     k2_s2 = max(float(values[K2]), 1e-18)
     return 1 / (2 * np.pi * k2_s2**0.5), float(values[K1]) / (2 * k2_s2**0.5)
 
@@ -144,7 +138,6 @@ def machine_lines(keys: Mapping[str, float], table: str) -> list[str]:
 def _part_lines(
     found: Identified, believed: Believed, limits: Limits, motion: ToolMotion, name: str
 ) -> Iterator[str]:
-    """Yield what a part will be off by."""
     left = form_left(found, believed, limits, motion)
     yield (
         f"{name} at {motion.rpm:g} r/min: U moves at up to {motion.peak_speed_mm_s:.3g} mm/s and "

@@ -1,6 +1,5 @@
 """A drive that rings: the same constants beside one mode, for comparison, MATHS.md (154), (155).
 
->>> import numpy as np
 >>> s = 2j * np.pi * np.array([10.0, 800.0])
 >>> mode = Mode(hz=800.0, damping=0.05, lead_out=1.0, drag_out=0.0)
 >>> np.abs(mode.factor(s)).round(3).tolist()

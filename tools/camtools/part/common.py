@@ -1,11 +1,5 @@
 """Tables that part files of all kinds share: the part, its tolerances, the tool, the machine.
 
->>> MachineLimits().alpha_rad_s2
-500.0
-
->>> Tolerances(ovality_um=2.0).ovality_um, Tolerances().roundness_um is None
-(2.0, True)
-
 >>> Tool().is_round, Tool(nose_radius_mm=0.8).is_round
 (False, True)
 """

@@ -1,10 +1,5 @@
 r"""A part file as it lies on the disk: read within bounds, parsed once, checked against a model.
 
->>> remedy_for("missing", {})
-'add it'
->>> remedy_for("less_than_equal", {"le": 6.25})
-'give at most 6.25'
-
 >>> read_tree(b'[part]\nname = "a"\n', "a.toml")
 {'part': {'name': 'a'}}
 """

@@ -3,8 +3,6 @@
 >>> law = FeedLaw(height_mm=[0.0, 10.0], feed_mm=[0.1, 0.2])
 >>> f"{law.mean_mm(0.0, 10.0):.6f}"
 '0.144270'
->>> Pass(allowance_um=0.0).feed_mm is None
-True
 """
 
 from __future__ import annotations

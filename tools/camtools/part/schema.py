@@ -161,7 +161,6 @@ class Keys:
         tree: Any,  # noqa: ANN401 (a table of TOML)
         about: Table,
     ) -> Iterator[Table]:
-        """Yield a table, and after it those within it."""
         values = tree if isinstance(tree, dict) else {}
         keys: list[Key] = []
         within: list[Iterator[Table]] = []
@@ -244,11 +243,6 @@ def _choices_of(node: Schema) -> list[str | int]:
 
 
 def _range_of(variants: list[Schema]) -> str:
-    """Return what a value may be in words.
-
-    >>> _range_of([{"type": "array", "items": {"minimum": 0}, "minItems": 2, "maxItems": 2}])
-    '0 or more, 2 of them'
-    """
     found: list[str] = []
     for one in variants:
         if "items" in one:
@@ -279,7 +273,6 @@ def _bounds_text(node: Schema) -> str:
 
 
 def _sort_of(variants: list[Schema]) -> str:
-    """Return how a value is typed in."""
     types = {str(one.get("type", "")) for one in variants}
     if all(_choices_of(one) for one in variants):
         return "choice"

@@ -8,11 +8,6 @@ band; the smallest third derivative decides where they go, MATHS.md (220).
 >>> found = smoothed(x, listed, 0.05)
 >>> bool(np.abs(found - listed).max() <= 0.05), f"{np.abs(np.diff(found, 3)).max():.4f}"
 (True, '0.0000')
-
->>> residuals(0.5, np.array([0.1, -0.5]), np.array([10.0, 20.0]), "largest_at_mm")["largest_at_mm"]
-20.0
->>> share_text(0.5, 5.0)
-'smoothing takes 0.5 um of the tolerance of 5 um'
 """
 
 from __future__ import annotations

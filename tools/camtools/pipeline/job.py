@@ -1,8 +1,5 @@
 """What tools/run is asked for, whatever the kind of the part.
 
->>> Correcting().measured is None
-True
-
 >>> RunJob(Correcting(), feed=0.5).feed_words()
 ['--feed', '0.5']
 """
@@ -135,7 +132,6 @@ def _above_0(option: str, unit: str) -> Callable[[str], float]:
 
 
 def _for_camsim(words: Sequence[str]) -> list[str]:
-    """Return the user's words for camsim, which works in another folder."""
     for word in words:
         if word.split("=")[0] in _OURS:
             raise CamtoolsError([f"-- {word}: is set by tools/run itself; leave it out"])
@@ -260,11 +256,7 @@ class RunJob:
 
 
 def _last_value(words: Sequence[str], name: str) -> str | None:
-    """Return the value that camsim's words give an option last, nothing where they do not.
-
-    >>> _last_value(["--a=1", "--b", "2", "--a", "3"], "--a"), _last_value(["--b", "2"], "--a")
-    ('3', None)
-    """
+    """Return the value that camsim's words give an option last, nothing where they do not."""
     found = None
     for word, following in pairwise([*words, ""]):
         key, equals, value = word.partition("=")

@@ -1,11 +1,5 @@
 """What a kind of part brings: its model, its table, its exact shape, what it measures, its report.
 
->>> from camtools.pipeline.load import kinds
->>> from camtools.skirt.part.part_file import example_part
->>> turn = kinds()[0].exact(example_part()).turn_at(20.0, 4)
->>> [f"{mm:.3f}" for mm in turn.radius_mm]
-['46.000', '45.900', '46.000', '45.900']
-
 A kind is one package of camtools with a module `kind` that holds an instance, KIND, of a class
 derived from `Kind`. The registry finds it; nothing else names it.
 

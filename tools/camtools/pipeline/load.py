@@ -1,8 +1,5 @@
 r"""From a part file to its kind, its part, and the files of its table.
 
->>> [kind.name for kind in kinds()]
-['piston', 'cam', 'polygon']
-
 >>> text = b'[part]\nname = "a"\nkind = "cam"\nsource = "b"\n'
 >>> parse(text, "a.toml")
 Traceback (most recent call last):
@@ -10,10 +7,6 @@ Traceback (most recent call last):
 camtools.base.errors.CamtoolsError: a.toml: cam: is missing; add it
 a.toml: process: is missing; add it
 
->>> from camtools.base.project import ROOT
->>> from camtools.pipeline.load import load
->>> made = make(load(ROOT / "tools" / "parts" / "cam-disc.toml"), "cam-disc.toml")
->>> sorted(made.files(with_plots=False))
 ['cam-disc.camtab', 'cam-disc.json', 'cam-disc_table.c', 'cam-disc_table.h']
 """
 

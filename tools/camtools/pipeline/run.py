@@ -97,7 +97,6 @@ def turns_of(job: RunJob, made: Made) -> float:
 
 
 def _simulate(job: RunJob, made: Made, folder: Path, origin: Origin) -> AnyCut:
-    """Cut and gauge in a folder."""
     kind, part, name = made.kind, made.table.part, made.table.part.part.name
     machine, turns = f"{name}_machine.toml", turns_of(job, made)
     window = traced_turns(turns, kind.mean_rpm(made.table, job.rpm))

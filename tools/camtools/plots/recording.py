@@ -49,7 +49,6 @@ def _unit_of(name: str) -> str:
 
 
 def _word_of(name: str) -> str:
-    """Return a column's name without its unit, for a legend."""
     for end in (*_RATES, *_UNITS):
         if name.endswith(f"_{end}"):
             return name.removesuffix(f"_{end}").replace("_", " ")
@@ -57,7 +56,6 @@ def _word_of(name: str) -> str:
 
 
 def _label_of(name: str) -> str:
-    """Return name and unit, one above the other."""
     return f"{_word_of(name)}\n{_unit_of(name)}".rstrip()
 
 
@@ -183,7 +181,6 @@ def turns_of(angle_deg: Floats) -> npt.NDArray[np.int64]:
 
 
 def _draw_turns(unrolled: Axes, polar: PolarAxes, columns: Columns, name: str) -> None:
-    """Draw each turn by itself, coloured from the first to the last."""
     angle, values = columns[ANGLE], columns[name]
     turns = turns_of(angle)
     colours = mpl.colormaps["viridis"](np.linspace(0, 0.9, max(int(turns.max()) + 1, 2)))

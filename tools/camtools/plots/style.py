@@ -2,10 +2,6 @@
 
 >>> nice_limit(0.031), nice_limit(7.0), nice_limit(0.0)
 (0.05, 10.0, 1.0)
-
->>> panels = stacked(new_figure(4, 4), ["depth, mm", "area, mm²"])
->>> [axes.get_ylabel() for axes in panels]
-['depth, mm', 'area, mm²']
 """
 
 from __future__ import annotations

@@ -1,9 +1,5 @@
 """The report of a kind of part: the kind declares rows and views, everything else follows.
 
->>> with beside(lambda: 6 * 7) as answer:
-...     answer()
-42
-
 >>> from camtools.report.text import quantity
 >>> rows = [quantity("cut", lambda cut: "a ring"), quantity("swing", lambda cut: "")]
 >>> report = KindReport("ring", "angle", lambda cut: (0.0, 9.0), rows, [], lambda cut: None)

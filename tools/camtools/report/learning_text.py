@@ -2,8 +2,6 @@
 
 >>> numbers_text([2, 3, 4, 7])
 '2 .. 4, 7'
->>> learning_rows({})
-[]
 """
 
 from __future__ import annotations
@@ -51,25 +49,14 @@ def numbers_text(numbers: Sequence[int]) -> str:
 
 
 def _k1_text(ns: int) -> str:
-    """Return a correction of k1.
-
-    >>> _k1_text(1337203), _k1_text(-1400)
-    ('+1.337 ms', '-1.4 µs')
-    """
     return f"{ns * 1e-6:+.4g} ms" if abs(ns) >= 100_000 else f"{ns * 1e-3:+.4g} µs"
 
 
 def _k2_text(us2: int) -> str:
-    """Return a correction of k2.
-
-    >>> _k2_text(-664658), _k2_text(212)
-    ('-0.665 ms²', '+212 µs²')
-    """
     return f"{us2 * 1e-6:+.3g} ms²" if abs(us2) >= 10_000 else f"{us2:+d} µs²"
 
 
 def _on_text(found: Json) -> str:
-    """Return what was learned, sentence by sentence."""
     at_first, at_last = length_text(found["begin_error_um"]), length_text(found["error_um"])
     texts = [
         f"on, {found['turns']} turns used: rms error at the scale {at_first} at first, {at_last} "

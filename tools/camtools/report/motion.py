@@ -118,7 +118,6 @@ def windows_s(trace: CutTrace, whole: CutTrace) -> list[tuple[str, float, float]
 
 
 def _strip(axes: Axes, spans: list[tuple[float, float, int]], begin_s: float, end_s: float) -> None:
-    """Draw the states as a coloured strip, named where there is room."""
     for low, high, state in spans:
         axes.axvspan(low, high, color=STATE_COLOURS[state], lw=0, alpha=0.75)
         middle = (max(low, begin_s) + min(high, end_s)) / 2
@@ -131,7 +130,6 @@ def _strip(axes: Axes, spans: list[tuple[float, float, int]], begin_s: float, en
 
 
 def _state_handles(spans: list[tuple[float, float, int]]) -> list[Patch]:
-    """Return what explains the colours of the strip; states that share one share a line."""
     names: dict[str, list[str]] = {}
     for _, _, state in spans:
         of_colour = names.setdefault(STATE_COLOURS[state], [])

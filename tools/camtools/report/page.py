@@ -60,8 +60,6 @@ class Page(NamedTuple):
 
 
 class _Chart(NamedTuple):
-    """A chart of the board as the template shows it."""
-
     id: str
     title: str
     text: str

@@ -121,7 +121,6 @@ def feature(
 
 
 def _axes_features(section: SectionFigures, stated: Tolerances) -> list[Feature]:
-    """Return size, ovality and phase of an oval."""
     drawn, cut = section.drawn_axes, section.cut_axes
     size = ("diameter", "mm")
     found = [
@@ -142,7 +141,6 @@ def _axes_features(section: SectionFigures, stated: Tolerances) -> list[Feature]
 
 
 def _form_features(section: SectionFigures, subject: Subject, tolerance_um: float) -> list[Feature]:
-    """Return the form of a section: its deviation from the drawing."""
     um = ("radius" if subject.has_radius else "along the normal", "µm")
     off, zone_um = section.off, section.off_zone.width_mm * UM_PER_MM
     roundness_um = subject.tolerances.roundness_um
@@ -158,7 +156,6 @@ def _form_features(section: SectionFigures, subject: Subject, tolerance_um: floa
 
 
 def _whole_features(section: SectionFigures) -> list[Feature]:
-    """Return the roundness of a section as it is, its oval included."""
     um, size, apart = ("radius", "µm"), ("diameter", "mm"), ("distance", "µm")
     centre = section.whole.circle
     return [
@@ -226,7 +223,6 @@ def _not_too_coarse(features: list[Feature]) -> list[Feature]:
 
 
 def _head(outcome: AnyCut, upr: int) -> list[ReportRow]:
-    """Return what was gauged, when, by what and how."""
     per_turn = ticks_per_turn(outcome)
     enough = (
         ""

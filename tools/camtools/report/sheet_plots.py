@@ -63,7 +63,6 @@ def _ring(axes: Axes, turn: Floats, radius: Floats | float, **style: object) -> 
 
 
 def _profile(axes: Axes, off_mm: Floats, limit_mm: float, **style: object) -> None:
-    """Draw deviations at even angles, closed."""
     turn = np.arange(off_mm.size + 1) / off_mm.size
     _ring(axes, turn, 1 + _ROOM * np.append(off_mm, off_mm[:1]) / limit_mm, **style)
 
@@ -100,7 +99,6 @@ def _circle_line(
 
 
 def _draw_whole(axes: Axes, one: SectionSheet) -> None:
-    """Draw the section as it is, enlarged about its least-squares circle."""
     found = one.section
     circle = found.whole.circle
     off_mm = found.cut_mm - circle.radius_mm
@@ -118,7 +116,6 @@ def _draw_whole(axes: Axes, one: SectionSheet) -> None:
 
 
 def _draw_off(axes: Axes, one: SectionSheet, upr: int, along: str) -> None:
-    """Draw the deviation from the drawing: unfiltered, filtered, its circles."""
     found = one.section
     limit_mm, mean_mm = _limit_mm(found.raw_mm), float(found.drawn_mm.mean())
     circle, zone = found.off.circle, found.off_zone

@@ -1,7 +1,5 @@
 """What a cut of any kind came to, in words and numbers, for the terminal and the report.
 
->>> share(30.0, 120.0)
-'25 %'
 >>> plain("0.1 µm, 3 m/s²")
 '0.1 um, 3 m/s2'
 """

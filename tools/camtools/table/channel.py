@@ -1,11 +1,5 @@
 """Channels of a table, before they are an image: knots, kinds, bounds, quintics, mirrored ones.
 
->>> segment_coefficients(np.array([[0, 0, 0], [1, 0, 0]]), periodic=False).tolist()
-[[0, 0, 0, 10, -15, 6]]
-
->>> slices_per_nm_q48(32, 0, 62_000_000)
-140737488
-
 The drawing's angle phi counts the same way round whatever the spindle does (PARTFILE.md, "The
 drawing's angle"). The angle of a table counts in the sense of cutting: phi with M3, -phi with M4.
 Generators make channels over the drawing's angle, and `table_of` hands all of them to `in_sense`
@@ -16,8 +10,6 @@ Values keep their signs, the swing's and the contact's too: tool and follower st
 machine, and at the same angle phi the same part lies before them in the same place, so the normal
 at the contact has the same direction in space. Only derivatives by the angle change their signs.
 
->>> import numpy as np
->>> from camtools.table.channel import KIND_U
 >>> knots = np.array([[[0, 5, 1], [10, 6, 2], [20, 7, 3], [30, 8, 4]]], dtype=np.int32)
 >>> channel = Channel(KIND_U, knots, 0, 0, 0, 1_000_000, 0, 0, 30, 8, 4)
 >>> in_sense(channel, -1).knots[0].tolist()

@@ -1,12 +1,8 @@
 """Reference evaluation of a quantised table in double by the firmware's formula, MATHS.md (46).
 
->>> import numpy as np
 >>> coefficients = np.array([[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]])
 >>> polynomial_bounds(coefficients)  # t^2 on 0 .. 1
 (0.0, 1.0)
-
->>> MotionPeaks(1.0, 0.0, 0.15, 0.3).ratio
-1.0
 """
 
 from __future__ import annotations

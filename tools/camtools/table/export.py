@@ -41,8 +41,6 @@ _DEG_PER_RAD = 180 / np.pi
 
 
 class _Quantity(NamedTuple):
-    """What a channel over angle is called outside, and its unit."""
-
     name: str
     unit: str
     scale: float  # of the channel's unit in this one
@@ -159,7 +157,6 @@ def _header(quantity: _Quantity, form: str, *, with_height: bool) -> list[str]:
 
 
 def _one_turn(quantity: _Quantity, points: ExportedPoints, form: str) -> str:
-    """Return the text of one turn: XYVA with a header, two columns without one."""
     if form == "text":
         return "\n".join(_rows(points[:2], "", " ")) + "\n"
     header = ";".join(_header(quantity, form, with_height=False))
@@ -167,7 +164,6 @@ def _one_turn(quantity: _Quantity, points: ExportedPoints, form: str) -> str:
 
 
 def _all_heights(table: Table, channel: Channel, export: Export) -> str:
-    """Return the text of all slices of a channel, the height in the first column."""
     form = export.form
     heights = np.linspace(channel.z_first_nm, channel.z_last_nm, channel.n_slices) / NM_PER_MM
     lines = [";".join(_header(quantity_of(table, channel), form, with_height=True))]
@@ -220,7 +216,6 @@ def export_files(table: Table, export: Export) -> dict[str, bytes]:
 def _channel_files(
     table: Table, channel: Channel, export: Export, name: str
 ) -> Iterator[tuple[str, str]]:
-    """Yield name and text of the files of one channel over angle."""
     form, quantity, per_turn = export.form, quantity_of(table, channel), export.per_turn
     for z_mm in export.heights_mm:
         points = points_of(table, channel, z_mm, per_turn)

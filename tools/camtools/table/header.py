@@ -1,6 +1,5 @@
 """The header of a table: limits of the machine, bounds of u, and what the part file says.
 
->>> check_tolerance(1.0)
 >>> from camtools.part.common import MachineLimits
 >>> image_limits(MachineLimits()).u_speed_um_per_s
 400000

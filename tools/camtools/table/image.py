@@ -242,7 +242,6 @@ def unpack(image: bytes) -> Table:
 
 
 def _table_of(header: dict[str, Any]) -> Table:
-    """Return the table of a header, without its channels."""
     _demand(header["header_size"] == HEADER_SIZE, "header_size: not 128")
     _demand(1 <= header["n_channels"] <= 8, "n_channels: not 1 .. 8")
     found = re.fullmatch(rb"[\x20-\x7e]{1,31}", header["part_name"])

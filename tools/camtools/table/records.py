@@ -2,18 +2,6 @@
 
 >>> bytes_of(KNOT, {"p": 1, "v": -1, "a": 0}).hex()
 '01000000ffffffff00000000'
->>> fields_of(KNOT, bytes(12), 0)
-{'p': 0, 'v': 0, 'a': 0}
-
-Exactly as firmware/table/TABLE_FORMAT.md, "Lobes".
-
->>> low = LobePlace(0, 14_000_000, 0, 0)
->>> high = LobePlace(45_000_000, 59_000_000, 1 << 30, 0)
->>> change_nm(low, high), len(bytes_of_lobes((low, high)))
-(15480000, 40)
-
->>> len(bytes_of_passes((PassRecord(20_000, 100_000, 600_000), PassRecord(0, 50_000, 900_000))))
-32
 """
 
 from __future__ import annotations

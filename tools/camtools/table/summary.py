@@ -2,11 +2,6 @@
 
 >>> identifier("16V240-ZJ")
 'part_16V240_ZJ'
-
->>> from camtools.skirt.table.generate import generate
->>> from camtools.skirt.part.part_file import example_part
->>> about_image(generate(example_part()).table, 1.0)["table_bytes"]
-3456
 """
 
 from __future__ import annotations

@@ -1,11 +1,5 @@
 """A force drive excited: by its set-point in a closed loop, or by a pulse in each direction.
 
-Modes up to this frequency are found:
-
->>> HIGHEST_HZ
-2500.0
-
->>> import numpy as np
 >>> force = np.concatenate([[0.0] * 100, [10.0] * 200, [-10.0] * 200, [0.0] * 100])
 >>> force = np.concatenate([force, -force])
 >>> position = -np.cumsum(np.cumsum(force)) / 2.0 * 5e-5**2
@@ -130,10 +124,7 @@ def _sums(row: Floats, step_s: float) -> Floats:
 
 
 def _one(tick_hz: float, force_n: Floats, position_m: Floats) -> tuple[float, float]:
-    """Return motion per force [1/kg] and per friction [m/s2], by the sums of both.
-
-    The single sum of the force takes up the delay.
-    """
+    """Return motion per force [1/kg] and per friction [m/s2], by the sums of both."""
     step_s, n = 1.0 / tick_hz, max(1, round(_SMOOTH_S * tick_hz))
     smooth = np.convolve(np.pad(position_m, n, mode="edge"), np.ones(n) / n, mode="same")[n:-n]
     speed = np.gradient(smooth, step_s)

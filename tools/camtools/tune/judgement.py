@@ -6,18 +6,6 @@ r"""What a loop does on its drive, why it is refused, and as text.
 '244 Hz, 1.60 N/um'
 >>> refusal(judged, is_proposal=False).split("; ")[-1]
 'most to blame is the lag of the amplifier of 1500 Hz: take a faster one'
-
->>> from camtools.tune.judgement import judge
->>> from camtools.tune.loop_design import Loop
->>> drive = Drive(mass_kg=1.5, amplifier_hz=1500.0, delay_us=25.0, tick_hz=20000.0)
->>> judged = judge(Loop(250.0, 20.0, 4000.0, 10.0, 4000.0, 0.5, 0.5), drive.plant)
->>> print(*lines_of(judged, drive), sep="\n")
-crossover: 244 Hz
-margins at 0.7 of the mass: 15.7 dB, 34 degrees
-margins at 1 of the mass: 18.8 dB, 31 degrees
-margins at 1.3 of the mass: 21.1 dB, 29 degrees
-least dynamic stiffness: 1.6 N/um at 192 Hz
-step of 10 N: peak 5.11 um, within 0.1 um after 60.6 ms
 """
 
 from __future__ import annotations
@@ -144,7 +132,6 @@ def _without(p: Plant) -> dict[str, Plant]:
 
 
 def _culprit(judged: Judgement, is_proposal: bool) -> str:
-    """Return what the margins lack least without, and its remedy."""
     without = _without(judged.plant)
 
     def lacks(what: str) -> tuple[float, float]:

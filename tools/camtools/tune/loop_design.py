@@ -155,10 +155,7 @@ def _least(values: Reals, crossings: NDArray[np.bool_]) -> Reals:
 def _judged(
     opened: Complexes, masses: tuple[float, ...] = (1.0,)
 ) -> tuple[list[Reals], list[Reals]]:
-    """Return gain margins in dB and phase margins in degrees, for each relative mass.
-
-    A mass moves the level alone.
-    """
+    """Return gain margins in dB and phase margins in degrees, for each relative mass."""
     level, imag = 20.0 * np.log10(np.abs(opened)), opened.imag
     is_crossing = (imag[..., 1:] * imag[..., :-1] < 0.0) & (opened.real[..., 1:] < 0.0)
     # Between two lines the level at the crossing is linear, and so is the angle at 0 dB.
@@ -178,12 +175,7 @@ def _judged(
 
 
 def _is_stable(opened: Complexes) -> NDArray[np.bool_]:
-    """Return stability, by Nyquist.
-
-    No pole is to the right, so that 1 + L turns back by what L has turned from 0 Hz to the first
-    line: at most 270 degrees, by integral and mass. The first line is below drag and stiffness, or
-    above them.
-    """
+    """Return stability, by Nyquist."""
     angle = np.angle(1.0 + opened)
     step = np.diff(angle)
     turned = (step - 2.0 * np.pi * np.round(step / (2.0 * np.pi))).sum(axis=-1)

@@ -3,7 +3,6 @@ r"""The constants of a force drive from a record in which it was excited, or of 
 An injected signal that repeats every period is what the means over the periods keep: noise that
 the loop feeds back into the force goes, so that it does not bias position over force.
 
->>> import numpy as np
 >>> grid = Grid.of(20_000.0, 1600.0)
 >>> s = 2j * np.pi * grid.excited * grid.line_hz
 >>> true = np.array([1.5, 8.0, 2000.0, 0.0, 75e-6, 1 / (2 * np.pi * 1500.0)])
@@ -13,11 +12,6 @@ the loop feeds back into the force goes, so that it does not bias position over 
 >>> found = fit_lines(one)
 >>> round(found.mass_kg, 3), round(found.delay_s * 1e6, 1), round(found.amplifier_hz, -1)
 (1.5, 75.0, 1500.0)
-
->>> rows = "".join(f"{i * 1e-3},{i % 7},{i % 5},{i % 3}\n" for i in range(4096))
->>> found = parse_loop_record("time_s,injected_n,force_n,position_um\n" + rows, "scope.csv")
->>> round(found.rate_hz), float(found.values["position"][2])
-(1000, 2e-06)
 """
 
 from __future__ import annotations

@@ -57,7 +57,6 @@ def _nyquist(axes: Axes) -> None:
 
 
 def _curves(panels: list[Axes], judged: Judgement, hz: Reals, mass: float) -> None:
-    """Draw the responses at one mass."""
     real = judged.mass * mass
     level, phase, nyquist, sensitivity, _, stiffness = panels
     opened = open_loop(judged.row, judged.plant, hz, real)
@@ -82,7 +81,6 @@ def _step(axes: Axes, judged: Judgement) -> None:
 
 
 def _measured(panels: list[Axes], one: OpenLoop) -> None:
-    """Draw the points of a record over the open loop."""
     level, phase, nyquist = panels[:3]
     decibels = 20 * np.log10(np.abs(one.response))
     level.plot(one.hz, decibels, "k.", ms=3, label="as it is, measured")
