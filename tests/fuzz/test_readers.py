@@ -23,9 +23,9 @@ from camtools.pipeline.load import parse as parse_part
 from camtools.sim.machine_file import read_machine
 from camtools.skirt.geometry.measured_sections import parse_sections
 from camtools.skirt.geometry.scan import parse_scan
-from camtools.table.channel import ImageError
 from camtools.table.image import unpack
 from camtools.table.points import parse_points as parse_gauged
+from camtools.table.records import ImageError
 from tests.tools.cases.part_cases import ROOT
 
 Reader = Callable[[bytes], object]

@@ -31,9 +31,10 @@ from camtools.skirt.tool.turning import (
     middle_nm,
     way_channel,
 )
-from camtools.table.channel import KIND_U, KIND_X, ImageError
+from camtools.table.channel import KIND_U, KIND_X
 from camtools.table.evaluate import evaluate_at, evaluate_x, jumps
 from camtools.table.image import pack, unpack
+from camtools.table.records import ImageError
 from tests.tools.cases.camsim_cases import cut, refusal
 from tests.tools.cases.cut_cases import PARTS, evaluated, made_skirt, tip_mm, written
 from tests.tools.cases.part_cases import PERKINS, load_part

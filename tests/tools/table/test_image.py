@@ -17,7 +17,6 @@ from camtools.table.channel import (
     SUM_LIMIT,
     Bounds,
     Channel,
-    ImageError,
     ImageLimits,
     channel_coefficients,
     largest_sum,
@@ -25,7 +24,7 @@ from camtools.table.channel import (
     slices_per_nm_q48,
 )
 from camtools.table.image import Table, pack, unpack
-from camtools.table.records import ENTRY, HEADER
+from camtools.table.records import ENTRY, HEADER, ImageError
 from tests.tools.cases.part_cases import ROOT
 
 

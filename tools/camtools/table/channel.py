@@ -19,13 +19,13 @@ at the contact has the same direction in space. Only derivatives by the angle ch
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from camtools.base.quantities import Ints
-from camtools.table.records import Demand
+from camtools.table.records import KNOT_SIZE, demand
 
 Numbers = TypeVar("Numbers", npt.NDArray[np.int64], npt.NDArray[np.float64])
 
@@ -62,10 +62,6 @@ MAX_CHANNEL_BYTES = 1 << 20  # the generators make no larger one
 SUM_LIMIT = 2**25 - 1
 MIN_SPACING_NM, MAX_SPACING_NM = 65_537, 16_777_216
 MAX_SLICES, MAX_LOG2_KNOTS, MIN_LOG2_KNOTS, MAX_LOG2_REPEAT, MAX_FRAC_BITS = 4096, 12, 2, 4, 8
-
-
-class ImageError(Exception):
-    """An image that the firmware would refuse; says which rule it breaks first."""
 
 
 @dataclass(frozen=True)
@@ -166,7 +162,49 @@ def largest_sum(coefficients: Ints) -> int:
     return int((np.abs(coefficients) @ _SUM_WEIGHTS.T).max())
 
 
-def check_way(way: Channel, demand: Demand, *, has_stations: bool) -> None:
+def _check_heights(entry: dict[str, Any], ends_nm: tuple[int, int], *, has_patterns: bool) -> None:
+    """Check the range of heights and the spacing; patterns are those of the whole table."""
+    z_first, z_last, n = entry["z_first_nm"], entry["z_last_nm"], entry["n_slices"] - 1
+    if has_patterns and entry["kind"] not in OVER_HEIGHT:
+        demand(
+            (z_first, z_last) == ends_nm and entry["slices_per_nm_q48"] == 0,
+            "z: not that of patterns",
+        )
+        return
+    demand(z_first <= ends_nm[0] and z_last >= ends_nm[1], "z: range not covered")
+    span_nm = z_last - z_first
+    demand(n * MIN_SPACING_NM <= span_nm <= n * MAX_SPACING_NM, "spacing: not 65537 .. 16777216")
+    q48 = slices_per_nm_q48(n + 1, z_first, z_last)
+    demand(entry["slices_per_nm_q48"] == q48, "slices_per_nm_q48: wrong")
+
+
+def check_entry(entry: dict[str, Any], ends_nm: tuple[int, int], *, has_patterns: bool) -> None:
+    """Check the entry of a channel in the directory; `ends_nm`: heights of the whole table."""
+    kind, n_slices, log2_knots = entry["kind"], entry["n_slices"], entry["log2_knots"]
+    frac_bits = entry["frac_bits"]
+    demand(KIND_U <= kind <= KIND_CONTACT or kind == KIND_WAY, "kind: unknown")
+    demand(2 <= n_slices <= MAX_SLICES, "n_slices: not 2 .. 4096")
+    if kind not in OVER_HEIGHT:
+        demand(MIN_LOG2_KNOTS <= log2_knots <= MAX_LOG2_KNOTS, "log2_knots: not 2 .. 12")
+        demand(entry["log2_repeat"] <= MAX_LOG2_REPEAT, "log2_repeat: not 0 .. 4")
+    else:
+        is_flat = log2_knots == 0 and entry["log2_repeat"] == 0
+        demand(is_flat, "log2_knots, log2_repeat: not 0 over height alone")
+    is_sized = entry["size"] == (n_slices << log2_knots) * KNOT_SIZE
+    demand(is_sized, "size: not that of the knots")
+    demand(frac_bits <= MAX_FRAC_BITS, "frac_bits: not 0 .. 8")
+    _check_heights(entry, ends_nm, has_patterns=has_patterns)
+    demand(entry["path"] <= int(kind in OVER_HEIGHT), "path: not 0 or, of x and way, 1")
+    low, high = ((entry["value_offset"] << frac_bits) + entry[name] for name in ("p_min", "p_max"))
+    if kind == KIND_SPEED:
+        is_ratio = low >= MIN_RATIO << frac_bits and high <= MAX_RATIO << frac_bits
+        demand(is_ratio, "p_min, p_max: no speed ratio of 1/16 .. 4")
+    if kind in (KIND_SWING, KIND_CONTACT):
+        is_angle = low >= -ANGLE_MAX << frac_bits and high <= ANGLE_MAX << frac_bits
+        demand(is_angle, "p_min, p_max: beyond a quarter turn")
+
+
+def check_way(way: Channel, *, has_stations: bool) -> None:
     """Check that a way begins and ends with 0, and that Z rises; with stations it may stand."""
     zero = -(way.value_offset << way.frac_bits)
     p, v, a = way.knots[:, 0].astype(np.int64).T
@@ -183,7 +221,7 @@ def check_way(way: Channel, demand: Demand, *, has_stations: bool) -> None:
     demand(least >= most_slow * plain, "way: Z reverses or nearly stops")
 
 
-def check_knots(channel: Channel, demand: Demand) -> None:
+def check_knots(channel: Channel) -> None:
     """Check knots, their bounds and their sums as the firmware does."""
     knots = channel.knots.astype(np.int64)
     p, v, a = knots[..., 0], np.abs(knots[..., 1]), np.abs(knots[..., 2])

@@ -220,11 +220,6 @@ class MotionPeaks(NamedTuple):
     second: float  # |y'' r^2 + y' r r'|
 
 
-def _common_grid(channel: Channel, n_places: int) -> Floats:
-    per_knot = n_places // channel.knots.shape[1]
-    return np.asarray(np.arange(per_knot) / per_knot, dtype=np.float64)
-
-
 def peaks_together(y: Channel, speed: Channel) -> MotionPeaks:
     """Return what a channel of an axis and the spindle's speed do together.
 
@@ -237,8 +232,11 @@ def peaks_together(y: Channel, speed: Channel) -> MotionPeaks:
         z_nm = np.arange(y.n_slices, dtype=np.float64)
     found = np.zeros(4)
     for some in np.array_split(z_nm, max(1, z_nm.size * n // 500_000)):
-        motion = evaluate_grid(y, some, _common_grid(y, n))
-        ratio = evaluate_grid(speed, some, _common_grid(speed, n))
+        per_knot = (n // one.knots.shape[1] for one in (y, speed))
+        motion, ratio = (
+            evaluate_grid(one, some, np.arange(k) / k)
+            for one, k in zip((y, speed), per_knot, strict=True)
+        )
         r, r1 = ratio.value / RATIO_ONE, ratio.d1 / RATIO_ONE
         here = (r, r * r1, motion.d1 * r, motion.d2 * r**2 + motion.d1 * r * r1)
         found = np.maximum(found, [float(np.abs(one).max()) for one in here])

@@ -60,16 +60,13 @@ class Export(NamedTuple):
 
     form: str  # one of FORMS
     heights_mm: tuple[float, ...] = ()  # a file for each; without any, one file for all slices
-    n_points: int | None = (
-        None  # per turn; by default the knots of xyva, a point per degree of text
-    )
+    n_points: int | None = None  # per turn; by default the knots of xyva, text per degree
 
     @property
     def per_turn(self) -> int:
         """Return the points per turn, 0 for the knots."""
-        return (
-            (0 if self.form == "xyva" else _TEXT_POINTS) if self.n_points is None else self.n_points
-        )
+        usual = 0 if self.form == "xyva" else _TEXT_POINTS
+        return usual if self.n_points is None else self.n_points
 
 
 class ExportedPoints(NamedTuple):
@@ -134,12 +131,6 @@ def points_of(table: Table, channel: Channel, z_mm: float, n_points: int = 0) ->
     return _sampled(table, drawn, *_at_height(table, drawn, z_mm), n_points)
 
 
-def profile_of(table: Table, channel: Channel, i: int, n_points: int = 0) -> ExportedPoints:
-    """Return the profile of lobes with a number, in a frame of its own, as `points_of`."""
-    drawn = in_sense(channel, table.direction)
-    return _sampled(table, drawn, np.asarray(drawn.knots[i], dtype=np.float64), 0.0, n_points)
-
-
 def name_of_height(z_mm: float) -> str:
     """Return a height as part of a file's name."""
     return f"z{z_mm:.9g}"
@@ -186,24 +177,16 @@ def _over_height(table: Table, form: str) -> str:
     return "\n".join([";".join(names[:n]), *_rows(columns[:n], "", ";")]) + "\n"
 
 
-def check_heights(table: Table, heights_mm: Sequence[float]) -> None:
-    """Refuse a height that the table does not cover.
-
-    Raises `CamtoolsError`: with the heights of the table.
-    """
-    low, high = table.z_first_nm / NM_PER_MM, table.z_last_nm / NM_PER_MM
-    for z_mm in heights_mm:
-        if not low <= z_mm <= high:
-            problem = f"--export-height {z_mm:g}: outside of the table, {low:g} .. {high:g} mm"
-            raise CamtoolsError([f"{problem}; give a height of the part"])
-
-
 def export_files(table: Table, export: Export) -> dict[str, bytes]:
     """Return the files of an export by their names.
 
     Raises `CamtoolsError`: a height outside of the table.
     """
-    check_heights(table, export.heights_mm)
+    low, high = table.z_first_nm / NM_PER_MM, table.z_last_nm / NM_PER_MM
+    for z_mm in export.heights_mm:
+        if not low <= z_mm <= high:
+            problem = f"--export-height {z_mm:g}: outside of the table, {low:g} .. {high:g} mm"
+            raise CamtoolsError([f"{problem}; give a height of the part"])
     start, form = table.part_name, export.form
     files = {f"{start}_x_{form}.csv": _over_height(table, form)}
     for channel in table.channels:
@@ -225,8 +208,8 @@ def _channel_files(
     if table.angle is None:
         yield f"{name}_{form}.csv", _all_heights(table, channel, export)
         return
-    for i in sorted(
-        {lobe.pattern for lobe in table.lobes} or {0}
-    ):  # a single lobe is alike all over
-        points = profile_of(table, channel, i, per_turn)
+    for i in sorted({lobe.pattern for lobe in table.lobes} or {0}):  # a lobe alone has one
+        drawn = in_sense(channel, table.direction)
+        knots = np.asarray(drawn.knots[i], dtype=np.float64)
+        points = _sampled(table, drawn, knots, 0.0, per_turn)
         yield f"{name}_profile{i + 1}_{form}.txt", _one_turn(quantity, points, form)

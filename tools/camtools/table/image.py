@@ -18,30 +18,19 @@ import numpy as np
 
 from camtools.table.channel import (
     ALIGN,
-    ANGLE_MAX,
     KIND_CONTACT,
     KIND_SPEED,
     KIND_SWING,
     KIND_U,
     KIND_WAY,
     KIND_X,
-    MAX_FRAC_BITS,
-    MAX_LOG2_KNOTS,
-    MAX_LOG2_REPEAT,
-    MAX_RATIO,
-    MAX_SLICES,
-    MAX_SPACING_NM,
-    MIN_LOG2_KNOTS,
-    MIN_RATIO,
-    MIN_SPACING_NM,
     OVER_HEIGHT,
     Bounds,
     Channel,
-    ImageError,
     ImageLimits,
+    check_entry,
     check_knots,
     check_way,
-    slices_per_nm_q48,
 )
 from camtools.table.records import (
     CRC_START,
@@ -52,13 +41,13 @@ from camtools.table.records import (
     KIND_LOBES,
     KIND_PASSES,
     KNOT,
-    KNOT_SIZE,
     LobePlace,
     PassRecord,
     bytes_of,
     bytes_of_lobes,
     bytes_of_passes,
     check_lobes,
+    demand,
     fields_of,
     lobes_of,
     passes_of,
@@ -121,6 +110,10 @@ def _aligned(size: int) -> int:
     return -(-size // ALIGN) * ALIGN
 
 
+# Fields of the header that a table has by the same name.
+_SAME = ("z_first_nm", "z_last_nm", "direction", "spindle_mrpm", "feed_nm", "depth_nm")
+
+
 def _header_of(table: Table, image_size: int, crc32: int) -> bytes:
     version = NEWER_VERSION if table.is_newer else VERSION
     values = {
@@ -133,15 +126,10 @@ def _header_of(table: Table, image_size: int, crc32: int) -> bytes:
         "header_size": HEADER_SIZE,
         "n_channels": len(table.channels) + bool(table.lobes) + bool(table.passes),
         "part_name": table.part_name.encode("ascii"),
-        "z_first_nm": table.z_first_nm,
-        "z_last_nm": table.z_last_nm,
-        "direction": table.direction,
-        "spindle_mrpm": table.spindle_mrpm,
-        "feed_nm": table.feed_nm,
-        "depth_nm": table.depth_nm,
     }
+    same = {name: getattr(table, name) for name in _SAME}
     limits = {f"limit_{name}": value for name, value in vars(table.limits).items()}
-    return bytes_of(HEADER, values | limits | vars(table.bounds))
+    return bytes_of(HEADER, values | same | limits | vars(table.bounds))
 
 
 # Fields of an entry that a channel has by the same name: its own, and worked out from its knots.
@@ -196,28 +184,23 @@ def pack(table: Table) -> bytes:
     return bytes(image)
 
 
-def _demand(condition: bool, rule: str) -> None:
-    if not condition:
-        raise ImageError(rule)
-
-
 def unpack(image: bytes) -> Table:
     """Return the table of an image, checked as the firmware checks it.
 
     Raises `ImageError`: the first rule of TABLE_FORMAT.md that the image breaks.
     """
-    _demand(len(image) >= HEADER_SIZE, "size: shorter than a header")
+    demand(len(image) >= HEADER_SIZE, "size: shorter than a header")
     header = fields_of(HEADER, image, 0)
-    _demand(header["magic"] == MAGIC, "magic: not a cam table")
-    _demand(header["byte_order"] == BYTE_ORDER, "byte_order: image of another byte order")
+    demand(header["magic"] == MAGIC, "magic: not a cam table")
+    demand(header["byte_order"] == BYTE_ORDER, "byte_order: image of another byte order")
     version = header["version_major"], header["version_minor"]
-    _demand(version in (VERSION, NEWER_VERSION), "version: neither 1.0 nor 1.1")
+    demand(version in (VERSION, NEWER_VERSION), "version: neither 1.0 nor 1.1")
     is_whole = header["image_size"] == len(image) and len(image) % ALIGN == 0
-    _demand(is_whole, "image_size: not that of the file, which is cut off or has a signature")
-    _demand(header["crc32"] == crc32_of(image), "crc32: the image is damaged")
+    demand(is_whole, "image_size: not that of the file, which is cut off or has a signature")
+    demand(header["crc32"] == crc32_of(image), "crc32: the image is damaged")
     table = _table_of(header)
     n_channels = header["n_channels"]
-    _demand(
+    demand(
         HEADER_SIZE + ENTRY_SIZE * n_channels <= len(image),
         "n_channels: directory outside the image",
     )
@@ -226,42 +209,37 @@ def unpack(image: bytes) -> Table:
     path = any(entry["path"] for entry in entries if entry["kind"] == KIND_X)
     stands = any(entry["path"] for entry in entries if entry["kind"] == KIND_WAY)
     is_newer = any(entry["kind"] >= KIND_LOBES for entry in entries)
-    _demand(is_newer == (version == NEWER_VERSION), "version: 1.1 is that of the kinds from 6 on")
-    lobes = lobes_of(image, table, entries, _demand)
+    demand(is_newer == (version == NEWER_VERSION), "version: 1.1 is that of the kinds from 6 on")
+    lobes = lobes_of(image, table, entries)
     found = _channels_of(image, table, entries, has_patterns=bool(lobes))
-    passes = passes_of(image, (table.z_first_nm, table.z_last_nm), entries, _demand)
+    passes = passes_of(image, (table.z_first_nm, table.z_last_nm), entries)
     table = replace(table, channels=found, is_ring_helix=path, lobes=lobes, passes=passes)
     if table.way is not None:
         ends = (table.way.z_first_nm, table.way.z_last_nm)
-        _demand(ends == (table.z_first_nm, table.z_last_nm), "way: not over the whole table")
-        _demand(not path and stands == bool(lobes), "way: rings have none, lobes have stations")
-        check_way(table.way, _demand, has_stations=stands)
-    _demand(table.speed is None or not path, "path: a ring-helix is for one speed")
-    check_lobes(table, _demand)
+        demand(ends == (table.z_first_nm, table.z_last_nm), "way: not over the whole table")
+        demand(not path and stands == bool(lobes), "way: rings have none, lobes have stations")
+        check_way(table.way, has_stations=stands)
+    demand(table.speed is None or not path, "path: a ring-helix is for one speed")
+    check_lobes(table)
     return table
 
 
 def _table_of(header: dict[str, Any]) -> Table:
-    _demand(header["header_size"] == HEADER_SIZE, "header_size: not 128")
-    _demand(1 <= header["n_channels"] <= 8, "n_channels: not 1 .. 8")
+    demand(header["header_size"] == HEADER_SIZE, "header_size: not 128")
+    demand(1 <= header["n_channels"] <= 8, "n_channels: not 1 .. 8")
     found = re.fullmatch(rb"[\x20-\x7e]{1,31}", header["part_name"])
-    _demand(found is not None, "part_name: not 1 .. 31 printable ASCII characters")
-    _demand(header["z_last_nm"] > header["z_first_nm"], "z_last_nm: not above z_first_nm")
-    _demand(header["direction"] in (1, -1), "direction: not 1 or -1")
+    demand(found is not None, "part_name: not 1 .. 31 printable ASCII characters")
+    demand(header["z_last_nm"] > header["z_first_nm"], "z_last_nm: not above z_first_nm")
+    demand(header["direction"] in (1, -1), "direction: not 1 or -1")
     is_moving = header["spindle_mrpm"] > 0 and header["feed_nm"] > 0
-    _demand(is_moving, "spindle_mrpm, feed_nm: not above 0")
+    demand(is_moving, "spindle_mrpm, feed_nm: not above 0")
     limits = ImageLimits(**{one.name: header[f"limit_{one.name}"] for one in fields(ImageLimits)})
-    _demand(all(limit > 0 for limit in vars(limits).values()), "limits: not above 0")
+    demand(all(limit > 0 for limit in vars(limits).values()), "limits: not above 0")
     bounds = Bounds(**{one.name: header[one.name] for one in fields(Bounds)})
-    _demand(bounds.u_max_nm >= bounds.u_min_nm, "u_max_nm: below u_min_nm")
+    demand(bounds.u_max_nm >= bounds.u_min_nm, "u_max_nm: below u_min_nm")
     return Table(
         part_name=header["part_name"].decode("ascii"),
-        z_first_nm=header["z_first_nm"],
-        z_last_nm=header["z_last_nm"],
-        direction=header["direction"],
-        spindle_mrpm=header["spindle_mrpm"],
-        feed_nm=header["feed_nm"],
-        depth_nm=header["depth_nm"],
+        **{name: header[name] for name in _SAME},
         limits=limits,
         bounds=bounds,
         channels=(),
@@ -272,69 +250,30 @@ def _channels_of(
     image: bytes, table: Table, entries: Sequence[dict[str, Any]], *, has_patterns: bool
 ) -> tuple[Channel, ...]:
     """Return the channels of the directory, checked one by one and together."""
-    free = HEADER_SIZE + ENTRY_SIZE * len(entries)
+    free, ends_nm = HEADER_SIZE + ENTRY_SIZE * len(entries), (table.z_first_nm, table.z_last_nm)
     channels: list[Channel] = []
     for entry in entries:
         is_plain = entry["kind"] in (KIND_LOBES, KIND_PASSES)
         if not is_plain:
-            _check_entry(entry, table, has_patterns=has_patterns)
+            check_entry(entry, ends_nm, has_patterns=has_patterns)
         offset, size = entry["offset"], entry["size"]
-        _demand(offset % ALIGN == 0 and offset >= free, "offset: misplaced")
-        _demand(offset + size <= len(image), "size: beyond the image")
+        demand(offset % ALIGN == 0 and offset >= free, "offset: misplaced")
+        demand(offset + size <= len(image), "size: beyond the image")
         free = offset + size
         if not is_plain:
             is_pattern = has_patterns and entry["kind"] not in OVER_HEIGHT
             channels.append(replace(_make_channel(image, entry), has_patterns=is_pattern))
     kinds = [channel.kind for channel in channels]
-    _demand(len(set(kinds)) == len(kinds), "kind: a channel appears twice")
-    _demand(not {KIND_SWING, KIND_CONTACT} <= set(kinds), "kind: swing and contact are there")
-    _demand({KIND_U, KIND_X} <= set(kinds), "kind: u or x is missing")
+    demand(len(set(kinds)) == len(kinds), "kind: a channel appears twice")
+    demand(not {KIND_SWING, KIND_CONTACT} <= set(kinds), "kind: swing and contact are there")
+    demand({KIND_U, KIND_X} <= set(kinds), "kind: u or x is missing")
     has_speed = KIND_SPEED in kinds
-    _demand(
+    demand(
         has_speed or table.bounds.spindle_peak_ppm_per_rad == 0, "spindle_peak_ppm_per_rad: not 0"
     )
     for channel in channels:
-        check_knots(channel, _demand)
+        check_knots(channel)
     return tuple(channels)
-
-
-def _check_heights(entry: dict[str, Any], table: Table, *, has_patterns: bool) -> None:
-    """Check the range of heights and the spacing; patterns are those of the whole table."""
-    z_first, z_last, n = entry["z_first_nm"], entry["z_last_nm"], entry["n_slices"] - 1
-    if has_patterns and entry["kind"] not in OVER_HEIGHT:
-        is_whole = z_first == table.z_first_nm and z_last == table.z_last_nm
-        _demand(is_whole and entry["slices_per_nm_q48"] == 0, "z: not that of patterns")
-        return
-    _demand(z_first <= table.z_first_nm and z_last >= table.z_last_nm, "z: range not covered")
-    span_nm = z_last - z_first
-    _demand(n * MIN_SPACING_NM <= span_nm <= n * MAX_SPACING_NM, "spacing: not 65537 .. 16777216")
-    q48 = slices_per_nm_q48(n + 1, z_first, z_last)
-    _demand(entry["slices_per_nm_q48"] == q48, "slices_per_nm_q48: wrong")
-
-
-def _check_entry(entry: dict[str, Any], table: Table, *, has_patterns: bool) -> None:
-    kind, n_slices, log2_knots = entry["kind"], entry["n_slices"], entry["log2_knots"]
-    frac_bits = entry["frac_bits"]
-    _demand(KIND_U <= kind <= KIND_CONTACT or kind == KIND_WAY, "kind: unknown")
-    _demand(2 <= n_slices <= MAX_SLICES, "n_slices: not 2 .. 4096")
-    if kind not in OVER_HEIGHT:
-        _demand(MIN_LOG2_KNOTS <= log2_knots <= MAX_LOG2_KNOTS, "log2_knots: not 2 .. 12")
-        _demand(entry["log2_repeat"] <= MAX_LOG2_REPEAT, "log2_repeat: not 0 .. 4")
-    else:
-        is_flat = log2_knots == 0 and entry["log2_repeat"] == 0
-        _demand(is_flat, "log2_knots, log2_repeat: not 0 over height alone")
-    is_sized = entry["size"] == (n_slices << log2_knots) * KNOT_SIZE
-    _demand(is_sized, "size: not that of the knots")
-    _demand(frac_bits <= MAX_FRAC_BITS, "frac_bits: not 0 .. 8")
-    _check_heights(entry, table, has_patterns=has_patterns)
-    _demand(entry["path"] <= int(kind in OVER_HEIGHT), "path: not 0 or, of x and way, 1")
-    low, high = ((entry["value_offset"] << frac_bits) + entry[name] for name in ("p_min", "p_max"))
-    if kind == KIND_SPEED:
-        is_ratio = low >= MIN_RATIO << frac_bits and high <= MAX_RATIO << frac_bits
-        _demand(is_ratio, "p_min, p_max: no speed ratio of 1/16 .. 4")
-    if kind in (KIND_SWING, KIND_CONTACT):
-        is_angle = low >= -ANGLE_MAX << frac_bits and high <= ANGLE_MAX << frac_bits
-        _demand(is_angle, "p_min, p_max: beyond a quarter turn")
 
 
 def _make_channel(image: bytes, entry: dict[str, Any]) -> Channel:

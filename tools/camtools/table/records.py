@@ -6,73 +6,51 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-HEADER = np.dtype(
-    [
-        ("magic", "S8"),
-        ("byte_order", "<u4"),
-        ("version_major", "<u2"),
-        ("version_minor", "<u2"),
-        ("image_size", "<u4"),
-        ("crc32", "<u4"),
-        ("header_size", "<u4"),
-        ("n_channels", "<u4"),
-        ("part_name", "S32"),
-        ("z_first_nm", "<i4"),
-        ("z_last_nm", "<i4"),
-        ("direction", "<i4"),
-        ("spindle_mrpm", "<u4"),
-        ("feed_nm", "<u4"),
-        ("depth_nm", "<u4"),
-        ("limit_u_stroke_nm", "<u4"),
-        ("limit_u_speed_um_per_s", "<u4"),
-        ("limit_u_acceleration_mm_per_s2", "<u4"),
-        ("limit_spindle_mrpm", "<u4"),
-        ("u_min_nm", "<i4"),
-        ("u_max_nm", "<i4"),
-        ("u1_peak_nm_per_rad", "<u4"),
-        ("u2_peak_nm_per_rad2", "<u4"),
-        ("error_pm", "<u4"),
-        ("spindle_peak_ppm_per_rad", "<u4"),
-    ]
+if TYPE_CHECKING:
+    from camtools.table.image import Table
+
+
+def _record(fields: str) -> np.dtype[np.void]:
+    """Return a record of fields, name and type of each."""
+    return np.dtype([(name, kind) for kind, name in (one.split() for one in fields.split(","))])
+
+
+HEADER = _record(
+    "S8 magic, <u4 byte_order, <u2 version_major, <u2 version_minor, <u4 image_size, <u4 crc32, "
+    "<u4 header_size, <u4 n_channels, S32 part_name, <i4 z_first_nm, <i4 z_last_nm, <i4 direction, "
+    "<u4 spindle_mrpm, <u4 feed_nm, <u4 depth_nm, <u4 limit_u_stroke_nm, "
+    "<u4 limit_u_speed_um_per_s, <u4 limit_u_acceleration_mm_per_s2, <u4 limit_spindle_mrpm, "
+    "<i4 u_min_nm, <i4 u_max_nm, <u4 u1_peak_nm_per_rad, <u4 u2_peak_nm_per_rad2, <u4 error_pm, "
+    "<u4 spindle_peak_ppm_per_rad"
 )
-
-
-ENTRY = np.dtype(
-    [
-        ("kind", "<u4"),
-        ("offset", "<u4"),
-        ("size", "<u4"),
-        ("n_slices", "<u4"),
-        ("log2_knots", "<u4"),
-        ("log2_repeat", "<u4"),
-        ("frac_bits", "<u4"),
-        ("z_first_nm", "<i4"),
-        ("z_last_nm", "<i4"),
-        ("slices_per_nm_q48", "<u4"),
-        ("value_offset", "<i4"),
-        ("p_min", "<i4"),
-        ("p_max", "<i4"),
-        ("v_max", "<u4"),
-        ("a_max", "<u4"),
-        ("path", "<u4"),
-    ]
+ENTRY = _record(
+    "<u4 kind, <u4 offset, <u4 size, <u4 n_slices, <u4 log2_knots, <u4 log2_repeat, <u4 frac_bits, "
+    "<i4 z_first_nm, <i4 z_last_nm, <u4 slices_per_nm_q48, <i4 value_offset, <i4 p_min, <i4 p_max, "
+    "<u4 v_max, <u4 a_max, <u4 path"
 )
-
-
 _UNUSED_OF_LISTS = (
     *("log2_knots", "log2_repeat", "frac_bits", "slices_per_nm_q48", "value_offset"),
     *("p_min", "p_max", "v_max", "a_max", "path"),
 )
-Demand = Callable[[bool, str], None]
-"""Refuses by a rule of TABLE_FORMAT.md where a condition does not hold."""
 
-KNOT = np.dtype([("p", "<i4"), ("v", "<i4"), ("a", "<i4")])
+
+class ImageError(Exception):
+    """An image that the firmware would refuse; says which rule it breaks first."""
+
+
+def demand(condition: bool, rule: str) -> None:
+    """Refuse by a rule of TABLE_FORMAT.md where a condition does not hold."""
+    if not condition:
+        raise ImageError(rule)
+
+
+KNOT = _record("<i4 p, <i4 v, <i4 a")
 HEADER_SIZE, ENTRY_SIZE, KNOT_SIZE = HEADER.itemsize, ENTRY.itemsize, KNOT.itemsize
 CRC_START = HEADER.fields["crc32"][1] + 4  # type: ignore[index]
 
@@ -99,12 +77,11 @@ def listed(
     image: bytes,
     entry: Mapping[str, Any],
     ends_nm: tuple[int, int],
-    demand: Demand,
 ) -> list[tuple[int, ...]]:
     """Return the records of an entry that holds no knots but a list, checked as far as all are.
 
     `name`: what the list has, at most `most` of it: "lobes", "passes". `ends_nm`: heights of the
-    whole table, which every list has. `demand`: raises with the rule that is broken.
+    whole table, which every list has.
     """
     n, offset = entry["n_slices"], entry["offset"]
     demand(1 <= n <= most, f"n_slices: not 1 .. {most} {name}")
@@ -122,15 +99,7 @@ KIND_LOBES = 6
 MAX_LOBES = 64
 LEAST_GAP_NM = 200_000
 KEPT_OFF_NM = 20_000  # beside a lobe its lift is whole: a tenth of the narrowest gap
-_LOBE = np.dtype(
-    [
-        ("z_first_nm", "<i4"),
-        ("z_last_nm", "<i4"),
-        ("phase_q32", "<u4"),
-        ("pattern", "<u4"),
-        ("changes_per_nm_q48", "<u4"),
-    ]
-)
+_LOBE = _record("<i4 z_first_nm, <i4 z_last_nm, <u4 phase_q32, <u4 pattern, <u4 changes_per_nm_q48")
 
 
 class LobePlace(NamedTuple):
@@ -142,53 +111,15 @@ class LobePlace(NamedTuple):
     pattern: int  # slice of all channels over angle
 
 
-class _Patterned(Protocol):
-    """A channel over angle, as far as the directory needs it."""
-
-    @property
-    def kind(self) -> int: ...
-
-    @property
-    def n_slices(self) -> int: ...
-
-    @property
-    def has_patterns(self) -> bool: ...
-
-
-class _Table(Protocol):
-    """A table, as far as the directory needs it."""
-
-    @property
-    def z_first_nm(self) -> int: ...
-
-    @property
-    def z_last_nm(self) -> int: ...
-
-    @property
-    def is_ring_helix(self) -> bool: ...
-
-    @property
-    def lobes(self) -> tuple[LobePlace, ...]: ...
-
-    @property
-    def channels(self) -> Sequence[_Patterned]: ...
-
-    @property
-    def angle(self) -> _Patterned | None: ...
-
-
 def change_nm(below: LobePlace, above: LobePlace) -> int:
     """Return the height over which the lift falls, and over which that of the next lobe rises."""
     return (above.z_first_nm - below.z_last_nm) // 2 - KEPT_OFF_NM
 
 
-def _per_nm_q48(change: int) -> int:
-    return ((1 << 48) + change // 2) // change
-
-
 def _reciprocals(lobes: Sequence[LobePlace]) -> list[int]:
     """Return the reciprocal of every change above a lobe; 0 above the last."""
-    return [_per_nm_q48(change_nm(*two)) for two in pairwise(lobes)] + [0]
+    changes = (change_nm(*two) for two in pairwise(lobes))
+    return [((1 << 48) + change // 2) // change for change in changes] + [0]
 
 
 def bytes_of_lobes(lobes: Sequence[LobePlace]) -> bytes:
@@ -198,7 +129,7 @@ def bytes_of_lobes(lobes: Sequence[LobePlace]) -> bytes:
 
 
 def lobes_of(
-    image: bytes, table: _Table, entries: Sequence[dict[str, Any]], demand: Demand
+    image: bytes, table: Table, entries: Sequence[dict[str, Any]]
 ) -> tuple[LobePlace, ...]:
     """Return the lobes of an image, checked as far as the directory alone shows; empty without."""
     places = [i for i, entry in enumerate(entries) if entry["kind"] == KIND_LOBES]
@@ -206,7 +137,7 @@ def lobes_of(
         return ()
     demand(places == [0], "kind: lobes are not the first channel alone")
     ends_nm = table.z_first_nm, table.z_last_nm
-    rows = listed("lobes", MAX_LOBES, _LOBE, image, entries[0], ends_nm, demand)
+    rows = listed("lobes", MAX_LOBES, _LOBE, image, entries[0], ends_nm)
     lobes = tuple(LobePlace(*row[:4]) for row in rows)
     demand(all(one.z_last_nm > one.z_first_nm for one in lobes), "lobes: one ends below its begin")
     ends = (lobes[0].z_first_nm, lobes[-1].z_last_nm)
@@ -217,7 +148,7 @@ def lobes_of(
     return lobes
 
 
-def check_lobes(table: _Table, demand: Demand) -> None:
+def check_lobes(table: Table) -> None:
     """Check that every lobe has its pattern in all channels over angle."""
     if not table.lobes:
         return
@@ -231,9 +162,7 @@ def check_lobes(table: _Table, demand: Demand) -> None:
 KIND_PASSES = 8
 MAX_PASSES = 16
 MAX_ALLOWANCE_NM = 10_000_000
-_PASS = np.dtype(
-    [("allowance_nm", "<i4"), ("feed_nm", "<u4"), ("spindle_mrpm", "<u4"), ("reserved", "<u4")]
-)
+_PASS = _record("<i4 allowance_nm, <u4 feed_nm, <u4 spindle_mrpm, <u4 reserved")
 
 
 class PassRecord(NamedTuple):
@@ -250,14 +179,14 @@ def bytes_of_passes(passes: Sequence[PassRecord]) -> bytes:
 
 
 def passes_of(
-    image: bytes, ends_nm: tuple[int, int], entries: Sequence[dict[str, Any]], demand: Demand
+    image: bytes, ends_nm: tuple[int, int], entries: Sequence[dict[str, Any]]
 ) -> tuple[PassRecord, ...]:
     """Return the passes of an image, checked as the firmware checks them; empty without."""
     found = [entry for entry in entries if entry["kind"] == KIND_PASSES]
     if not found:
         return ()
     demand(len(found) == 1, "kind: passes are there twice")
-    rows = listed("passes", MAX_PASSES, _PASS, image, found[0], ends_nm, demand)
+    rows = listed("passes", MAX_PASSES, _PASS, image, found[0], ends_nm)
     passes = tuple(PassRecord(*row[:3]) for row in rows)
     is_falling = all(low.allowance_nm < high.allowance_nm for high, low in pairwise(passes))
     demand(is_falling and passes[-1].allowance_nm == 0, "passes: allowances do not fall to 0")
