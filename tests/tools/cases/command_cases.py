@@ -21,7 +21,9 @@ from matplotlib.figure import Figure
 from camtools.base.arguments import make_parser, read_arguments
 from camtools.pipeline.job import RunJob
 from camtools.pipeline.run import run
-from camtools.report import kind_report, sheet_page
+from camtools.plots.style import png_of
+from camtools.report import sheet_page
+from camtools.report.views import View
 from tests.tools.cases.camsim_cases import BUILD
 from tests.tools.cases.part_cases import Capture, environment
 
@@ -96,7 +98,7 @@ def undraw(patch: pytest.MonkeyPatch) -> None:
         canvas.get_renderer()  # type: ignore[no-untyped-call]
 
     patch.setattr(FigureCanvasAgg, "draw", leave_empty)
-    patch.setattr(kind_report, "picture_of", lambda view, cut: Figure())
+    patch.setattr(View, "png", lambda view, cut: png_of(Figure()))
     for name in ("draw_section", "draw_lines"):
         patch.setattr(sheet_page, name, lambda *_: Figure())
 

@@ -501,7 +501,7 @@ def test_figures_are_those_of_the_formula() -> None:
 def test_picture_has_the_points(monkeypatch: pytest.MonkeyPatch) -> None:
     """Level, phase and Nyquist; without a record there are none."""
     seen: list[Figure] = []
-    monkeypatch.setattr(plots, "png_of", seen.append)
+    monkeypatch.setattr(plots.style, "png_of", seen.append)
     plant = Plant(mass_kg=1.5, amplifier_hz=1500.0, delay_s=25e-6, step_hz=20000.0)
     judged = judge(Loop(250.0, 20.0, 4000.0, 10.0, 4000.0, 0.5, 0.5), plant)
     one = double(3000.0)

@@ -192,7 +192,8 @@ def _is_good(
         return True
     if part is None or most_um is None or not found.plain.is_physical:
         return False
-    return form_left(found, believed, Limits(), part.motion).most_um <= most_um
+    left = form_left(found, believed, Limits(), part.motion)
+    return left.chosen_um + left.doubt_um <= most_um
 
 
 class _Found(NamedTuple):

@@ -23,8 +23,9 @@ import uuid
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from functools import cache
+from math import nan
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, get_type_hints
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -58,15 +59,10 @@ class Task(NamedTuple):
 
 
 class CutOutcome(NamedTuple):
-    """What one cut came to.
-
-    `end`: done, stopped, fault, timeout, refused: as in the summary; "refused" also where the
-    simulator refused the machine or the speed. `form_max_um`, `form_rms_um`, `roundness_um`,
-    `following_max_um`: NaN where nothing was gauged.
-    """
+    """What one cut came to; NaN where nothing was gauged."""
 
     key: str  # digest of all that it depends on
-    end: str
+    end: str  # as in the summary; "refused" also where the simulator refused machine or speed
     status: int  # exit status of camsim
     faults: str  # names of the first faults, separated by blanks
     message: str  # why it is not good
@@ -89,9 +85,8 @@ def build_of(path: Path) -> str:
     try:
         return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
     except OSError as error:
-        raise CamtoolsError(
-            [f"{path}: cannot be read: {error.strerror}; start tools/run, which builds it"]
-        ) from error
+        problem = f"cannot be read: {error.strerror}; start tools/run, which builds it"
+        raise CamtoolsError([f"{path}: {problem}"]) from error
 
 
 @cache
@@ -104,31 +99,21 @@ def folder_of(table: bytes, design: bytes) -> Path:
     return folder
 
 
-def _number(value: float | None) -> float:
-    return float("nan") if value is None else float(value)
-
-
 def _outcome(key: str, result: Result) -> CutOutcome:
     summary = result.summary
     form, following = summary["form_error_um"], summary["following_error_um"]
+    found = (form["max"], form["rms"], form["roundness"], following["max"])
     return CutOutcome(
-        key,
-        summary["end"],
-        result.status,
-        " ".join(summary.get("first_faults", [])),
+        *(key, summary["end"], result.status, " ".join(summary.get("first_faults", []))),
         result.message,
-        _number(form["max"]),
-        _number(form["rms"]),
-        _number(form["roundness"]),
-        _number(following["max"]),
-        int(summary["ticks"]),
-        float(summary["wall_time_s"]),
+        *(nan if value is None else float(value) for value in found),
+        *(int(summary["ticks"]), float(summary["wall_time_s"])),
     )
 
 
 def cut_one(task: Task, machine: str) -> CutOutcome:
     """Cut on one machine; what the simulator refuses is an outcome, too."""
-    key, nan = task.key(machine), float("nan")
+    key = task.key(machine)
     table = folder_of(task.table, task.design) / TABLE
     try:
         result = simulate(table, Machine("machine", machine), options=task.words)
@@ -149,32 +134,17 @@ def cut_batch(task: Task, machines: Sequence[str]) -> list[CutOutcome] | str:
     return [cut_one(task, machine) for machine in machines]
 
 
-_FIELDS = {
-    "key": pa.string(),
-    "end": pa.string(),
-    "status": pa.int32(),
-    "faults": pa.string(),
-    "message": pa.string(),
-    "form_max_um": pa.float64(),
-    "form_rms_um": pa.float64(),
-    "roundness_um": pa.float64(),
-    "following_max_um": pa.float64(),
-    "ticks": pa.int64(),
-    "wall_s": pa.float64(),
-}
-SCHEMA = pa.schema(list(_FIELDS.items()))
+_KINDS = {str: pa.string(), float: pa.float64(), int: pa.int64()}
+_FIELDS = {name: _KINDS[kind] for name, kind in get_type_hints(CutOutcome).items()}
+SCHEMA = pa.schema([*(_FIELDS | {"status": pa.int32()}).items()])
 
 
 class Store:
-    """Outcomes in a folder.
-
-    `folder`: made when the first outcome is added. `found`: all outcomes by key. Raises
-    `InputError`: a file there is none of ours.
-    """
+    """Outcomes in a folder, made by the first one; refuses a file there that is none of ours."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.found: dict[str, CutOutcome] = {}
+        self.found: dict[str, CutOutcome] = {}  # by key
         self._paths = sorted(folder.glob("*.parquet"))
         for path in self._paths:
             for outcome in _read(path):
@@ -198,10 +168,9 @@ class Store:
         if len(before) > 1:
             self.add(list(self.found.values()))
             self._paths = self._paths[-1:]
-            for path in before[: len(before)]:
-                if path != self._paths[0]:
-                    with suppress(OSError):
-                        path.unlink()
+            for path in set(before) - set(self._paths):
+                with suppress(OSError):
+                    path.unlink()
 
 
 def _read(path: Path) -> list[CutOutcome]:
@@ -209,8 +178,7 @@ def _read(path: Path) -> list[CutOutcome]:
         rows = pq.read_table(path, schema=SCHEMA).to_pylist()
     except (OSError, pa.ArrowException) as error:
         reason = str(error).splitlines()[0]
+        problem = f"not a result of tools/forecast: {reason}"
         remedy = "remove it; its cuts are repeated"
-        raise InputError(
-            str(path), "", None, f"not a result of tools/forecast: {reason}", remedy
-        ) from error
+        raise InputError(str(path), "", None, problem, remedy) from error
     return [CutOutcome(**row) for row in rows]

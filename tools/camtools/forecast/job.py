@@ -74,10 +74,7 @@ class ForecastPlan:
 
 
 def plan_of(question: Question) -> ForecastPlan:
-    """Make the table, read machine and unknowns, draw the machines.
-
-    Raises `CamtoolsError`: anything of it is no good; nothing has been cut or written then.
-    """
+    """Make the table, read machine and unknowns, draw the machines; nothing is cut or written."""
     loaded = load(question.part)
     made = make(loaded, question.part, rpm=question.rpm)
     part = made.table.part

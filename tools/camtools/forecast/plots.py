@@ -14,20 +14,7 @@ from matplotlib.axes import Axes
 from camtools.base.quantities import Floats, length_text
 from camtools.forecast.job import ForecastPlan
 from camtools.forecast.result import Forecast
-from camtools.plots.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PALE,
-    RED,
-    drawing,
-    log_axis,
-    nice_floor,
-    nice_limit,
-    png_of,
-    titled_figure,
-)
+from camtools.plots import style
 
 _SCATTERS = 3
 _BARS = 8
@@ -35,29 +22,29 @@ _BARS = 8
 
 def _edges(values: Sequence[float] | Floats) -> tuple[float, float]:
     """Return round numbers around values above 0, with room to both sides."""
-    return nice_floor(0.9 * float(np.min(values))), nice_limit(1.5 * float(np.max(values)))
+    low, high = float(np.min(values)), float(np.max(values))
+    return style.nice_floor(0.9 * low), style.nice_limit(1.5 * high)
 
 
 def _distribution(axes: Axes, plan: ForecastPlan, forecast: Forecast) -> None:
     n = forecast.errors_um.size
     errors_um = np.sort(forecast.errors_um[np.isfinite(forecast.errors_um)])
-    axes.step(errors_um, 100 * np.arange(1, errors_um.size + 1) / n, where="post", color=BLUE)
+    axes.step(errors_um, 100 * np.arange(1, errors_um.size + 1) / n, where="post", color=style.BLUE)
     low, high = _edges([*errors_um, plan.tolerance_um])
-    log_axis(axes, "x", low, high)
+    style.log_axis(axes, "x", low, high)
     axes.set_ylim(0, 104)
-    axes.axvline(plan.tolerance_um, color=RED, lw=1)
+    axes.axvline(plan.tolerance_um, color=style.RED, lw=1)
     text = f"tolerance {length_text(plan.tolerance_um)}"
     # Where the curve is not, left of the tolerance.
     height, side = (2, "bottom") if forecast.within.share > 0.5 else (102, "top")
-    axes.text(plan.tolerance_um, height, text, rotation=90, color=RED, ha="right", va=side)
+    axes.text(plan.tolerance_um, height, text, rotation=90, color=style.RED, ha="right", va=side)
     for one in forecast.quantiles:
         if np.isfinite(one.value):
             ends = [one.low, one.high if np.isfinite(one.high) else high]
-            axes.plot(ends, [one.percent] * 2, color=ORANGE, lw=3, alpha=0.7)
-            axes.plot(one.value, one.percent, "o", color=BLUE, ms=4)
-    axes.set_xlabel("largest form error, µm")
-    axes.set_ylabel("share of machines below, %")
-    axes.grid(color=PALE, lw=0.5)
+            axes.plot(ends, [one.percent] * 2, color=style.ORANGE, lw=3, alpha=0.7)
+            axes.plot(one.value, one.percent, "o", color=style.BLUE, ms=4)
+    axes.set(xlabel="largest form error, µm", ylabel="share of machines below, %")
+    axes.grid(color=style.PALE, lw=0.5)
     failed = n - errors_um.size
     told = f"{n} machines, {failed} without a result" if failed else f"{n} machines"
     axes.set_title(f"{told}: {100 * forecast.within.share:.1f} % within tolerance")
@@ -66,31 +53,30 @@ def _distribution(axes: Axes, plan: ForecastPlan, forecast: Forecast) -> None:
 def _bars(axes: Axes, forecast: Forecast) -> None:
     shown = forecast.effects[:_BARS][::-1]
     if not shown:
-        axes.text(0.5, 0.5, "too few cuts", ha="center", transform=axes.transAxes, color=GREY)
+        axes.text(0.5, 0.5, "too few cuts", ha="center", transform=axes.transAxes, color=style.GREY)
         axes.set_axis_off()
         return
     places = np.arange(len(shown))
-    colours = [PALE if one.is_noise else BLUE for one in shown]
+    colours = [style.PALE if one.is_noise else style.BLUE for one in shown]
     axes.barh(places, [one.pawn for one in shown], color=colours, height=0.6)
     first = [min(max(one.first_order, 0.0), 1.0) for one in shown]
     spread = [one.first_order_conf for one in shown]
-    axes.errorbar(first, places, xerr=spread, fmt="o", color=GREEN, ms=4, lw=1)
+    axes.errorbar(first, places, xerr=spread, fmt="o", color=style.GREEN, ms=4, lw=1)
     axes.set_yticks(places, [one.key for one in shown])
-    axes.set_xlim(0, 1)
-    axes.set_xlabel("bar: PAWN index, dot: share of the variance alone")
+    axes.set(xlim=(0, 1), xlabel="bar: PAWN index, dot: share of the variance alone")
     axes.set_title("what matters (grey: no more than noise)")
 
 
 def _scatter(axes: Axes, plan: ForecastPlan, forecast: Forecast, key: str) -> None:
     place = plan.names.index(key)
     is_there = np.isfinite(forecast.errors_um)
-    values = plan.inputs[:, place]
-    axes.plot(values[is_there], forecast.errors_um[is_there], ".", color=BLUE, ms=3, alpha=0.6)
-    low, high = _edges(forecast.errors_um[is_there])
+    values, errors_um = plan.inputs[:, place], forecast.errors_um[is_there]
+    axes.plot(values[is_there], errors_um, ".", color=style.BLUE, ms=3, alpha=0.6)
+    low, high = _edges(errors_um)
     for value in values[~is_there]:
-        axes.axvline(value, color=RED, lw=0.4, alpha=0.5)
-    axes.axvline(plan.unknowns[place].nominal, color=GREY, lw=1, ls="--")
-    log_axis(axes, "y", low, high)
+        axes.axvline(value, color=style.RED, lw=0.4, alpha=0.5)
+    axes.axvline(plan.unknowns[place].nominal, color=style.GREY, lw=1, ls="--")
+    style.log_axis(axes, "y", low, high)
     axes.set_xlabel(f"true {key}, believed {plan.unknowns[place].nominal:g}")
     axes.set_ylabel("form error, µm")
 
@@ -99,12 +85,12 @@ def draw_forecast(plan: ForecastPlan, forecast: Forecast) -> bytes:
     """Return the picture as PNG."""
     name = plan.made.table.part.part.name
     shown = [one.key for one in forecast.effects[:_SCATTERS]]
-    with drawing():
-        figure = titled_figure(11, 7.5 if shown else 4, f"{name} on {plan.machine.name}")
+    with style.drawing():
+        figure = style.titled_figure(11, 7.5 if shown else 4, f"{name} on {plan.machine.name}")
         parts = figure.subfigures(2 if shown else 1, 1, squeeze=False)[:, 0]
         left, right = parts[0].subplots(1, 2)
         _distribution(left, plan, forecast)
         _bars(right, forecast)
         for number, key in enumerate(shown, start=1):
             _scatter(parts[1].add_subplot(1, len(shown), number), plan, forecast, key)
-        return png_of(figure)
+        return style.png_of(figure)

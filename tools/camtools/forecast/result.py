@@ -47,16 +47,12 @@ class Quantile(NamedTuple):
 
 
 class Effect(NamedTuple):
-    """How much an unknown matters for the form error.
-
-    `first_order`, `first_order_conf`: share of the variance of the error's logarithm that it
-    explains alone, and half the width of its interval of 95 %.
-    """
+    """How much an unknown matters for the form error."""
 
     key: str  # of the unknown
     pawn: float  # how far its knowledge moves the distribution of the error, 0 .. 1
-    first_order: float
-    first_order_conf: float
+    first_order: float  # share of the variance of the error's logarithm that it explains alone
+    first_order_conf: float  # half the width of its interval of 95 %
     is_noise: bool  # of numbers that have no effect, 5 % seem to move the distribution as far
 
 
@@ -69,10 +65,7 @@ def share_within(n_within: int, n: int) -> Share:
 
 
 def quantile(errors: Floats, percent: float) -> Quantile:
-    """Return a quantile of a sample with the interval of its order statistics, MATHS.md (163).
-
-    `errors`, shape (n,): infinite for cuts without a result.
-    """
+    """Return a quantile of errors (infinite: no result) with its interval, MATHS.md (163)."""
     ordered, n, share = np.sort(errors), errors.size, percent / 100
     place = min(max(int(np.ceil(share * n)), 1), n)
     low = int(stats.binom.ppf((1 - _CONFIDENCE) / 2, n, share))
@@ -90,10 +83,7 @@ def _problem(inputs: Floats) -> dict[str, Any]:
 
 
 def effects(keys: list[str], inputs: Floats, errors: Floats, *, seed: int) -> list[Effect]:
-    """Return how much each unknown matters, the strongest first; MATHS.md (165).
-
-    `keys`: of the unknowns. `inputs`, shape (n, len(keys)). `errors`, shape (n,): finite, above 0.
-    """
+    """Return how much unknowns matter, strongest first; finite errors, MATHS.md (165)."""
     from SALib.analyze import pawn, rbd_fast  # slow to load
 
     logs = np.log(np.maximum(errors, 1e-9))
@@ -104,16 +94,9 @@ def effects(keys: list[str], inputs: Floats, errors: Floats, *, seed: int) -> li
     moved = pawn.analyze(_problem(drawn), drawn, logs, S=_SLICES, seed=seed)["median"]
     floor = float(np.quantile(moved[len(keys) :], _CONFIDENCE))
     first = rbd_fast.analyze(_problem(inputs), inputs, logs, num_resamples=_RESAMPLES, seed=seed)
-    found = [
-        Effect(
-            key,
-            float(moved[place]),
-            float(first["S1"][place]),
-            float(first["S1_conf"][place]),
-            float(moved[place]) <= floor,
-        )
-        for place, key in enumerate(keys)
-    ]
+    columns = (map(float, one) for one in (moved, first["S1"], first["S1_conf"]))
+    rows = zip(keys, *columns, strict=False)  # moved has the random columns, too
+    found = [Effect(key, far, *alone, far <= floor) for key, far, *alone in rows]
     return sorted(found, key=lambda effect: -effect.pawn)
 
 
@@ -132,10 +115,7 @@ class Forecast(NamedTuple):
 
 
 def evaluate(plan: ForecastPlan, outcomes: Sequence[CutOutcome], seed: int) -> Forecast:
-    """Return what the cuts of a plan say.
-
-    Raises `CamtoolsError`: not one of them was gauged; the line has the reason of the first.
-    """
+    """Return what the cuts of a plan say; refuse a plan of which none was gauged."""
     is_gauged = np.array([one.is_gauged for one in outcomes])
     if not is_gauged.any():
         first = outcomes[0].message or outcomes[0].end
@@ -154,18 +134,13 @@ def evaluate(plan: ForecastPlan, outcomes: Sequence[CutOutcome], seed: int) -> F
     )
 
 
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None
-
-
-def _quantile(one: Quantile) -> Json:
-    values = {"value_um": one.value, "low_um": one.low, "high_um": one.high}
-    return {"percent": one.percent} | {name: _finite(value) for name, value in values.items()}
-
-
 def forecast_summary(question: Question, plan: ForecastPlan, forecast: Forecast) -> Json:
     """Return all numbers of a forecast; a number that is infinite is null."""
-    share = forecast.within
+    names = ("percent", "value_um", "low_um", "high_um")
+    quantiles = [
+        {name: v if np.isfinite(v) else None for name, v in zip(names, one, strict=True)}
+        for one in forecast.quantiles
+    ]
     return {
         "part": plan.made.table.part.part.name,
         "machine": plan.machine.name,
@@ -174,8 +149,8 @@ def forecast_summary(question: Question, plan: ForecastPlan, forecast: Forecast)
         "runs": len(plan.keys),
         "seed": question.seed,
         "tolerance_um": plan.tolerance_um,
-        "within_tolerance": share._asdict(),
-        "form_error_um": [_quantile(one) for one in forecast.quantiles],
+        "within_tolerance": forecast.within._asdict(),
+        "form_error_um": quantiles,
         "ends": forecast.ends,
         "unknowns": [
             {"key": one.key, "nominal": one.nominal, "distribution": one.words}
@@ -191,8 +166,7 @@ def runs_parquet(plan: ForecastPlan, outcomes: Sequence[CutOutcome], about: Json
     fields: list[Any] = [("run", pa.int32()), *((key, pa.float64()) for key in plan.names)]
     names = [name for name in SCHEMA.names if name != "wall_s"]
     schema = pa.schema([*fields, *(SCHEMA.field(name) for name in names)])
-    columns: dict[str, Any] = {"run": range(len(outcomes))}
+    columns: dict[str, Any] = {"run": list(range(len(outcomes)))}
     columns |= {key: plan.inputs[:, place] for place, key in enumerate(plan.names)}
     columns |= {name: [getattr(one, name) for one in outcomes] for name in names}
-    columns["run"] = list(columns["run"])
     return parquet_bytes(columns, schema, {"camturn.forecast": emit_json(about)})

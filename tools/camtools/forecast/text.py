@@ -25,10 +25,7 @@ _LINES = 10  # where there is no terminal
 
 
 class Progress:
-    """Counts cuts.
-
-    `n_all`, `n_done`: cuts in all, and those that were there before. `clock`: returns seconds.
-    """
+    """Counts cuts; `n_done` of them were there before; the clock returns seconds."""
 
     def __init__(self, n_all: int, n_done: int, stream: TextIO, clock: Callable[[], float]) -> None:
         self._n_all, self._n_before, self._n_done = n_all, n_done, n_done

@@ -30,6 +30,11 @@ _SIGMAS = 3.0  # truncation where none is given
 _LEAST_SHARE = 1e-6  # of a distribution that must lie between its ends
 _MOST_UNKNOWNS = 100
 
+_KEYS = {  # of each distribution: those that it needs, and others
+    "uniform": (("low", "high"), ()),
+    "normal": (("sd",), ("mean", "low", "high")),
+    "lognormal": (("factor",), ("median", "low", "high")),
+}
 Above0 = Annotated[float, Field(gt=0)]
 
 
@@ -47,20 +52,13 @@ class Spread(TomlTable):
 
     @model_validator(mode="after")
     def _check_keys(self) -> Self:
-        wanted = {"uniform": ("low", "high"), "normal": ("sd",), "lognormal": ("factor",)}[
-            self.distribution
-        ]
-        allowed = {
-            "uniform": {"low", "high"},
-            "normal": {"mean", "sd", "low", "high"},
-            "lognormal": {"median", "factor", "low", "high"},
-        }[self.distribution]
+        wanted, others = _KEYS[self.distribution]
         for name in ("low", "high", "mean", "sd", "median", "factor"):
             value = getattr(self, name)
             if value is None and name in wanted:
                 problem = f"is missing; a {self.distribution} distribution needs it"
                 raise wrong("missing", problem, f"add {name}", field=name)
-            if value is not None and name not in allowed:
+            if value is not None and name not in (*wanted, *others):
                 problem = f"does not belong to a {self.distribution} distribution"
                 raise wrong("extra", problem, "remove it", field=name, value=value)
         if self.low is not None and self.high is not None and self.low >= self.high:
@@ -70,23 +68,17 @@ class Spread(TomlTable):
 
 
 class Unknown(NamedTuple):
-    """A number of the machine that is not known.
-
-    `low`, `high`: ends of what is drawn, in the unit of the key.
-    """
+    """A number of the machine that is not known."""
 
     key: str  # table and key of the machine file
     nominal: float  # what the controller believes
-    low: float
+    low: float  # end of what is drawn, in the unit of the key
     high: float
     words: str  # the distribution for people
     frozen: Any  # without its ends
 
     def at(self, share: FloatsLike) -> Floats:
-        """Return the number below which a share of the truncated distribution lies.
-
-        MATHS.md (162).
-        """
+        """Return the number below which a share of the truncated law lies, MATHS.md (162)."""
         first, last = self.frozen.cdf(self.low), self.frozen.cdf(self.high)
         value = self.frozen.ppf(first + np.asarray(share) * (last - first))
         return np.asarray(np.clip(value, self.low, self.high))
@@ -156,21 +148,13 @@ def _spreads(tree: Mapping[str, Any], file: str) -> dict[str, Spread]:
 
 
 def read_vary(data: bytes, file: str, machine: Mapping[str, Any]) -> list[Unknown]:
-    """Return the unknown numbers of a machine.
-
-    `machine`: tree of the machine file, for the nominal values. Raises `CamtoolsError`: not TOML,
-    unknown keys, or a distribution that cannot be.
-    """
+    """Return the unknown numbers of a machine; refuse distributions that cannot be."""
     spreads = _spreads(read_tree(data, file), file)
     return [_unknown(key, spread, machine, file) for key, spread in spreads.items()]
 
 
 def default_vary(machine: Mapping[str, Any]) -> tuple[list[Unknown], list[str]]:
-    """Return the unknown numbers of a machine for which nothing is stated, and what is left out.
-
-    A number that the machine does not have, being 0, is left out where its spread is a multiple
-    of it.
-    """
+    """Return the usual unknowns, and those left out: shares of numbers that are 0 here."""
     file = DEFAULT_VARY.name
     found, left_out = [], []
     for key, spread in _spreads(read_tree(DEFAULT_VARY.read_bytes(), file), file).items():
@@ -182,10 +166,7 @@ def default_vary(machine: Mapping[str, Any]) -> tuple[list[Unknown], list[str]]:
 
 
 def draw(unknowns: Sequence[Unknown], n_runs: int, *, seed: int) -> Floats:
-    """Return the numbers of machines, shape (n_runs, unknowns).
-
-    The first points of a longer draw with the same seed are those of a shorter one. MATHS.md (162).
-    """
+    """Return numbers (n_runs, unknowns); a longer draw continues a shorter one, MATHS.md (162)."""
     sobol = qmc.Sobol(len(unknowns), scramble=True, rng=np.random.default_rng(seed))
     with warnings.catch_warnings():  # balance wants powers of two; any number is a fair sample
         warnings.simplefilter("ignore", UserWarning)

@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterator
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,17 +15,11 @@ from camtools.base.quantities import Floats
 from camtools.identify.fit import FRICTION, K1, K2, LEAD, second_order
 from camtools.identify.identified import Identified
 from camtools.identify.multisine import Complexes
-from camtools.plots.style import BLUE, GREY, ORANGE, RED, drawing, log_axis, png_of, titled_figure
+from camtools.plots import style
 
 _DB = 8.685889638
 _CURVE_POINTS = 400
-
-
-class _Line(NamedTuple):
-    label: str
-    colour: str
-    style: str
-    response: Complexes
+_Curve = tuple[str, str, str, Complexes]  # colour, stroke, name, response
 
 
 def unwrapped_deg(response: Complexes) -> Floats:
@@ -47,66 +41,48 @@ def measured_response(found: Identified) -> tuple[Complexes, Floats]:
 
 
 def left_by_fit(found: Identified) -> Floats:
-    """Return how far the fit is from each line, as a share of it: comparable with its noise.
-
-    What the equation of the fit leaves is larger, by what it multiplies the place of U by.
-    """
+    """Return how far the fit is from each line, as a share of it, comparable with its noise."""
     return np.asarray(np.abs(found.plain.residual / _slide(found)))
 
 
-def _curves(found: Identified, believed: Floats, s: Complexes) -> list[_Line]:
-    lines = [
-        _Line("believed", ORANGE, ":", second_order(s, *believed[[K1, K2, LEAD]])),
-        _Line("fit", BLUE, "-", found.plain.response(s)),
-    ]
+def _curves(found: Identified, believed: Floats, s: Complexes) -> Iterator[_Curve]:
+    yield style.ORANGE, ":", "believed", second_order(s, *believed[[K1, K2, LEAD]])
+    yield style.BLUE, "-", "fit", found.plain.response(s)
     if found.with_mode is not None and found.has_mode:
-        lines.append(_Line("fit with a mode", RED, "--", found.with_mode.response(s)))
-    return lines
+        yield style.RED, "--", "fit with a mode", found.with_mode.response(s)
 
 
 def _residual(axes: Axes, found: Identified) -> None:
     one = found.spectra
-    axes.loglog(
-        one.frequency_hz, 100 * left_by_fit(found), ".", color=BLUE, label="left by the fit"
-    )
-    noise = one.noise_nm / np.abs(one.y)
-    axes.loglog(one.frequency_hz, 100 * noise, "-", color=GREY, label="noise")
-    axes.set_ylabel("share of the line, %")
-    axes.set_xlabel("frequency, Hz")
+    left, noise = 100 * left_by_fit(found), 100 * one.noise_nm / np.abs(one.y)
+    axes.loglog(one.frequency_hz, left, ".", color=style.BLUE, label="left by the fit")
+    axes.loglog(one.frequency_hz, noise, "-", color=style.GREY, label="noise")
+    axes.set(xlabel="frequency, Hz", ylabel="share of the line, %")
     axes.legend(loc="upper left", frameon=False)
 
 
 def bode_png(found: Identified, believed: Floats, title: str) -> bytes:
-    """Return the picture as PNG: amplitude, phase, and what the fit leaves.
-
-    `believed`, shape (4,): constants that the controller has, the scale's latency added to its
-    lead.
-    """
+    """Return amplitude, phase and what the fit leaves as PNG, the believed constants with it."""
     measured, sigma = measured_response(found)
     hz = found.spectra.frequency_hz
     curve_hz = np.geomspace(hz[0], hz[-1] * 1.1, _CURVE_POINTS)
-    with drawing():
-        figure = titled_figure(8.0, 8.5, title)
+    with style.drawing():
+        figure = style.titled_figure(8.0, 8.5, title)
         amplitude, phase, residual = figure.subplots(3, 1, sharex=True, height_ratios=(3, 3, 2))
-        for line in _curves(found, believed, 2j * np.pi * curve_hz):
-            style = {"color": line.colour, "linestyle": line.style, "label": line.label}
-            amplitude.semilogx(curve_hz, _DB * np.log(np.abs(line.response)), **style)
-            phase.semilogx(curve_hz, unwrapped_deg(line.response), **style)
+        for colour, stroke, label, response in _curves(found, believed, 2j * np.pi * curve_hz):
+            look = {"color": colour, "linestyle": stroke, "label": label}
+            amplitude.semilogx(curve_hz, _DB * np.log(np.abs(response)), **look)
+            phase.semilogx(curve_hz, unwrapped_deg(response), **look)
         share = sigma / np.abs(measured)
         marks = {"fmt": ".", "color": "black", "markersize": 4, "elinewidth": 0.8, "zorder": 0}
-        amplitude.errorbar(
-            hz,
-            _DB * np.log(np.abs(measured)),
-            _DB * share,
-            label="measured, without friction",
-            **marks,
-        )
+        level, name = _DB * np.log(np.abs(measured)), "measured, without friction"
+        amplitude.errorbar(hz, level, _DB * share, label=name, **marks)
         phase.errorbar(hz, unwrapped_deg(measured), np.degrees(share), **marks)
         amplitude.set_ylabel("amplitude, dB")
         phase.set_ylabel("phase, degrees")
         amplitude.legend(loc="lower left", frameon=False)
         _residual(residual, found)
-        log_axis(residual, "x", 0.9 * hz[0], curve_hz[-1])
+        style.log_axis(residual, "x", 0.9 * hz[0], curve_hz[-1])
         for axes in (amplitude, phase, residual):
             axes.grid(color="#dddddd", linewidth=0.6)
-        return png_of(figure)
+        return style.png_of(figure)

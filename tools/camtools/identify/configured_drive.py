@@ -89,10 +89,7 @@ def _name_of(line: str) -> str | None:
 
 
 def with_keys(text: str, table: str, keys: Mapping[str, float]) -> str:
-    """Return a machine file in which keys of one table have new values; comments stay.
-
-    Raises `CamtoolsError`: the table is written in a way that this cannot change.
-    """
+    """Return a machine file with new values in one table, or refuse a table in a line."""
     lines, inside, at = [], False, None
     for line in text.splitlines():
         name = _name_of(line)

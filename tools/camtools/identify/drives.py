@@ -38,11 +38,7 @@ def not_ready(state: str) -> str:
 
 
 class ConnectedU:
-    """U of a controller.
-
-    `keeps_command`: whether the link's owner sends heartbeats on, so that command is not given
-    back. `progress`: that of `excite`.
-    """
+    """U of a controller; `keeps_command`: the link's owner sends heartbeats on."""
 
     def __init__(
         self,
@@ -65,10 +61,7 @@ class ConnectedU:
         return int(answer.value)
 
     def believed(self) -> Believed:
-        """Return what the controller is configured with.
-
-        Raises `Refused`: there is none, or its state is not ready.
-        """
+        """Return what the controller is configured with; refuse any state but ready."""
         status = self.link.listen()
         if status.state != "ready":
             raise Refused(f"{self.link.where}: {not_ready(status.state)}")
@@ -150,12 +143,7 @@ def parameters_of(text: str) -> dict[str, int]:
 
 
 class SimulatedU:
-    """U of a machine of the simulator.
-
-    `folder`: for files in between; it exists. `name`: by which the user knows the machine file.
-    `image`: of a table that is made for the machine. `options`: of `camsim identify`, beside those
-    of the excitation.
-    """
+    """U of a machine file, known by a name, with a table; `options`: of `camsim identify`."""
 
     def __init__(
         self, folder: Path, machine: bytes, name: str, image: bytes, options: Sequence[str] = ()
@@ -183,10 +171,7 @@ class SimulatedU:
         return done.stdout
 
     def believed(self) -> Believed:
-        """Return what the simulated controller is configured with.
-
-        Raises `CamtoolsError`: the machine file is wrong, or the part cannot be cut on the machine.
-        """
+        """Return what the simulated controller has; refuse a wrong machine or part."""
         parameters = parameters_of(self._camsim("params", []))
         return Believed.of(parameters["tick_hz"], parameters)
 

@@ -30,8 +30,9 @@ from camtools.link.excitation import Unit
 
 _RMS_NM, _COARSE_RMS_NM, _COARSE_NM = 25_000.0, 100_000.0, 500
 _CARRIER_NM = 300_000.0
-_OF_LIMIT = 0.8  # share of the limits that a wave uses
-_OF_STROKE = 0.96
+# Of travel, speed and acceleration: shares of the limits that a wave uses, of these its carrier.
+_NAMES, _SIDES = (("travel", "mm"), ("speed", "mm/s"), ("acceleration", "mm/s2")), (2, 1, 1)
+_OF_LIMITS, _OF_CARRIER = np.array([0.96, 0.8, 0.8]), np.array([0.7, 0.5, 0.5])
 LEAST_RMS_NM = 500.0
 _FADE_S = 0.1
 
@@ -71,62 +72,38 @@ class Excitation:
         return Play(self.wave.u_nm, "nm", self.n_periods, self.fade_ticks, self.place_nm)
 
 
-def _refused(option: str, value_um: float, what: str, found: str, remedy: str) -> CamtoolsError:
-    return CamtoolsError([f"{option} {value_um:g}: {what}: {found}; {remedy}"])
+def _limits(believed: Believed) -> Floats:
+    """Return limits of travel to either side, speed and acceleration, as of `WavePeaks`."""
+    stroke_mm, speed_mm_s = believed.u_stroke_nm * 1e-6, believed.u_speed_um_per_s * 1e-3
+    return np.array([stroke_mm / 2, speed_mm_s, believed.u_acceleration_mm_per_s2])
 
 
 def _check(wave: Wave, believed: Believed) -> None:
-    peaks, rms_um = wave.peaks, wave.rms_nm * 1e-3
-    of_axis = (
-        ("acceleration", peaks.acceleration_mm_s2, believed.u_acceleration_mm_per_s2, "mm/s2"),
-        ("speed", peaks.speed_mm_s, believed.u_speed_um_per_s * 1e-3, "mm/s"),
-        ("travel", 2 * peaks.travel_mm, believed.u_stroke_nm * 1e-6, "mm"),
-    )
-    for name, needed, limit, unit in of_axis:
-        if needed > limit * (_OF_STROKE if name == "travel" else _OF_LIMIT):
-            found = f"{name} of U {needed:.4g} {unit}, {_OF_LIMIT:g} of {limit:.4g} are allowed"
-            if name == "travel":
-                found = found.replace(f"{_OF_LIMIT:g}", f"{_OF_STROKE:g}")
-            share = limit * _OF_LIMIT / needed
-            remedy = f"give at most --rms-um {rms_um * share:.3g}, or a smaller --carrier-um"
-            raise _refused("--rms-um", rms_um, "too large", found, remedy)
+    """Raise when a wave of the user asks for more than U can."""
+    rms_um = wave.rms_nm * 1e-3
+    rows = [*zip(_NAMES, wave.peaks, _limits(believed), _OF_LIMITS, _SIDES, strict=True)]
+    for (name, unit), peak, limit, allowed, sides in rows[::-1]:
+        if peak > limit * allowed:
+            needed = f"{name} of U {sides * peak:.4g} {unit}"
+            found = f"{needed}, {allowed:g} of {sides * limit:.4g} are allowed"
+            most = f"{rms_um * limit * _OF_LIMITS[-1] / peak:.3g}"
+            remedy = f"give at most --rms-um {most}, or a smaller --carrier-um"
+            raise CamtoolsError([f"--rms-um {rms_um:g}: too large: {found}; {remedy}"])
 
 
 def _fitting(grid: Grid, rms_nm: float, carrier_nm: float, believed: Believed) -> Wave:
     """Return the wave of these amplitudes, reduced to what U can."""
-    alone = multisine(grid, rms_nm, 0.0).peaks
-    slow = multisine(grid, 1.0, carrier_nm).peaks if carrier_nm else None
-    acceleration = believed.u_acceleration_mm_per_s2 * _OF_LIMIT
-    speed = believed.u_speed_um_per_s * 1e-3 * _OF_LIMIT
-    travel = believed.u_stroke_nm * 1e-6 * _OF_STROKE / 2
-    carrier_share = 1.0
-    if slow is not None:  # half of everything at most
-        carrier_share = min(
-            1.0,
-            0.5 * acceleration / slow.acceleration_mm_s2,
-            0.5 * speed / slow.speed_mm_s,
-            0.7 * travel / slow.travel_mm,
-        )
-        acceleration -= carrier_share * slow.acceleration_mm_s2
-        speed -= carrier_share * slow.speed_mm_s
-        travel -= carrier_share * slow.travel_mm
-    share = min(
-        1.0,
-        acceleration / alone.acceleration_mm_s2,
-        speed / alone.speed_mm_s,
-        travel / alone.travel_mm,
-    )
+    room, carrier_share = _limits(believed) * _OF_LIMITS, 1.0
+    if carrier_nm:
+        slow = np.array(multisine(grid, 1.0, carrier_nm).peaks)
+        carrier_share = min(1.0, *(_OF_CARRIER * room / slow))
+        room = room - carrier_share * slow
+    share = min(1.0, *(room / np.array(multisine(grid, rms_nm, 0.0).peaks)))
     return multisine(grid, rms_nm * share, carrier_nm * carrier_share)
 
 
 def plan(believed: Believed, wishes: Wishes) -> Excitation:
-    """Return an excitation that U can play.
-
-    What was not asked for is chosen: 25 um rms, 100 um for a scale of 1 um, and a carrier of
-    0.3 mm, each less where stroke, speed or acceleration of U ask for it.
-    Raises `CamtoolsError`: what was asked for, or the least that a fit can use, is beyond a limit
-    of U.
-    """
+    """Return an excitation that U can play; what is not asked for is chosen within its limits."""
     grid = Grid.of(believed.tick_hz, wishes.highest_hz, wishes.least_ticks)
     coarse = believed.u_scale_nm >= _COARSE_NM
     rms_nm = wishes.rms_nm or (_COARSE_RMS_NM if coarse else _RMS_NM)
@@ -142,7 +119,7 @@ def plan(believed: Believed, wishes: Wishes) -> Excitation:
     else:
         wave = multisine(grid, rms_nm, carrier_nm)
         _check(wave, believed)
-    room_nm = believed.u_stroke_nm * _OF_STROKE / 2 - wave.peaks.travel_mm * 1e6
+    room_nm = believed.u_stroke_nm * _OF_LIMITS[0] / 2 - wave.peaks.travel_mm * 1e6
     return Excitation(
         wave=wave,
         place_nm=-int(max(0.0, room_nm)),
@@ -168,11 +145,7 @@ class U(Protocol):
 
 
 def excited(u: U, excitation: Excitation, believed: Believed) -> SettledRecord:
-    """Let U play an excitation; return set-points and positions.
-
-    Raises `CamtoolsError`: the record is of no use, or the simulated controller refuses; `Refused`,
-    `CutShortError`: the controller refuses, or the excitation was cut short.
-    """
+    """Let U play an excitation; return set-points and positions, or refuse a useless record."""
     tick, u_nm, y_nm = u.played(excitation.play, SIGNALS)
     grid = excitation.wave.grid
     return record_of(grid, np.asarray(tick, np.int64), u_nm, y_nm, believed.u_scale_nm)

@@ -13,6 +13,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -34,12 +35,9 @@ K1, K2, FRICTION, LEAD = range(4)
 
 @dataclass(frozen=True, eq=False)
 class DriveFit:
-    """Constants of U's drive with what is known about their errors.
+    """Constants of U's drive with what is known about their errors."""
 
-    `values`, shape (4,): k1 [s], k2 [s2], friction c [nm], dead time with half a tick of hold [s].
-    """
-
-    values: Floats
+    values: Floats  # k1 [s], k2 [s2], friction c [nm], dead time with half a tick of hold [s]
     covariance: Floats  # shape (4, 4); of the values, from residuals and scatter
     residual: Complexes  # shape (n,); of each line, as a share of its amplitude
     misfit: float  # rms of the residual, lines that stand little above their noise counting less
@@ -89,12 +87,17 @@ def stacked(values: Complexes) -> Floats:
     return np.concatenate([values.real, values.imag])
 
 
-def line_weights(spectra: Spectra, inverse: Complexes | float) -> Floats:
-    """Return the weights of the lines: 1 / |y| where noise allows it.
+def solved(columns: Sequence[Complexes], wanted: Complexes) -> tuple[Floats, Floats]:
+    """Return the factors of columns that sum up to what is wanted, and the stacked residual."""
+    matrix = np.column_stack([stacked(column) for column in columns])
+    norm = np.linalg.norm(matrix, axis=0)
+    norm[norm == 0] = 1.0  # no motion, no friction to find
+    values = np.linalg.pinv(matrix / norm) @ stacked(wanted) / norm
+    return values, matrix @ values - stacked(wanted)
 
-    `inverse`, shape (n,): of the drive's response, by which the noise of y becomes that of the
-    equation.
-    """
+
+def line_weights(spectra: Spectra, inverse: Complexes | float) -> Floats:
+    """Return the weights of the lines: 1 / |y| where noise allows; `inverse` of the response."""
     noise = spectra.noise_nm * np.abs(inverse)
     return np.asarray(1 / np.hypot(np.abs(spectra.y), noise / _LIKENESS))
 
@@ -184,14 +187,10 @@ def _between(spectra: Spectra, values: Floats, weight: Floats) -> Floats:
 
 
 def fit(spectra: Spectra) -> DriveFit:
-    """Return the constants of a drive from the lines of a record.
-
-    Raises `CamtoolsError`: too few lines stand above their noise.
-    """
+    """Return the constants of a drive, or refuse too few lines above their noise."""
     if spectra.s.size < MIN_LINES:
-        problem = (
-            f"{spectra.s.size} of {spectra.s.size + spectra.n_lost} lines stand above the noise"
-        )
+        n_all = spectra.s.size + spectra.n_lost
+        problem = f"{spectra.s.size} of {n_all} lines stand above the noise"
         raise CamtoolsError([f"record: {problem}; a fit needs {MIN_LINES}, give a larger --rms-um"])
     inverse: Complexes | float = 1.0
     for _ in range(_N_WEIGHTED):
@@ -218,15 +217,8 @@ class Gain(NamedTuple):
 
 
 def moved_per_commanded(spectra: Spectra, found: DriveFit) -> Gain:
-    """Return the gain that fits the lines best beside the other constants, the dead time kept.
-
-    It is 1 unless scale or command are off.
-    """
+    """Return the gain that fits best beside the other constants; 1 if the scale is right."""
     lines = _Lines(spectra, 1 + found.k1_s * spectra.s + found.k2_s2 * spectra.s**2)
-    matrix = np.column_stack([lines.matrix, stacked(lines.y)])
-    norm = np.linalg.norm(matrix, axis=0)
-    norm[norm == 0] = 1.0
-    wanted = stacked(lines.u * np.exp(-found.lead_s * lines.s))
-    values = np.linalg.pinv(matrix / norm) @ wanted
-    left = matrix / norm @ values - wanted
-    return Gain(float(norm[-1] / values[-1]), float(left @ left))
+    columns = [lines.s * lines.y, lines.s**2 * lines.y, lines.friction, lines.y]
+    values, left = solved(columns, np.asarray(lines.u * np.exp(-found.lead_s * lines.s)))
+    return Gain(float(1 / values[-1]), float(left @ left))

@@ -46,7 +46,7 @@ class _Slide:
         """
         v = self.v
         if v == 0.0 and abs(command - self.y) <= self.friction_nm:
-            return self._held(command) * dt_s
+            return (command - self.y) / self.friction_nm * dt_s
         sign = copysign(1.0, v if v != 0.0 else command - self.y)
         pp, pv, vp, vv = flow
         off = self.y - command + sign * self.friction_nm
@@ -60,14 +60,11 @@ class _Slide:
         self.v = 0.0
         return sign * moving_s + self._goes_on(command, dt_s - moving_s)
 
-    def _held(self, command: float) -> float:
-        return (command - self.y) / self.friction_nm
-
     def _goes_on(self, command: float, rest_s: float) -> float:
         """Hold what has stopped, or let it turn back, for the rest of a step."""
         push = command - self.y
         if abs(push) <= self.friction_nm:
-            return self._held(command) * rest_s
+            return push / self.friction_nm * rest_s
         sign = copysign(1.0, push)
         acceleration = (push - sign * self.friction_nm) / self.k2_s2
         self.v = acceleration * rest_s
@@ -177,22 +174,19 @@ class Identified:
         for name, (i, limit) in shares.items():
             share = float(sigmas[i] / one.values[i])
             if share > limit:
-                found.append(
-                    f"{name} is known to {100 * share:.3g} % only, at most {100 * limit:g} %"
-                )
+                known = f"{name} is known to {100 * share:.3g} % only"
+                found.append(f"{known}, at most {100 * limit:g} %")
         if sigmas[LEAD] > limits.lead_s:
-            found.append(
-                f"lead is known to {sigmas[LEAD] * 1e6:.3g} us, at most {limits.lead_s * 1e6:g} us"
-            )
+            known = f"lead is known to {sigmas[LEAD] * 1e6:.3g} us"
+            found.append(f"{known}, at most {limits.lead_s * 1e6:g} us")
         if one.misfit > limits.misfit:
-            found.append(
-                f"the fit leaves {100 * one.misfit:.3g} % of what was measured, at most "
-                f"{100 * limits.misfit:g} %"
-            )
+            left = f"the fit leaves {100 * one.misfit:.3g} % of what was measured"
+            found.append(f"{left}, at most {100 * limits.misfit:g} %")
         if not self.has_mode and abs(self.gain.share - 1) > limits.gain_off:
             moved = f"U moves {self.gain.share:.4f} of what is commanded"
-            remedy = "correct the scale of the drive"
-            found.append(f"{moved}, at most {limits.gain_off:g} off; {remedy}")
+            found.append(
+                f"{moved}, at most {limits.gain_off:g} off; correct the scale of the drive"
+            )
         return found
 
 
@@ -208,8 +202,9 @@ def _rubbing(spectra: Spectra, record: SettledRecord, values: Floats) -> Spectra
     return spectra.with_friction(np.tile(shares[period_nm.size :], (spectra.n_periods, 1)))
 
 
-def _fit_plain(spectra: Spectra, record: SettledRecord) -> tuple[Spectra, DriveFit]:
+def _fit_plain(record: SettledRecord) -> tuple[Spectra, DriveFit]:
     """Return the lines and their fit with friction as played, where that explains more."""
+    spectra = spectra_of(record.grid, *record.settled, record.quantum_nm)
     found = fit(spectra)
     for _ in range(_ROUNDS):
         if not (found.is_physical and is_rubbing(found)):
@@ -240,11 +235,6 @@ def _fit_mode(spectra: Spectra, record: SettledRecord, plain: DriveFit) -> ModeF
     return found
 
 
-def _plain_of(record: SettledRecord) -> tuple[Spectra, DriveFit]:
-    u_nm, y_nm = record.settled
-    return _fit_plain(spectra_of(record.grid, u_nm, y_nm, record.quantum_nm), record)
-
-
 def identify(record: SettledRecord, *, with_mode: bool = True) -> Identified:
     """Return what a record says about U's drive.
 
@@ -252,10 +242,10 @@ def identify(record: SettledRecord, *, with_mode: bool = True) -> Identified:
     rounded set-points is believed where it leaves less. Raises `CamtoolsError`: too few lines stand
     above their noise.
     """
-    spectra, plain = _plain_of(record)
+    spectra, plain = _fit_plain(record)
     if record.is_coarse:
         record_too = record.rounded()
-        other = _plain_of(record_too)
+        other = _fit_plain(record_too)
         if other[1].misfit < plain.misfit:
             record, (spectra, plain) = record_too, other
     looks = with_mode and plain.is_physical

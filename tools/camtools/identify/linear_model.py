@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats, Ints
-from camtools.identify.fit import stacked
+from camtools.identify.fit import solved, stacked
 from camtools.identify.foreign_record import ForeignRecord
 from camtools.identify.multisine import Complexes
 
@@ -56,10 +56,7 @@ class Half(NamedTuple):
 
 
 class LinearModel(NamedTuple):
-    """Constants of (static + rate s + second s^2) position = command e^(-s delay).
-
-    The delay includes half of the hold.
-    """
+    """Constants of (static + rate s + second s^2) position = command e^(-s delay), hold/2 in it."""
 
     values: Floats  # shape (4,), SI units
     replicas: Floats  # shape (blocks, 4); values without one block of the record each
@@ -106,9 +103,8 @@ def _check_excitation(segments: _Segments) -> None:
             f"the command moves in {100 * spread:.2g} % of the record, at least "
             f"{100 * _LEAST_SPREAD:g} % are needed, so a single step is not enough"
         )
-        raise CamtoolsError(
-            [f"--record: {problem}; record noise, a sweep or many steps throughout"]
-        )
+        remedy = "record noise, a sweep or many steps throughout"
+        raise CamtoolsError([f"--record: {problem}; {remedy}"])
 
 
 def _lines(segments: _Segments) -> Lines:
@@ -134,10 +130,7 @@ def _lines(segments: _Segments) -> Lines:
 def _solve(lines: Lines, delay_s: float) -> Floats:
     weight = 1 / np.hypot(lines.noise, _LIKENESS)
     columns = [lines.response * lines.s**i * np.exp(delay_s * lines.s) * weight for i in range(3)]
-    matrix = np.column_stack([stacked(column) for column in columns])
-    scale = np.linalg.norm(matrix, axis=0)
-    wanted = stacked(np.asarray(weight, np.complex128))
-    return np.asarray(np.linalg.lstsq(matrix / scale, wanted, rcond=None)[0] / scale)
+    return solved(columns, np.asarray(weight, np.complex128))[0]
 
 
 def _off(values: Floats, lines: Lines) -> Floats:
@@ -201,9 +194,8 @@ def response_of(values: Floats, s: Complexes, hold_s: float) -> Complexes:
         step = 2j * np.pi / hold_s
         aliases = s[:, None] + step * np.arange(-_ALIASES, _ALIASES + 1)
         held = np.exp(aliases * hold_s / 2) - np.exp(-aliases * hold_s / 2)
-        return np.asarray(
-            np.sum(response_of(values, aliases, 0.0) * held / (aliases * hold_s), axis=1)
-        )
+        folded = response_of(values, aliases, 0.0) * held / (aliases * hold_s)
+        return np.asarray(np.sum(folded, axis=1))
     below = values[STATIC] + values[RATE] * s + values[SECOND] * s**2
     return np.asarray(np.exp(-values[DELAY] * s) / below)
 
@@ -242,18 +234,14 @@ def _terms(record: ForeignRecord, values: Floats, hold_s: float) -> dict[str, Fl
     """Return terms of the command that a drive may have and a linear model has not."""
     s = np.asarray(2j * np.pi * np.fft.rfftfreq(record.u.size, 1 / record.rate_hz))[1:]
     way = np.fft.rfft(record.u)[1:] * response_of(values, s, hold_s)
-    position, speed, acceleration = (
-        np.fft.irfft(np.append(0, way * s**i), record.u.size) for i in range(3)
-    )
+    terms = (np.fft.irfft(np.append(0, way * s**i), record.u.size) for i in range(3))
+    (position, speed, acceleration), command = terms, record.u - record.u.mean()
     return {
         "friction": np.sign(speed),
         "friction, or clipping of the speed,": speed**3,
-        "a square term of the command, a drive that is not symmetrical,": (
-            record.u - record.u.mean()
-        )
-        ** 2,
+        "a square term of the command, a drive that is not symmetrical,": command**2,
         "a square term of the position, a drive that is not symmetrical,": position**2,
-        "clipping, or a cubic term of the command,": (record.u - record.u.mean()) ** 3,
+        "clipping, or a cubic term of the command,": command**3,
         "clipping, or a cubic term of the position,": position**3,
         "clipping, or a cubic term of the acceleration,": acceleration**3,
     }

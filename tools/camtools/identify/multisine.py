@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -44,10 +45,7 @@ class Grid:
     def of(
         cls, tick_hz: float, highest_hz: float = HIGHEST_HZ, least_ticks: int = TICKS_PER_HIGHEST
     ) -> Grid:
-        """Return the grid of a tick rate [Hz], 500 .. 100 000.
-
-        No line is above highest_hz [Hz], nor has it less than least_ticks [ticks] in a period.
-        """
+        """Return the grid of a tick rate [Hz]; a period of the highest line has least_ticks."""
         highest_hz = min(highest_hz, tick_hz / least_ticks)
         return cls(tick_hz, round(tick_hz / LINE_HZ), highest_hz)
 
@@ -67,8 +65,7 @@ class Grid:
         return np.sort(np.append(self.bins, CARRIER_LINE))
 
 
-@dataclass(frozen=True)
-class WavePeaks:
+class WavePeaks(NamedTuple):
     """What a wave asks of U at most, all of it at or above 0."""
 
     travel_mm: float  # to either side of its middle
@@ -123,10 +120,8 @@ def _phases(n_lines: int) -> Floats:
 def _peaks(bins: Ints, lines: Complexes, line_hz: float) -> WavePeaks:
     n = 1 << int(np.ceil(np.log2(int(np.max(bins)) * _OVERSAMPLED)))
     s = 2j * np.pi * line_hz * bins
-    position, speed, acceleration = (
-        float(np.max(np.abs(_wave_of(bins, lines * s**order, n)))) for order in range(3)
-    )
-    return WavePeaks(position / NM_PER_MM, speed / NM_PER_MM, acceleration / NM_PER_MM)
+    waves = (_wave_of(bins, lines * s**order, n) for order in range(3))
+    return WavePeaks(*(float(np.max(np.abs(wave))) / NM_PER_MM for wave in waves))
 
 
 def multisine(grid: Grid, rms_nm: float, carrier_nm: float, quantum_nm: float = 1.0) -> Wave:

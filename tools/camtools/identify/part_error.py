@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camtools.base.quantities import Floats, omega_rad_s
-from camtools.identify.fit import K1, K2, LEAD, second_order, stacked
+from camtools.identify.fit import K1, K2, LEAD, second_order, solved
 from camtools.identify.multisine import Complexes
 from camtools.identify.recording import STICTION_NM_S
 from camtools.identify.resonance import ModeFit
@@ -72,10 +72,7 @@ def motion_of(table: Table, rpm: float) -> ToolMotion:
 
 
 def form_error_nm(motion: ToolMotion, believed: Floats, response: Complexes) -> float:
-    """Return the largest error of form that feed-forward with some constants leaves.
-
-    `believed`, shape (4,): constants of the feed-forward, as of `fit.DriveFit.values`.
-    """
+    """Return the largest error of form that feed-forward with believed constants leaves."""
     s = motion.s
     error = (response / second_order(s, *believed[[K1, K2, LEAD]]) - 1) * motion.harmonics
     error[0] = 0
@@ -83,16 +80,10 @@ def form_error_nm(motion: ToolMotion, believed: Floats, response: Complexes) -> 
 
 
 def constants_for(motion: ToolMotion, response: Complexes, lead_s: float) -> Floats:
-    """Return constants of the feed-forward that leave a part the least error of form.
-
-    `response`: of the drive at `motion.s`, of whatever order. Returns shape (4,): as of
-    `fit.DriveFit.values`, without friction; k1 and k2 by least squares over the turn.
-    """
+    """Return k1 and k2 for a lead that leave a part the least error, by least squares."""
     s = motion.s[1:]
     moved = (response[1:] * np.exp(lead_s * s)) * motion.harmonics[1:]
-    matrix = np.column_stack([stacked(moved * s), stacked(moved * s**2)])
-    norm = np.linalg.norm(matrix, axis=0)
-    k1_s, k2_s2 = np.linalg.pinv(matrix / norm) @ stacked(motion.harmonics[1:] - moved) / norm
+    (k1_s, k2_s2), _ = solved([moved * s, moved * s**2], motion.harmonics[1:] - moved)
     values = np.zeros(4)
     values[K1], values[K2], values[LEAD] = k1_s, k2_s2, lead_s
     return values
@@ -105,10 +96,7 @@ def mode_sigma_nm(motion: ToolMotion, found: ModeFit) -> float:
 
 
 def form_sigma_nm(motion: ToolMotion, values: Floats, covariance: Floats) -> float:
-    """Return the standard deviation of the error of form where it is largest.
-
-    `values`, `covariance`, shape (4,), (4, 4): of the constants that feed-forward uses.
-    """
+    """Return the deviation of the error of form from those of the constants."""
     s = motion.s
     inverse = 1 + values[K1] * s + values[K2] * s**2
     by = np.zeros((4, motion.u_nm.size))

@@ -27,14 +27,10 @@ _AGAIN = "nothing is fitted, excite again"
 
 @dataclass(frozen=True, eq=False)
 class SettledRecord:
-    """Set-points and measured positions of U in every tick of some periods.
-
-    `u_nm`, shape (n_dropped + n_periods, n_ticks): written in a tick; the first periods are those
-    in which U settles.
-    """
+    """Set-points and measured positions of U in every tick of some periods, a row each."""
 
     grid: Grid
-    u_nm: Floats
+    u_nm: Floats  # written in a tick; in the first periods, those dropped, U settles
     y_nm: Floats  # measured in the same tick, before the set-point was written
     quantum_nm: float  # of the scale, 0 when it is not known
     n_dropped: int = N_DROPPED
@@ -77,17 +73,16 @@ def record_of(
     gaps = np.flatnonzero(np.diff(tick) != 1)
     if gaps.size:
         many = "gap" if gaps.size == 1 else "gaps"
-        first = int(tick[gaps[0]])
-        problem = f"{gaps.size} {many}, the first after tick {first}"
+        problem = f"{gaps.size} {many}, the first after tick {int(tick[gaps[0]])}"
         raise CamtoolsError([f"record: {problem}; {_AGAIN}"])
     n_periods = tick.size // grid.n_ticks
     if n_periods < n_dropped + MIN_PERIODS:
-        problem = f"{tick.size} ticks are {n_periods} periods"
-        need = f"a fit needs {n_dropped + MIN_PERIODS}"
-        raise CamtoolsError([f"record: {problem}, {need}; {_AGAIN}"])
+        problem = (
+            f"{tick.size} ticks are {n_periods} periods, a fit needs {n_dropped + MIN_PERIODS}"
+        )
+        raise CamtoolsError([f"record: {problem}; {_AGAIN}"])
     n = n_periods * grid.n_ticks
-    periods = [np.asarray(row[-n:], np.float64).reshape(n_periods, -1) for row in (u_nm, y_nm)]
-    u, y = periods
+    u, y = (np.asarray(row[-n:], np.float64).reshape(n_periods, -1) for row in (u_nm, y_nm))
     _check(u[n_dropped:], y[n_dropped:])
     return SettledRecord(grid, u, y, quantum_nm, n_dropped)
 
@@ -111,28 +106,19 @@ _ROUNDED = 1 / np.sqrt(12)  # rms of what rounding adds, per quantum
 
 @dataclass(frozen=True, eq=False)
 class Spectra:
-    """The excited lines of a record; amplitudes as of a cosine, nm.
-
-    `bins`, shape (n,): lines that stand above their noise. `n_lost`: excited lines that do not.
-    `s`, shape (n,): j times the angular frequency [rad/s]. `u`, `y`, `friction`, shape (n,): mean
-    over the periods: set-points with their hold's attenuation, but not its delay; measured
-    positions; the direction in which U moves, -1 .. 1. `u_of`, `y_of`, `friction_of`, shape
-    (n_periods, n): the same of each period. `noise_nm`, shape (n,): rms of the error of y: the
-    larger of the scatter between periods and what rounding by the scale adds, which may be the same
-    in every period.
-    """
+    """The n excited lines of a record; amplitudes as of a cosine, nm."""
 
     grid: Grid
-    bins: Ints
-    n_lost: int
-    s: Complexes
-    u: Complexes
-    y: Complexes
-    friction: Complexes
-    u_of: Complexes
+    bins: Ints  # that stand above their noise
+    n_lost: int  # lines that do not
+    s: Complexes  # j times the angular frequency [rad/s]
+    u: Complexes  # mean set-points with their hold's attenuation, but not its delay
+    y: Complexes  # mean positions
+    friction: Complexes  # mean direction in which U moves, -1 .. 1
+    u_of: Complexes  # of each period, shape (n_periods, n), as the next two
     y_of: Complexes
     friction_of: Complexes
-    noise_nm: Floats
+    noise_nm: Floats  # rms of the error of y: of periods or, if larger, of rounding by the scale
 
     @property
     def frequency_hz(self) -> Floats:
@@ -144,20 +130,8 @@ class Spectra:
         """Periods in the record."""
         return int(self.y_of.shape[0])
 
-    def period(self, i: int) -> Spectra:
-        """Return one period alone."""
-        return Spectra(
-            self.grid, self.bins, self.n_lost, self.s,
-            self.u_of[i], self.y_of[i], self.friction_of[i],
-            self.u_of[i : i + 1], self.y_of[i : i + 1], self.friction_of[i : i + 1],
-            self.noise_nm * np.sqrt(self.n_periods),
-        )  # fmt: skip
-
     def with_friction(self, shares: Floats) -> Spectra:
-        """Return the same lines with another friction.
-
-        `shares`, shape (n_periods, n_ticks): mean over each tick, as `stick.friction_of` gives it.
-        """
+        """Return the same lines with another friction, its mean over each tick of the periods."""
         hold = np.sinc(self.bins / self.grid.n_ticks)
         half_tick = np.exp(-0.5 * self.s / self.grid.tick_hz)
         of = np.fft.rfft(shares)[:, self.bins] * (2.0 / self.grid.n_ticks) * half_tick / hold
@@ -165,12 +139,8 @@ class Spectra:
 
     def only(self, rows: npt.NDArray[np.bool_]) -> Spectra:
         """Return some of the lines."""
-        return Spectra(
-            self.grid, self.bins[rows], self.n_lost, self.s[rows],
-            self.u[rows], self.y[rows], self.friction[rows],
-            self.u_of[:, rows], self.y_of[:, rows], self.friction_of[:, rows],
-            self.noise_nm[rows],
-        )  # fmt: skip
+        some = {name: row[..., rows] for name, row in vars(self).items() if np.ndim(row)}
+        return replace(self, **some)
 
 
 def _direction(grid: Grid, y: Complexes) -> Complexes:
@@ -182,12 +152,7 @@ def _direction(grid: Grid, y: Complexes) -> Complexes:
 
 
 def spectra_of(grid: Grid, u_nm: Floats, y_nm: Floats, quantum_nm: float) -> Spectra:
-    """Return the excited lines of a record.
-
-    `u_nm`, `y_nm`, shape (n_periods, n_ticks): set-points written in a tick and positions measured
-    in it; settled, so without the first periods. `quantum_nm`: of the scale, 0 when it is not
-    known.
-    """
+    """Return the excited lines of settled periods; the quantum of the scale is 0 if not known."""
     bins = grid.excited
     n_periods = y_nm.shape[0]
     u_full, y_full = np.fft.rfft(u_nm), np.fft.rfft(y_nm)

@@ -36,45 +36,36 @@ class _Entry(NamedTuple):
     name: str
     unit: str
     found: float
-    sigma: float
+    deviation: float
     believed: float | None
 
 
 def _derived(values: Floats) -> tuple[float, float]:
+    """Return natural frequency [Hz] and damping."""
     k2_s2 = max(float(values[K2]), 1e-18)
     return 1 / (2 * np.pi * k2_s2**0.5), float(values[K1]) / (2 * k2_s2**0.5)
 
 
-def _derived_sigmas(values: Floats, covariance: Floats) -> tuple[float, float]:
-    hz, damping = _derived(values)
-    k1, k2 = float(values[K1]), float(values[K2])
-    by_hz = np.array([0, -0.5 * hz / k2, 0, 0])
-    by_damping = np.array([damping / k1, -0.5 * damping / k2, 0, 0])
-    return tuple(float(np.sqrt(by @ covariance @ by)) for by in (by_hz, by_damping))  # type: ignore[return-value]
-
-
-def _friction_sigma(values: Floats, covariance: Floats) -> float:
-    by = np.zeros(4)
-    by[FRICTION], by[K2] = 1 / values[K2], -values[FRICTION] / values[K2] ** 2
-    return float(np.sqrt(by @ covariance @ by)) * 1e-9
-
-
 def _entries(found: Identified, believed: Believed, limits: Limits) -> Iterator[_Entry]:
-    one, held = found.judged(limits), believed.values
-    values, covariance = one.values, one.covariance
-    sigmas = np.sqrt(np.diag(covariance))
-    latency_ns = believed.u_scale_latency_ns
-    yield _Entry("k1_ns", "ns", values[K1] * 1e9, sigmas[K1] * 1e9, believed.k1_ns)
-    yield _Entry("k2_us2", "us2", values[K2] * 1e12, sigmas[K2] * 1e12, believed.k2_us2)
-    lead_ns = values[LEAD] * 1e9 - latency_ns
-    yield _Entry("lead_ns", "ns", lead_ns, sigmas[LEAD] * 1e9, believed.lead_ns)
-    hz_sigma, damping_sigma = _derived_sigmas(values, covariance)
-    (hz, damping), (held_hz, held_damping) = _derived(values), _derived(held)
-    is_known = believed.k2_us2 > 0
-    yield _Entry("natural frequency", "Hz", hz, hz_sigma, held_hz if is_known else None)
-    yield _Entry("damping", "", damping, damping_sigma, held_damping if is_known else None)
-    friction_m_s2 = float(values[FRICTION] / values[K2]) * 1e-9
-    yield _Entry("friction", "m/s2", friction_m_s2, _friction_sigma(values, covariance), None)
+    values, covariance = found.judged(limits).values, found.judged(limits).covariance
+    k1_s, k2_s2, friction_nm, lead_s = (float(value) for value in values)
+    (hz, damping), held = _derived(values), _derived(believed.values)
+    held_hz, held_damping = held if believed.k2_us2 > 0 else (None, None)
+
+    def entry(name: str, unit: str, value: float, by: Floats, held: float | None) -> _Entry:
+        """Return a quantity; `by`: its derivatives by the constants."""
+        return _Entry(name, unit, value, float(np.sqrt(by @ covariance @ by)), held)
+
+    by_k1, by_k2, by_friction, by_lead = np.eye(4)
+    yield entry("k1_ns", "ns", k1_s * 1e9, 1e9 * by_k1, believed.k1_ns)
+    yield entry("k2_us2", "us2", k2_s2 * 1e12, 1e12 * by_k2, believed.k2_us2)
+    lead_ns = lead_s * 1e9 - believed.u_scale_latency_ns
+    yield entry("lead_ns", "ns", lead_ns, 1e9 * by_lead, believed.lead_ns)
+    yield entry("natural frequency", "Hz", hz, -0.5 * hz / k2_s2 * by_k2, held_hz)
+    by = damping / k1_s * by_k1 - 0.5 * damping / k2_s2 * by_k2
+    yield entry("damping", "", damping, by, held_damping)
+    by = 1e-9 * (by_friction - friction_nm / k2_s2 * by_k2) / k2_s2
+    yield entry("friction", "m/s2", 1e-9 * friction_nm / k2_s2, by, None)
 
 
 def _number(value: float, sigma: float) -> str:
@@ -87,10 +78,11 @@ def _table(found: Identified, believed: Believed, limits: Limits) -> Iterator[st
     yield f"{'':<18}{'found':>12}{'deviation':>12}{'believed':>12}{'off':>9}"
     for row in _entries(found, believed, limits):
         name = row.name if row.name.endswith(("_ns", "_us2")) else f"{row.name} {row.unit}".strip()
-        text = f"{name:<18}{_number(row.found, row.sigma):>12}{_number(row.sigma, row.sigma):>12}"
+        figures = (_number(value, row.deviation) for value in (row.found, row.deviation))
+        text = f"{name:<18}" + "".join(f"{figure:>12}" for figure in figures)
         if row.believed is not None:
             off = 100 * (row.believed / row.found - 1) if row.found else np.inf
-            text += f"{_number(row.believed, row.sigma):>12}{off:>+7.2f} %"
+            text += f"{_number(row.believed, row.deviation):>12}{off:>+7.2f} %"
         yield text
 
 
@@ -130,11 +122,6 @@ def set_lines(settings: Mapping[str, int]) -> list[str]:
     return [with_names(f"tools/camctl set {name} {value}") for name, value in settings.items()]
 
 
-def machine_lines(keys: Mapping[str, float], table: str) -> list[str]:
-    """Return lines of a machine file."""
-    return [f"[{table}]", *(f"{name} = {value:.10g}" for name, value in keys.items())]
-
-
 def _part_lines(
     found: Identified, believed: Believed, limits: Limits, motion: ToolMotion, name: str
 ) -> Iterator[str]:
@@ -144,7 +131,8 @@ def _part_lines(
         f"{motion.peak_acceleration_m_s2:.3g} m/s2"
     )
     yield f"form error with the present constants: {length_text(left.believed_um)}"
-    doubt = f"up to {length_text(left.most_um)} if they are off by {_SIGMAS:g} standard deviations"
+    most = length_text(left.chosen_um + left.doubt_um)
+    doubt = f"up to {most} if they are off by {_SIGMAS:g} standard deviations"
     yield f"form error with the identified constants: {length_text(left.chosen_um)}; {doubt}"
     if found.has_friction:
         rubbing_um = friction_error_nm(motion, found.plain.values) * 1e-3
@@ -174,11 +162,6 @@ class FormLeft(NamedTuple):
     chosen_um: float
     doubt_um: float  # two deviations of the constants
 
-    @property
-    def most_um(self) -> float:
-        """Error to be reckoned with when the identified constants are set."""
-        return self.chosen_um + self.doubt_um
-
 
 def form_left(
     found: Identified, believed: Believed, limits: Limits, motion: ToolMotion
@@ -188,10 +171,9 @@ def form_left(
     response = (with_mode or found.plain).response(motion.s)
     now_um = form_error_nm(motion, believed.values, response) * 1e-3
     then_um = form_error_nm(motion, chosen(found, limits, motion), response) * 1e-3
-    if with_mode is None:
-        sigma_um = form_sigma_nm(motion, found.plain.values, found.plain.covariance) * 1e-3
-    else:
-        sigma_um = mode_sigma_nm(motion, with_mode) * 1e-3
+    plain = found.plain
+    sigma_nm = form_sigma_nm(motion, plain.values, plain.covariance)
+    sigma_um = 1e-3 * (sigma_nm if with_mode is None else mode_sigma_nm(motion, with_mode))
     return FormLeft(now_um, then_um if then_um > _NOTHING_UM else 0.0, _SIGMAS * sigma_um)
 
 
@@ -204,18 +186,15 @@ def report(
     *,
     is_good: bool,
 ) -> list[str]:
-    """Return the whole report, line by line.
-
-    `motion`, `part`: of a part, whose form error is reported, too. `is_good`: the constants are to
-    be set; the settings are listed.
-    """
+    """Return the whole report, line by line; with settings where they are to be set."""
     lines = [*_table(found, believed, limits), *_fit_lines(found, believed)]
     what = "doubtful" if is_good else "not to be applied"
     lines += [f"{what}: {problem}" for problem in found.problems(limits)]
     if is_good:
         values = chosen(found, limits, motion)
         lines += ["", *set_lines(believed.settings(values))]
-        lines += ["", *machine_lines(believed.machine_keys(values), "believed.u")]
+        keys = believed.machine_keys(values)
+        lines += ["", "[believed.u]", *(f"{name} = {value:.10g}" for name, value in keys.items())]
     if motion is not None:
         lines += ["", *_part_lines(found, believed, limits, motion, part)]
     return lines
@@ -227,12 +206,7 @@ def numbers(
     """Return what the report says for other programs, as JSON has it."""
     result: dict[str, object] = {
         "parameters": {
-            row.name.replace(" ", "_"): {
-                "unit": row.unit,
-                "found": row.found,
-                "deviation": row.sigma,
-                "believed": row.believed,
-            }
+            row.name.replace(" ", "_"): {k: v for k, v in row._asdict().items() if k != "name"}
             for row in _entries(found, believed, limits)
         },
         "misfit": found.plain.misfit,
@@ -255,11 +229,8 @@ def numbers(
         }
     if motion is not None:
         left = form_left(found, believed, limits, motion)
-        result["form_error_um"] = {
-            "believed": left.believed_um,
-            "identified": left.chosen_um,
-            "doubt": left.doubt_um,
-        }
+        names = ("believed", "identified", "doubt")
+        result["form_error_um"] = dict(zip(names, left, strict=True))
     return result
 
 
@@ -267,11 +238,7 @@ _NS, _US2, _UM = 1e9, 1e12, 1e6  # per s, s2 and m
 
 
 def constants_of(values: Floats, command: str) -> dict[str, float]:
-    """Return constants by name and unit.
-
-    `values`, shape (4,): as of `LinearModel`. `command`: name of the column of the command or
-    force.
-    """
+    """Return constants, as of `LinearModel`, by name and unit; the command's column chooses."""
     static, rate, second, delay_s = (float(values[i]) for i in (STATIC, RATE, SECOND, DELAY))
     ringing = max(static / second, 0.0) ** 0.5 if second else 0.0  # rad/s
     shape = {
@@ -286,9 +253,11 @@ def constants_of(values: Floats, command: str) -> dict[str, float]:
     return {f"gain {unit}".strip(): gain} | drive | shape
 
 
-def _deviations(found: LinearModel, command: str) -> list[float]:
+def _uncertain(found: LinearModel, command: str) -> list[tuple[str, float, float]]:
+    """Return name, value and deviation of each constant."""
+    constants = constants_of(found.values, command)
     rows = [list(constants_of(one, command).values()) for one in found.replicas]
-    return [float(one) for one in jackknife(np.array(rows))]
+    return [*zip(constants, constants.values(), jackknife(np.array(rows)).tolist(), strict=True)]
 
 
 def record_lines(found: LinearModel, record: ForeignRecord) -> Iterator[str]:
@@ -302,10 +271,7 @@ def record_lines(found: LinearModel, record: ForeignRecord) -> Iterator[str]:
         f"{coherence.min():.3g} at least"
     )
     yield f"{'':<22}{'found':>14}{'deviation':>12}"
-    constants = constants_of(found.values, record.command)
-    for (name, value), sigma in zip(
-        constants.items(), _deviations(found, record.command), strict=True
-    ):
+    for name, value, sigma in _uncertain(found, record.command):
         yield f"{name:<22}{value:>14.6g}{sigma:>12.2g}"
     yield f"misfit {100 * found.misfit:.3g} %, {found.chi:.3g} times the deviations of the lines"
     yield from (f"a linear model does not hold: {one}" for one in found.problems)
@@ -313,12 +279,10 @@ def record_lines(found: LinearModel, record: ForeignRecord) -> Iterator[str]:
 
 def record_numbers(found: LinearModel, record: ForeignRecord) -> Json:
     """Return the report for other programs."""
-    constants = constants_of(found.values, record.command)
-    sigmas = _deviations(found, record.command)
     return {
         "constants": {
             name: {"found": value, "deviation": sigma}
-            for (name, value), sigma in zip(constants.items(), sigmas, strict=True)
+            for name, value, sigma in _uncertain(found, record.command)
         },
         "command_hold_s": found.lines.hold_s,
         "lines": int(found.lines.s.size),

@@ -62,23 +62,16 @@ class Mode:
 
 @dataclass(frozen=True, eq=False)
 class ModeFit:
-    """The constants of a drive and of its mode.
+    """The constants of a drive and of its mode."""
 
-    `values`, shape (4,): as of `DriveFit`. `place`, `place_covariance`, shape (8,), (8, 8): what
-    was searched: the values over `scale`, logarithms of frequency and damping, and how far the
-    numerator is off; with the covariance that the residual gives it. `misfit`: rms of the residual,
-    as a share of the amplitude. `cost`: sum of the squares that was made least; `plain_cost` is
-    that of the fit without a mode.
-    """
-
-    values: Floats
+    values: Floats  # as of `DriveFit`
     mode: Mode
-    place: Floats
-    place_covariance: Floats
+    place: Floats  # values over scale, log of frequency and damping, how far the numerator is off
+    place_covariance: Floats  # that the residual gives it, shape (8, 8)
     scale: Floats
-    misfit: float
-    cost: float
-    plain_cost: float
+    misfit: float  # rms of the residual, as a share of the amplitude
+    cost: float  # sum of the squares that was made least
+    plain_cost: float  # of the fit without a mode
 
     @property
     def covariance(self) -> Floats:
@@ -104,10 +97,7 @@ class ModeFit:
 
     @property
     def slow_values(self) -> Floats:
-        """Constants without a mode that are right at frequencies far below the mode.
-
-        They are the first terms of the inverse of the response in powers of s.
-        """
+        """Constants far below the mode: first terms of the inverse response in powers of s."""
         w = 2 * np.pi * self.mode.hz
         drag = (2 * self.mode.damping * w - self.mode.drag_out) / w**2
         lead = (1 - self.mode.lead_out) / w**2 - drag * self.mode.drag_out / w**2

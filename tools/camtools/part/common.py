@@ -162,10 +162,7 @@ def is_feed_within(part: PartFile, feed_mm: float) -> bool:
 
 
 def check_feed(part: PartFile) -> None:
-    """Refuse a feed beyond the height of the part: the firmware would not cut its table.
-
-    Raises `CamtoolsError`: with the highest feed that would do.
-    """
+    """Refuse a feed beyond the height of the part: the firmware would not cut its table."""
     feed_mm = part.process.feed_mm
     if not is_feed_within(part, feed_mm):
         problem = f"must be at most {part.height_mm:.9g}, the height of the part"
@@ -243,11 +240,7 @@ class Tool(TomlTable):
 
 
 def check_tracks(tool: Tool, feed_mm: float) -> None:
-    """Refuse a feed at which metal stays between the tracks of a round nose.
-
-    `feed_mm`: distance of neighbouring tracks [mm]. Raises `CamtoolsError`: with the feed below
-    which the tracks meet.
-    """
+    """Refuse a feed [mm per turn] at which metal stays between the tracks of a round nose."""
     widest_mm = 2 * tool.nose_radius_mm
     if tool.is_round and feed_mm >= widest_mm:
         problem = f"tracks of a nose of {tool.nose_radius_mm:g} mm do not meet, metal stays"

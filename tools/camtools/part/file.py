@@ -63,10 +63,7 @@ def describe(file: str, finding: ErrorDetails) -> str:
 
 
 def describe_all(file: str, error: ValidationError) -> list[str]:
-    """Return all findings of a validation, one line each, pydantic's order kept.
-
-    Of a part of unknown kind only the kind is reported, because the keys depend on it.
-    """
+    """Return all findings, a line each; of a part of unknown kind only the kind."""
     findings = error.errors(include_url=False)
     of_kind = [finding for finding in findings if finding["loc"] == ("part", "kind")]
     return [describe(file, finding) for finding in of_kind or findings]
@@ -77,28 +74,19 @@ MAX_FILE_BYTES = 1_000_000
 
 
 def read_tree(data: bytes, file: str) -> dict[str, Any]:
-    """Return the tables of a TOML file.
-
-    `data`: whole content of the file, UTF-8. Raises `InputError`: not UTF-8 or not TOML.
-    """
+    """Return the tables of a TOML file, or refuse what is no UTF-8 or no TOML."""
     try:
         return toml_tree(data.decode("utf-8"))
     except UnicodeDecodeError as error:
         problem = f"not UTF-8 text (byte {error.start} is 0x{data[error.start]:02x})"
         raise InputError(file, "", None, problem, "save the file as UTF-8") from error
     except ValueError as error:
-        problem = f"not TOML: {error}"
-        raise InputError(
-            file, "", None, problem, "correct it; see tools/docs/PARTFILE.md"
-        ) from error
+        problem, remedy = f"not TOML: {error}", "correct it; see tools/docs/PARTFILE.md"
+        raise InputError(file, "", None, problem, remedy) from error
 
 
 def files_named(tree: object) -> list[str]:
-    """Return the paths of all files that the tables of a part file name.
-
-    >>> files_named({"cam": {"lobe": [{"csv": "a.csv"}, {"csv": "b.csv"}]}})
-    ['a.csv', 'b.csv']
-    """
+    """Return the paths of all files that the tables of a part file name."""
     if isinstance(tree, list):
         return [name for one in tree for name in files_named(one)]
     if not isinstance(tree, dict):
@@ -110,11 +98,7 @@ def files_named(tree: object) -> list[str]:
 def validated(
     model: type[Model], tree: dict[str, Any], file: str, context: dict[str, object]
 ) -> Model:
-    """Return the tables of a part file as a model.
-
-    `context`: what the fields are checked against: the folder of the file, the names of all kinds.
-    Raises `CamtoolsError`: fields are wrong: one line each, in the file's order of tables.
-    """
+    """Return tables checked in a context: the folder of the file, the names of all kinds."""
     try:
         return model.model_validate(tree, context=context)
     except ValidationError as error:
@@ -122,10 +106,7 @@ def validated(
 
 
 def read_part_file(path: Path) -> bytes:
-    """Return the content of a part file.
-
-    Raises `InputError`: it cannot be read, is no file, or is too large.
-    """
+    """Return the content of a part file, or refuse what cannot be read or is too large."""
     try:
         return read_limited(path, MAX_FILE_BYTES)
     except (OSError, ValueError) as error:

@@ -60,15 +60,11 @@ def wrong(kind: str, problem: str, remedy: str, **context: Any) -> PydanticCusto
 
 @dataclass(frozen=True)
 class Only:
-    """Annotation of a key that has a meaning for some choices of another key alone.
+    """Annotation of a key that has a meaning for some choices of another key alone."""
 
-    `chooser`: the other key, which stands before this one. `needed`: choices that cannot do without
-    the key.
-    """
-
-    chooser: str
+    chooser: str  # the other key, which stands before this one
     choices: tuple[str, ...]
-    needed: tuple[str, ...] = ()
+    needed: tuple[str, ...] = ()  # choices that cannot do without the key
     or_else: str = ""  # what else serves where the key is needed
 
     def check(self, value: object, info: ValidationInfo) -> object:

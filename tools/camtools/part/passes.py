@@ -43,21 +43,6 @@ class Pass(TomlTable):
     spindle_rpm: SpindleRpm | None = Field(None, description=_OF_PASS)
 
 
-def check_passes(passes: list[Pass], depth_mm: float) -> None:
-    """Refuse passes that do not come down to the drawing, each by some depth."""
-    if not passes:
-        return
-    stock = [depth_mm * UM_PER_MM, *(one.allowance_um for one in passes)]
-    for number, (before, after) in enumerate(pairwise(stock), start=1):
-        if after >= before:
-            problem = f"number {number} leaves {after:g} um of {before:g} um"
-            remedy = "give less from pass to pass; the first begins with process.depth_mm"
-            raise wrong("pass_order", problem, remedy)
-    if passes[-1].allowance_um != 0:
-        problem = f"the last one leaves {passes[-1].allowance_um:g} um"
-        raise wrong("pass_last", problem, "give the last pass allowance_um = 0")
-
-
 class SectionProcess(Process):
     """[process]: how a section is turned."""
 
@@ -78,7 +63,16 @@ class SectionProcess(Process):
     @field_validator("passes")
     @classmethod
     def _check_passes(cls, value: list[Pass], info: ValidationInfo) -> list[Pass]:
-        check_passes(value, info.data.get("depth_mm", 0.0))
+        """Refuse passes that do not come down to the drawing, each by some depth."""
+        stock = [info.data.get("depth_mm", 0.0) * UM_PER_MM, *(one.allowance_um for one in value)]
+        for number, (before, after) in enumerate(pairwise(stock), start=1):
+            if after >= before:
+                problem = f"number {number} leaves {after:g} um of {before:g} um"
+                remedy = "give less from pass to pass; the first begins with process.depth_mm"
+                raise wrong("pass_order", problem, remedy)
+        if value and stock[-1] != 0:
+            problem = f"the last one leaves {stock[-1]:g} um"
+            raise wrong("pass_last", problem, "give the last pass allowance_um = 0")
         return value
 
 
@@ -97,21 +91,14 @@ class FeedLaw(TomlTable):
     _check_length = field_validator("feed_mm")(as_long)
 
     def at_mm(self, z_mm: Floats, derivative: int = 0) -> Floats:
-        """Return the feed at heights [mm], or its derivative; it stays beyond the first and last.
-
-        Between the points it follows a monotone cubic: no feed is larger or smaller than its
-        neighbours.
-        """
+        """Return the feed at heights [mm], monotone between points, or its derivative."""
         low, high = self.height_mm[0], self.height_mm[-1]
         curve = PchipInterpolator(self.height_mm, self.feed_mm)
         inside = np.asarray(curve(np.clip(z_mm, low, high), nu=derivative), dtype=np.float64)
         return inside if derivative == 0 else np.where((z_mm < low) | (z_mm > high), 0.0, inside)
 
     def turns(self, z_first_mm: float, z_mm: Floats) -> Floats:
-        """Return the turns that Z takes from a height to others, rising.
-
-        `z_mm`, shape (n,): rising heights from z_first_mm on.
-        """
+        """Return the turns that Z takes from a height to others, rising."""
         knots = np.array(self.height_mm)
         inside = knots[(knots > z_first_mm) & (knots < z_mm[-1])]
         ends = np.unique(np.concatenate([[z_first_mm], inside, z_mm]))

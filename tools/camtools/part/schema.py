@@ -44,13 +44,10 @@ def plain(meaning: str) -> str:
 
 @dataclass(frozen=True)
 class Key:
-    """One key of a table.
-
-    `sort`: number, whole, choice, switch, text, numbers (one or a list) or other (the text alone).
-    """
+    """One key of a table."""
 
     path: tuple[Step, ...]  # of the key in the file; numbers are places in lists of tables
-    sort: str
+    sort: str  # number, whole, choice, switch, text, numbers (one or a list) or other
     value: Any  # that of the text; None where the text leaves it out
     default: Any  # what holds without it; None: nothing
     is_required: bool
@@ -95,17 +92,13 @@ class Table:
 
 
 class Keys:
-    """The tables and keys of a model.
-
-    `kinds`: what `part.kind` may be; none: the model has no such key.
-    """
+    """The tables and keys of a model; `kinds`: what `part.kind` may be."""
 
     def __init__(self, model: type[TomlTable], kinds: Sequence[str]) -> None:
         self.schema = model.model_json_schema()
         if kinds:
-            self._resolved(self.schema["properties"]["part"])["properties"]["kind"] |= {
-                "enum": list(kinds)
-            }
+            part = self._resolved(self.schema["properties"]["part"])
+            part["properties"]["kind"] |= {"enum": list(kinds)}
 
     def tables(self, tree: Any = None) -> list[Table]:  # noqa: ANN401 (tables of TOML)
         """Return the tables: those of a text with its values, or all that there may be."""
@@ -179,16 +172,11 @@ class Keys:
                 without, most = "" if is_required else "none", first.get("maxItems", 0)
                 inner = Table((), (), "", is_required, without, most)
                 rows = value if isinstance(value, list) else []
-                within += (
-                    [self._tables(entry, at, None, inner)]
-                    if tree is None
-                    else [
-                        self._tables(entry, (*at, i), row, inner)
-                        for i, row in enumerate(rows[:_MOST_ENTRIES])
-                    ]
-                )
+                for i, row in enumerate(rows[:_MOST_ENTRIES]):
+                    within.append(self._tables(entry, (*at, i), row, inner))
+                within += [self._tables(entry, at, None, inner)] if tree is None else []
             else:
-                keys.append(_key_of(at, one, variants, value, is_required=is_required))
+                keys.append(_key_of(at, one, variants, value, is_required))
         if path and (keys or not within):
             is_there = bool(values) or about.is_there
             meaning = _meaning_of(node)

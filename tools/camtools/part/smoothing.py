@@ -41,11 +41,9 @@ _WORTH = 0.95  # of a peak: what smoothing must lower it to
 
 
 def differences(x: Floats, order: int, period: float | None = None) -> csr_array:
-    """Return the matrix of the divided differences of values at x, times the factorial of order.
+    """Return the matrix of the divided differences of values at rising x, times order factorial.
 
-    `x`, shape (n,): rising, more than `order` of them. `order`: of the derivative that the
-    differences estimate. `period`: after which the values repeat; then every point begins a
-    difference.
+    Where values repeat after a period every point begins a difference.
     """
     n = x.size
     n_rows = n if period else n - order
@@ -65,11 +63,9 @@ def smoothed(
     period: float | None = None,
     held: npt.NDArray[np.bool_] | None = None,
 ) -> Floats:
-    """Return the values within a band whose third derivative is least in the mean square.
+    """Return the values, none below 0, within a band whose third derivative is least.
 
-    `x`, `values`, shape (n,): rising places and the values listed there, none below 0. `band`: how
-    far a value may move to either side, above 0; none moves below 0. `period`: after which the
-    values repeat. `held`: values that do not move.
+    After a period values repeat; held ones do not move.
     """
     free = np.arange(x.size) if held is None else np.flatnonzero(~held)
     if x.size <= ORDER or not free.size:
@@ -139,11 +135,7 @@ def bands_um(x: Floats, values_mm: Floats, period: float | None = None) -> list[
 def first_enough(
     bands: list[float], smooth: Callable[[float], T], peaks: Callable[[T], tuple[float, float]]
 ) -> T | None:
-    """Return values smoothed within the narrowest of rising bands that removes their noise.
-
-    `smooth`: returns the values smoothed within a band. `peaks`: returns the peak of a derivative
-    before and after; each band must lower it by 5 %.
-    """
+    """Return values smoothed within the narrowest of rising bands after which none lowers peaks."""
     found, least = None, np.inf
     for band_um in bands:
         one = smooth(band_um)
@@ -185,11 +177,7 @@ def residuals(band_um: float, off_um: Floats, places: Floats, key: str) -> Json:
 
 
 def smoothed_texts(what: str, facts: Json, place: str, peaks: list[PeakChange]) -> list[str]:
-    """Return what smoothing did as lines for people.
-
-    `facts`: from `residuals`. `place`: of the largest residual, with its unit. `peaks`: the second
-    derivative is the first of them.
-    """
+    """Return what smoothing did as lines, from `residuals`; the second derivative peaks first."""
     within = f"{what} smoothed within {facts['smooth_um']:g} um"
     if facts["largest_um"] < _NOTHING_UM:
         return [f"{within}: nothing changes, because its points are smooth already"]
@@ -212,11 +200,7 @@ def noise_text(what: str, remedy: str, peaks: list[PeakChange]) -> str:
 
 
 def band_words(band_um: float, taken_um: float, form_error_um: float) -> str:
-    """Return the keys that smooth points within a band, with a tolerance that it leaves room in.
-
-    >>> band_words(0.5, 0.5, 1.0), band_words(2.5, 2.5, 1.0)
-    ('smooth_um = 0.5', 'smooth_um = 2.5 with process.form_error_um = 5')
-    """
+    """Return the keys that smooth points within a band, with a tolerance that it leaves room in."""
     allowed_um = form_error_for(taken_um, form_error_um)
     more = "" if allowed_um == form_error_um else f" with process.form_error_um = {allowed_um:g}"
     return f"smooth_um = {band_um:g}{more}"
@@ -242,11 +226,7 @@ def sheet_note(form: Json, taken_um: float) -> str:
 
 
 def check_share(field: str, taken_um: float, form_error_um: float) -> None:
-    """Refuse smoothing that leaves nothing of the tolerance for the cut.
-
-    `field`: dotted path of smooth_um. `taken_um`: how far smoothing moves the surface at most,
-    along the radius or the lift.
-    """
+    """Refuse smoothing that leaves nothing of the tolerance; `field`: path of smooth_um."""
     if taken_um and taken_um >= form_error_um:
         problem = (
             f"smoothing moves the surface by up to {plain_number(taken_um)} um, which leaves "

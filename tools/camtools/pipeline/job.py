@@ -31,10 +31,7 @@ from camtools.table.header import check_tolerance
 
 @dataclass(frozen=True)
 class Correcting:
-    """How the surface of a gauged part corrects the next table.
-
-    Raises `CamtoolsError`: an option that says how to correct, without the surface.
-    """
+    """How the surface of a gauged part corrects the next table."""
 
     measured: Annotated[
         Path | None,
@@ -69,10 +66,8 @@ class Correcting:
     def correction(self, loaded: Loaded, output: Path | None) -> Correction | None:
         """Return the correction that is asked for, nothing without --measured.
 
-        Cautions go to standard error.
-        `output`: folder of the new table; None: not known to be that of the old one. Raises
-        `CamtoolsError`: see `next_round`; or the new table would take the place of the one that cut
-        the part, of which the next round must know.
+        `output`: folder of the new table, which must not take the place of the one that cut the
+        part; None: not known to be that of the old one. Errors as of `next_round`.
         """
         if self.measured is None:
             return None
@@ -97,16 +92,8 @@ MACHINE_HELP = (
     f"machine file, or one of {', '.join(names())} (default: a machine with the part's limits)"
 )
 _OURS = (
-    "--rpm",
-    "--feed",
-    "--trace",
-    "--surface",
-    "--summary",
-    "--sections",
-    "--sections-mm",
-    "--design",
-    "--progress",
-    "--help",
+    *("--rpm", "--feed", "--trace", "--surface", "--summary", "--sections", "--sections-mm"),
+    *("--design", "--progress", "--help"),
 )
 
 
@@ -140,10 +127,7 @@ def _for_camsim(words: Sequence[str]) -> list[str]:
 
 @dataclass(frozen=True)
 class RunJob:
-    """What was asked for, checked as far as this is possible without the part.
-
-    `extra`: words for camsim.
-    """
+    """What was asked for, checked as far as this is possible without the part."""
 
     correcting: Correcting
     part: Annotated[Path, Word("part file (default: perkins240)", "PART.toml")] = DEFAULT_PART
@@ -210,11 +194,7 @@ class RunJob:
         return replace(self, extra=tuple(_for_camsim(words)))
 
     def check_feed(self, part: PartFile) -> None:
-        """Refuse a feed that camsim would refuse, before anything is made.
-
-        Raises `CamtoolsError`: beyond the height of the part, beyond what the firmware takes, or so
-        large that metal stays between the tracks of the part's tool.
-        """
+        """Refuse a feed that camsim would refuse, before anything is made."""
         feed_mm, tool = self.feed, getattr(part, "tool", None)
         if feed_mm is not None and isinstance(tool, Tool):
             check_tracks(tool, feed_mm)
@@ -282,7 +262,7 @@ def say(text: str) -> None:
 
 
 def write_files(folder: Path, files: dict[str, bytes]) -> None:
-    """Write files into a folder. Raises `CamtoolsError`: a file cannot be written."""
+    """Write files into a folder, or refuse what cannot be written."""
     try:
         for name, data in files.items():
             (folder / name).write_bytes(data)

@@ -62,12 +62,9 @@ class SpeedRatio(NamedTuple):
 
 
 class Exact(ABC):
-    """The exact geometry of a part.
+    """The exact geometry of a part."""
 
-    `heights_mm`: first and last height of the part [mm], without what the tool travels in the air.
-    """
-
-    heights_mm: tuple[float, float]
+    heights_mm: tuple[float, float]  # first and last, without what the tool travels in the air
 
     def nearest_mm(self, z_mm: float) -> float:
         """Return the height of the part that is nearest to a height."""
@@ -117,15 +114,12 @@ class Rig(NamedTuple):
 
 
 class Kind(ABC, Generic[PartT, MadeT, CutT]):
-    """A kind of part.
-
-    `commands`: commands of the project that can do something with such a part.
-    """
+    """A kind of part."""
 
     name: ClassVar[str]  # `part.kind` of its part files
     plural: ClassVar[str]  # many of them, for messages
     rank: ClassVar[int]  # place in lists of kinds; the first one judges a part file that names none
-    commands: ClassVar[tuple[str, ...]]
+    commands: ClassVar[tuple[str, ...]]  # of the project that can do something with such a part
     model: ClassVar[type[TomlTable]]  # of its part file: a TomlTable that is a PartFile
 
     @abstractmethod
@@ -133,18 +127,12 @@ class Kind(ABC, Generic[PartT, MadeT, CutT]):
         """Return the table of a part, or refuse what cannot be cut."""
 
     def exact(self, part: PartT) -> Exact:
-        """Return the exact shape of a part and the motion of U along it.
-
-        Raises `CamtoolsError`: the numbers make no shape, or this kind has no preview.
-        """
+        """Return the exact shape of a part and the motion of U, where there is a preview."""
         problem = f"{self.plural} have no preview"
         raise CamtoolsError([f"part.kind = '{self.name}': {problem}; make the table by mktables"])
 
     def drawing(self, part: PartT) -> Drawing:
-        """Return what a gauged part is compared with.
-
-        Raises `CamtoolsError`: the tables of this kind are not corrected by gauged parts.
-        """
+        """Return what a gauged part is compared with, where tables are corrected."""
         problem = f"tables of {self.plural} are not corrected by gauged parts"
         raise CamtoolsError([f"part.kind = '{self.name}': {problem}; leave out --measured"])
 

@@ -75,12 +75,10 @@ class Loaded(NamedTuple):
 
 
 def parse(data: bytes, file: str, folder: Path = Path(), *, is_confined: bool = False) -> Loaded:
-    """Return the part that the bytes of a TOML file describe.
+    """Return the part that the bytes of a TOML file describe; `file` names it in messages.
 
-    Files that the part names are looked for in the folder; `file` names it in messages. A confined
-    part may name no file outside of it.
-    Raises `CamtoolsError`: not UTF-8, not TOML, or fields wrong: one line each, in the file's order
-    of tables.
+    Files that it names are looked for in the folder; a confined part may name no file outside of
+    it. Raises `CamtoolsError` where fields are wrong: one line each, in the file's order of tables.
     """
     return _checked(read_tree(data, file), file, folder, is_confined=is_confined)
 
@@ -88,11 +86,7 @@ def parse(data: bytes, file: str, folder: Path = Path(), *, is_confined: bool = 
 def parse_for(
     command: str, model: type[PartT], data: bytes, file: str, folder: Path = Path()
 ) -> PartT:
-    """Return the part for a command that not every kind can do.
-
-    `command`: name of the command, as in `Kind.commands`. `model`: of the parts that the command
-    works on. Raises `CamtoolsError`: the command has no use for this kind, or see `parse`.
-    """
+    """Return the part of a model for a command, or refuse a kind that it has no use for."""
     part = parse_able(command, data, file, folder)
     if not isinstance(part, model):
         raise InputError(file, "part.kind", part.part.kind, "is of the wrong kind", "give another")
@@ -114,9 +108,8 @@ def parse_able(command: str, data: bytes, file: str, folder: Path = Path()) -> P
 
 def _checked(tree: dict[str, Any], file: str, folder: Path, *, is_confined: bool = False) -> Loaded:
     kind = kind_of(tree)
-    context: dict[str, object] = {"folder": folder, "kinds": [one.name for one in kinds()]}
-    if is_confined:
-        context["is_confined"] = True
+    names = [one.name for one in kinds()]
+    context: dict[str, object] = {"folder": folder, "kinds": names, "is_confined": is_confined}
     return Loaded(kind, validated(kind.model, tree, file, context))
 
 
@@ -163,10 +156,7 @@ def make(
     rpm: float | None = None,
     correction: Correction | None = None,
 ) -> Made:
-    """Return the table of a part, made for another speed where the kind's tables depend on it.
-
-    Raises `CamtoolsError`: it cannot be made; the file's name is in every line.
-    """
+    """Return the table of a part, for another speed where it matters; errors name the file."""
     kind, part = loaded
     try:
         part = kind.at_speed(part, rpm)

@@ -38,11 +38,7 @@ _SHOWN_EVERY_S, _LINE_EVERY_S = 0.2, 20.0  # progress on a terminal, and elsewhe
 
 
 def traced_turns(turns: float, speed_rpm: float) -> float | None:
-    """Return how many turns of a cut too long to trace are traced, nothing when all of it is.
-
-    >>> traced_turns(620, 2500), traced_turns(62000, 2500), traced_turns(620, 60)
-    (None, 200, 12.5)
-    """
+    """Return how many turns of a cut too long to trace are traced, nothing when all of it is."""
     ticks_per_turn = 60 / speed_rpm * _TICK_HZ
     if turns * ticks_per_turn <= MAX_TRACED_TICKS:
         return None
@@ -50,11 +46,7 @@ def traced_turns(turns: float, speed_rpm: float) -> float | None:
 
 
 def overview_every(turns: float, speed_rpm: float) -> int:
-    """Return of how many ticks the overview of a long cut holds one.
-
-    >>> overview_every(62_000, 2500)
-    596
-    """
+    """Return of how many ticks the overview of a long cut holds one."""
     return int(turns * 60 / speed_rpm * _TICK_HZ / _OVERVIEW_TICKS) + 1
 
 
@@ -85,7 +77,7 @@ class CutPlan(NamedTuple):
 
 
 def plan_of(table: str, words: Sequence[str]) -> CutPlan:
-    """Return what a cut will take. Raises `CamtoolsError`: the simulator refuses it."""
+    """Return what a cut will take, or what the simulator refuses."""
     with begun([table, *words]) as session:
         plan = CutPlan(*session.plan())
         if not plan.is_long:
@@ -126,10 +118,7 @@ def made_cut(
     files: Mapping[str, str] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Result:
-    """Cut as `cut` does, and refuse what the controller refuses.
-
-    Raises `CamtoolsError`: the simulator or the controller refuses the cut.
-    """
+    """Cut as `cut` does, and refuse what the controller refuses."""
     result = cut([table, *words], tables=tables, files=files, progress=progress)
     if result.status == BAD_INPUT:
         raise CamtoolsError([result.message])
@@ -175,10 +164,7 @@ def cut_part(
 
 
 def variant_of(name: str, summary: Json) -> CutVariant | None:
-    """Return the result of a comparison cut, None when nothing was cut.
-
-    The controller is compared, so its own error counts, not that of a refit.
-    """
+    """Return the controller's own error in a comparison cut, None when nothing was cut."""
     form = summary["control_error_um" if "control_error_um" in summary else "form_error_um"]
     if form["max"] is None:
         return None

@@ -168,12 +168,7 @@ def run(
     typed: Annotated[tuple[str, ...], Words()] = (),
     extra: Annotated[tuple[str, ...], Words(is_after_dashes=True)] = (),
 ) -> int:
-    """Make the table of a part, cut the part on the host simulator, write a report.
-
-    `typed`: the whole command line, for the report. `extra`: words for camsim. Returns 0 done, 1
-    fault or out of tolerance. Raises `CamtoolsError`: wrong usage, or a part that cannot be made or
-    cut.
-    """
+    """Make the table of a part, cut the part on the host simulator, write a report."""
     begin_s = time.monotonic()
     job = job.with_words(extra)
     origin = origin_of("tools/run", list(typed))

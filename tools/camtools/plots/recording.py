@@ -16,25 +16,14 @@ from matplotlib.axes import Axes
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
-from camtools.plots.style import (
-    BLUE,
-    GREEN,
-    ORANGE,
-    PURPLE,
-    RED,
-    SKY,
-    drawing,
-    new_figure,
-    png_of,
-    titled_figure,
-)
+from camtools.plots import style
 
 Floats = npt.NDArray[np.float64]
 Columns = Mapping[str, Floats]
 ANGLE = "angle_deg"
 _UNITS = {"um": "µm", "mm": "mm", "deg": "degrees", "rpm": "r/min", "n": "N"}
 _RATES = {"mm_per_s": "mm/s", "m_per_s2": "m/s²"}
-_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, RED)
+_COLOURS = (style.BLUE, style.ORANGE, style.GREEN, style.PURPLE, style.SKY, style.RED)
 _NOT_DRAWN = ("tick", "config")
 _LONG_AXES, _UM_PER_MM = ("x_", "z_"), 1000.0  # they travel millimetres, U micrometres
 _WIDTH_IN, _PANEL_IN, _MOST_POLAR = 11.0, 1.5, 4
@@ -93,11 +82,7 @@ def _in_mm(columns: Columns) -> dict[str, Floats]:
 
 
 def set_spans(values: Floats, bit: int) -> list[tuple[int, int]]:
-    """Return first and last row of each stretch in which a bit is set.
-
-    >>> set_spans(np.array([0.0, 2.0, 3.0, 1.0, 2.0]), 1)
-    [(1, 2), (4, 4)]
-    """
+    """Return first and last row of each stretch in which a bit is set."""
     is_set = np.concatenate([[0], values.astype(np.int64) >> bit & 1, [0]])
     edges = np.flatnonzero(np.diff(is_set))
     return [(int(a), int(b) - 1) for a, b in edges.reshape(-1, 2)]
@@ -113,16 +98,16 @@ def _draw_bits(axes: Axes, t_ms: Floats, values: Floats, names: Mapping[int, str
         axes.broken_barh(bars, (row - 0.35, 0.7), color=_COLOURS[row % len(_COLOURS)], lw=0)
     axes.set_yticks(range(max(1, len(rows))), [names[bit] for bit in rows] or ["none"])
     axes.set_ylim(max(1, len(rows)) - 0.5, -0.5)
-    axes.axvline(0, color=RED, lw=0.8)
+    axes.axvline(0, color=style.RED, lw=0.8)
     axes.margins(x=0)
 
 
 def _draw_over_time(axes: Axes, t_ms: Floats, columns: Columns, names: list[str]) -> None:
     is_number = not _unit_of(names[0])
     for name, colour in zip(names, _COLOURS * len(names), strict=False):
-        style = "steps-post" if is_number else "default"
-        axes.plot(t_ms, columns[name], color=colour, lw=0.9, label=_word_of(name), drawstyle=style)
-    axes.axvline(0, color=RED, lw=0.8)
+        look = "steps-post" if is_number else "default"
+        axes.plot(t_ms, columns[name], color=colour, lw=0.9, label=_word_of(name), drawstyle=look)
+    axes.axvline(0, color=style.RED, lw=0.8)
     axes.set_ylabel(_label_of(names[0]) if len(names) == 1 else _unit_of(names[0]))
     axes.margins(x=0)
     if is_number:
@@ -153,8 +138,8 @@ def time_picture(
     """
     all_of, named = _in_mm(_with_error(columns)), bits or {}
     panels = _panels(all_of)
-    with drawing():
-        figure = new_figure(_WIDTH_IN, max(3.0, _PANEL_IN * len(panels) + 0.6))
+    with style.drawing():
+        figure = style.new_figure(_WIDTH_IN, max(3.0, _PANEL_IN * len(panels) + 0.6))
         grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         for axes, names in zip(grid, panels, strict=True):
             if names[0] in named:
@@ -167,9 +152,9 @@ def time_picture(
                 axes.set_ylim(min(states) - 0.5, max(states) + 0.5)
         figure.align_ylabels(grid)
         if trigger:
-            grid[0].set_title(trigger.replace("_", " "), color=RED, loc="right")
+            grid[0].set_title(trigger.replace("_", " "), color=style.RED, loc="right")
         grid[-1].set_xlabel("time from the trigger, ms")
-        return png_of(figure)
+        return style.png_of(figure)
 
 
 def turns_of(angle_deg: Floats) -> npt.NDArray[np.int64]:
@@ -198,8 +183,8 @@ def _draw_turns(unrolled: Axes, polar: PolarAxes, columns: Columns, name: str) -
     low_text, high_text = f"{low:.{digits}f}", f"{high:.{digits}f}"
     text = high_text if low_text == high_text else f"outer {high_text}\ninner {low_text}"
     paper = {"facecolor": "white", "lw": 0, "pad": 1}
-    style = {"ha": "center", "va": "center", "bbox": paper}
-    polar.text(0.5, 0.5, text, transform=polar.transAxes, **style)  # type: ignore[arg-type]
+    look = {"ha": "center", "va": "center", "bbox": paper}
+    polar.text(0.5, 0.5, text, transform=polar.transAxes, **look)  # type: ignore[arg-type]
     polar.set_xticks(np.radians(range(0, 360, 45)))
     unrolled.set_ylabel(_label_of(name))
     unrolled.set_xlim(0, 360)
@@ -207,17 +192,14 @@ def _draw_turns(unrolled: Axes, polar: PolarAxes, columns: Columns, name: str) -
 
 
 def angle_picture(columns: Columns) -> bytes:
-    """Return signals against the spindle's angle as PNG, unrolled and polar, one turn over another.
-
-    `columns`: by names whose last word is the unit, with the angle.
-    """
+    """Return signals over the spindle's angle as PNG, unrolled and polar, turn over turn."""
     all_of = _in_mm(_with_error(columns))
     left_out = {ANGLE, _DUE} if _ERROR in all_of else {ANGLE}  # the error tells more
     names = [n for n in all_of if _unit_of(n) and n not in left_out][:_MOST_POLAR]
     n_turns = int(turns_of(all_of[ANGLE]).max()) + 1
-    with drawing():
+    with style.drawing():
         title = f"{n_turns} turns, from dark to light"
-        figure = titled_figure(_WIDTH_IN, 3.0 * len(names) + 0.7, title)
+        figure = style.titled_figure(_WIDTH_IN, 3.0 * len(names) + 0.7, title)
         places = figure.add_gridspec(len(names), 2, width_ratios=(2.6, 1))
         for row, name in enumerate(names):
             unrolled = figure.add_subplot(places[row, 0])
@@ -225,4 +207,4 @@ def angle_picture(columns: Columns) -> bytes:
             assert isinstance(polar, PolarAxes)
             _draw_turns(unrolled, polar, all_of, name)
         unrolled.set_xlabel("spindle angle in the sense of cutting, degrees")
-        return png_of(figure)
+        return style.png_of(figure)

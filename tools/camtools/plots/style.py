@@ -24,14 +24,8 @@ from PIL import Image
 from camtools.base.quantities import Floats
 
 # Okabe and Ito, "Color Universal Design" (2008): distinct for every kind of colour vision.
-BLUE, ORANGE, GREEN, RED, SKY, PURPLE = (
-    "#0072B2",
-    "#E69F00",
-    "#009E73",
-    "#D55E00",
-    "#56B4E9",
-    "#CC79A7",
-)
+_HEX = "#0072B2 #E69F00 #009E73 #D55E00 #56B4E9 #CC79A7"
+BLUE, ORANGE, GREEN, RED, SKY, PURPLE = _HEX.split()
 GREY, PALE = "#666666", "#dddddd"
 _SERIES, _STROKES = (BLUE, ORANGE, GREEN, RED, SKY, PURPLE), ("-", "--", ":", "-.")
 ERROR_COLOURS = "RdBu_r"  # red: metal left, blue: cut too deep; safe for red-green blindness
@@ -48,11 +42,7 @@ _FONT: dict[Any, Any] = {
 
 
 def stroke_of(i: int) -> dict[str, Any]:
-    """Return colour and stroke of the ith of many lines; those of one colour differ in stroke.
-
-    >>> stroke_of(6) == {"color": BLUE, "ls": "--"}
-    True
-    """
+    """Return colour and stroke of the ith of many lines; those of one colour differ in stroke."""
     rounds, place = divmod(i, len(_SERIES))
     return {"color": _SERIES[place], "ls": _STROKES[rounds % len(_STROKES)]}
 
@@ -209,10 +199,7 @@ def around(radius: Floats, phi_rad: Floats) -> tuple[Floats, Floats]:
 def paint_band(
     axes: Axes, x: Floats, curves: tuple[Floats, Floats, Floats], names: tuple[str, str]
 ) -> None:
-    """Draw the range of a curve around its dashed middle, both named above the panel.
-
-    `curves`: smallest and largest value, and the middle. `names`: of the range and of the middle.
-    """
+    """Draw the range (least, most, middle) of a curve around its dashed middle, both named."""
     least, most, middle = curves
     axes.fill_between(x, least, most, color=ORANGE, alpha=0.35, lw=0)
     axes.plot(x, most, color=ORANGE, lw=1, label=names[0])

@@ -62,10 +62,8 @@ class Board(NamedTuple):
     def magnifications(self) -> list[Magnification]:
         """Return the enlargement that shows the tolerance, and the one that shows the error."""
         room_um = _ROOM * float(np.nanmax(self.cells.radius_mm)) * UM_PER_MM
-        wanted = (
-            (self.tolerance_um, "tolerance band in view"),
-            (self.largest_um, "error fills the picture"),
-        )
+        texts = ("tolerance band in view", "error fills the picture")
+        wanted = zip((self.tolerance_um, self.largest_um), texts, strict=True)
         found = [Magnification(nice_floor(room_um / um), text) for um, text in wanted if um > 0]
         return sorted(found, key=lambda one: one.factor)
 
@@ -199,10 +197,8 @@ def space_figure(board: Board) -> Json:
         for name, text in (("xaxis", "mm"), ("yaxis", "mm"), ("zaxis", "height, mm"))
     }
     scene = axes | {"aspectmode": "manual", "aspectratio": {"x": 1, "y": 1, "z": 0.9}}
-    scene["camera"] = {
-        "eye": {"x": 1.2, "y": -1.6, "z": 0.9},
-        "center": {"x": 0, "y": 0, "z": -0.1},
-    }
+    eye, centre = {"x": 1.2, "y": -1.6, "z": 0.9}, {"x": 0, "y": 0, "z": -0.1}
+    scene["camera"] = {"eye": eye, "center": centre}
     margin = {"l": 10, "r": 10, "t": 10, "b": 10}
     return {"data": [surface], "layout": layout(height=520, scene=scene, margin=margin)}
 

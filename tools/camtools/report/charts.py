@@ -41,11 +41,7 @@ class TurnOfU(NamedTuple):
 
 
 def slope_of(values: Floats, t_s: Floats, n_ticks: int) -> Floats:
-    """Return the slope of values over so many ticks to both sides; NaN at the ends.
-
-    >>> slope_of(2 * np.arange(5.0), np.arange(5.0), 1).tolist()
-    [nan, 2.0, 2.0, 2.0, nan]
-    """
+    """Return the slope of values over so many ticks to both sides; NaN at the ends."""
     slope = np.full(values.size, np.nan)
     if values.size > 2 * n_ticks:
         rise, run = (one[2 * n_ticks :] - one[: -2 * n_ticks] for one in (values, t_s))
@@ -62,12 +58,17 @@ def _axis(text: str, **more: Any) -> Json:  # noqa: ANN401
     return {"title": {"text": text}, "gridcolor": GRID, "zerolinecolor": GRID} | more
 
 
-def _mark(direction: str) -> Json:
-    """Return a dashed line through the whole map, which page.js moves."""
+def _across(direction: str, at: float) -> Json:
+    """Return a line through the whole chart at a place in a direction."""
     other = "y" if direction == "x" else "x"
     whole = {f"{other}ref": "paper", f"{other}0": 0, f"{other}1": 1}
-    at = {f"{direction}0": 0, f"{direction}1": 0}
-    return {"type": "line", "line": {"width": 1.5, "dash": "dash", "color": "#000"}} | whole | at
+    return whole | {f"{direction}0": at, f"{direction}1": at}
+
+
+def _mark(direction: str) -> Json:
+    """Return a dashed line through the whole map, which page.js moves."""
+    line = {"type": "line", "line": {"width": 1.5, "dash": "dash", "color": "#000"}}
+    return line | _across(direction, 0)
 
 
 def map_chart(board: Board, angle: str) -> Json:
@@ -120,15 +121,9 @@ def section_chart(board: Board) -> Json:
 
 def _limits(tolerance: float, direction: str) -> list[Json]:
     """Return lines at both ends of the tolerance, which do not stretch the axis."""
-    other = "y" if direction == "x" else "x"
-    reference = f"{other}ref", f"{other}0", f"{other}1"
-    whole = dict(zip(reference, ("paper", 0, 1), strict=True))
-    at = "x2" if direction == "x" else "y"
     style = {"type": "line", "line": {"width": 1.5, "dash": "dot", "color": GREEN}}
-    return [
-        style | whole | {f"{direction}ref": at, f"{direction}0": side, f"{direction}1": side}
-        for side in (-tolerance, tolerance)
-    ]
+    at = {f"{direction}ref": "x2" if direction == "x" else "y"}
+    return [style | at | _across(direction, side) for side in (-tolerance, tolerance)]
 
 
 def unrolled_chart(board: Board, angle: str) -> Json:
@@ -174,10 +169,7 @@ def board_charts(board: Board, angle: str) -> dict[str, Json]:
 
 
 def following_chart(by_angle: Floats) -> Json:
-    """Return the following error over the angle.
-
-    `by_angle`, shape (4, n): as `report.motion.following_by_angle`.
-    """
+    """Return the following error over the angle, as of `motion.following_by_angle`."""
     degrees, least, most, mean = by_angle
     factor, unit = length_unit(float(np.abs([least, most]).max(initial=0.0)))
     common = {"type": "scatter", "mode": "lines", "x": array(degrees)}
@@ -208,10 +200,8 @@ def motion_chart(motion: TurnOfU) -> Json:
         points = {"x": array(motion.degrees), "y": array(curve.wanted)}
         data.append(common | style | points | {"name": motion.wanted_name})
         if curve.measured is not None and motion.measured_degrees is not None:
-            style = {
-                "mode": "markers",
-                "marker": {"color": RED, "size": 5, "symbol": "circle-open"},
-            }
+            marker = {"color": RED, "size": 5, "symbol": "circle-open"}
+            style = {"mode": "markers", "marker": marker}
             points = {"x": array(motion.measured_degrees), "y": array(curve.measured)}
             data.append(common | style | points | {"name": "measured on U"})
     last = "y" if n == 1 else f"y{n}"

@@ -9,17 +9,14 @@
 
 from __future__ import annotations
 
-import os
-import pickle
-import signal
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
 from typing import Generic, TypeVar
 
-from matplotlib.figure import Figure
-
-from camtools.plots.style import drawing, png_of
+from camtools.plots.style import drawing
 from camtools.report.board import board_of
 from camtools.report.page import Page, Shown, render_page
 from camtools.report.sheet import Subject
@@ -30,45 +27,38 @@ from camtools.report.views import CutT, View
 _T = TypeVar("_T")
 
 
-def _answer(work: Callable[[], object], out: int) -> None:
-    """Write what the work returns, or what it raises, and end this process."""
+def _answer(work: Callable[[], object], out: Connection) -> None:
+    """Send what the work returns, or what it raises."""
     try:
-        try:
-            said = (True, work())
-        except Exception as err:
-            said = (False, err)
-        with os.fdopen(out, "wb") as pipe:
-            pickle.dump(said, pipe)
-    finally:
-        os._exit(0)
+        out.send((True, work()))
+    except Exception as err:
+        out.send((False, err))
 
 
 @contextmanager
 def beside(work: Callable[[], _T]) -> Iterator[Callable[[], _T]]:
-    """Begin work in a fork of this process.
+    """Begin work in a fork, without threads; yield what waits for its result, or for its error.
 
-    `work`: sees all that is here; it must not use threads, and its result can be pickled. Yields
-    waits for the result and returns it, or raises what the work raised; the process ends with the
-    context, done or not. Raises `EOFError`: from the callable: the process was ended.
+    The process ends with the context, done or not; where it was ended before, EOFError is raised.
     """
-    source, out = os.pipe()
-    child = os.fork()
-    if child == 0:
-        _answer(work, out)
-    os.close(out)
+    fork = get_context("fork")
+    source, out = fork.Pipe(duplex=False)
+    child = fork.Process(target=_answer, args=(work, out))
+    child.start()
+    out.close()
 
     def result() -> _T:
-        is_good, value = pickle.load(pipe)
+        is_good, value = source.recv()
         if not is_good:
             raise value
         return value  # type: ignore[no-any-return]
 
-    with os.fdopen(source, "rb") as pipe:
-        try:
-            yield result
-        finally:
-            os.kill(child, signal.SIGKILL)
-            os.waitpid(child, 0)
+    try:
+        yield result
+    finally:
+        child.kill()
+        child.join()
+        source.close()
 
 
 # What the simulator leaves out of a tool that turns sections.
@@ -99,11 +89,6 @@ def rows_of(report: KindReport[CutT], cut: CutT) -> list[ReportRow]:
     return [row for rows in report.rows for row in rows(cut)]
 
 
-def picture_of(view: View[CutT], cut: CutT) -> Figure:
-    """Draw a view."""
-    return view.draw(cut)
-
-
 def page_of(
     report: KindReport[CutT], cut: CutT, pngs: dict[str, bytes], sheets: SheetPages | None = None
 ) -> str:
@@ -123,24 +108,15 @@ def page_of(
         cut.summary["form_error_um"]["tolerance"],
         report.space(cut),
     )
-    page = Page(
-        source=cut.generated.part.part.source,
-        rows=rows_of(report, cut),
-        shown=shown,
-        modelled=report.modelled(cut),
-        compared=report.compared,
-        what=report.what,
-        angle=report.angle,
-        board=board,
-        sheets=sheets,
-    )
-    return render_page(cut, page)
+    words = (report.modelled(cut), report.compared, report.what, report.angle)
+    source = cut.generated.part.part.source
+    return render_page(cut, Page(source, rows_of(report, cut), shown, *words, board, sheets))
 
 
 def make_report(report: KindReport[CutT], cut: CutT) -> dict[str, bytes]:
     """Return page, pictures and sheets of a cut by file name."""
     with drawing(), beside(lambda: sheet_pages(cut, report.subject(cut))) as drawn_sheets:
-        pngs = {view.key: png_of(picture_of(view, cut)) for view in report.views if view.when(cut)}
+        pngs = {view.key: view.png(cut) for view in report.views if view.when(cut)}
         sheets = drawn_sheets()
     files = {f"cut_{key}.png": png for key, png in pngs.items()}
     files |= sheets.files if sheets is not None else {}

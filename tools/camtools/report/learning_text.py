@@ -138,10 +138,7 @@ def _cause(summary: Json) -> str:
 
 
 def remaining_text(summary: Json) -> str | None:
-    """Return the sentence, nothing if no turn was gauged.
-
-    `summary`: of camsim, with learning on.
-    """
+    """Return the likely cause of the largest error, nothing if no turn was gauged."""
     largest_um = summary["form_error_um"]["max"]
     if largest_um is None:
         return None

@@ -14,27 +14,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from camtools.base.quantities import Floats, length_unit
-from camtools.plots.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PALE,
-    PURPLE,
-    RED,
-    SKY,
-    angle_axis,
-    new_figure,
-    paint_band,
-    stacked,
-)
+from camtools.plots import style
 from camtools.report.charts import TurnOfU
 from camtools.sim.results import CUTTING, FAULT, STATES, CutTrace
 
-STATE_COLOURS = (
-    *(PALE, PURPLE, SKY, ORANGE, GREEN, ORANGE, RED, BLUE, GREY, PURPLE, SKY),  # as STATES
-)
-_MARKS: dict[str, Any] = {"color": RED, "ls": "", "marker": "o", "ms": 3.2, "mfc": "none"}
+_NAMES = "PALE PURPLE SKY ORANGE GREEN ORANGE RED BLUE GREY PURPLE SKY"  # as STATES
+STATE_COLOURS = tuple(vars(style)[name] for name in _NAMES.split())
+_MARKS: dict[str, Any] = {"color": style.RED, "ls": "", "marker": "o", "ms": 3.2, "mfc": "none"}
 _N_BINS = 360
 _AXES = ("Z, mm", "X (radius),\nmm", "U towards\nthe axis, µm")
 _N_POINTS = 600  # across a picture: more cannot be seen
@@ -50,11 +36,7 @@ def thin(values: Floats, n: int) -> Floats:
 
 
 def following_by_angle(trace: CutTrace) -> Floats:
-    """Return the following error while cutting against the angle.
-
-    Returns shape (4, n): angle [degrees], smallest, largest and mean error [um] of every bin that
-    has ticks.
-    """
+    """Return angle [degrees], smallest, largest, mean following error [um] of cutting, (4, n)."""
     rows = trace.state == CUTTING
     error_um = trace.following_um[rows]
     place = ((trace.turn[rows] % 1) * _N_BINS).astype(np.int64).clip(0, _N_BINS - 1)
@@ -70,28 +52,29 @@ def following_by_angle(trace: CutTrace) -> Floats:
 
 def draw_following(trace: CutTrace, angle: str) -> Figure:
     """Return the following error of U against the spindle angle, over all turns of cutting."""
-    figure = new_figure(10, 3.6)
+    figure = style.new_figure(10, 3.6)
     axes = figure.add_subplot()
     degrees, least, most, mean = following_by_angle(trace)
     factor, unit = length_unit(float(np.abs([least, most]).max(initial=0.0)))
     curves = least * factor, most * factor, mean * factor
-    paint_band(axes, degrees, curves, ("largest and smallest of all turns", "mean of all turns"))
+    names = "largest and smallest of all turns", "mean of all turns"
+    style.paint_band(axes, degrees, curves, names)
     axes.set_ylabel(f"following error of U, {unit}")
-    angle_axis(axes, angle)
+    style.angle_axis(axes, angle)
     return figure
 
 
 def draw_motion(motion: TurnOfU) -> Figure:
     """Return U and what follows from it over one turn, a panel each."""
-    figure = new_figure(10, 0.6 + 2.0 * len(motion.curves))
-    panels = stacked(figure, [curve.name for curve in motion.curves])
+    figure = style.new_figure(10, 0.6 + 2.0 * len(motion.curves))
+    panels = style.stacked(figure, [curve.name for curve in motion.curves])
     for axes, curve in zip(panels, motion.curves, strict=True):
-        axes.plot(motion.degrees, curve.wanted, color=BLUE, lw=1.6, label=motion.wanted_name)
+        axes.plot(motion.degrees, curve.wanted, color=style.BLUE, lw=1.6, label=motion.wanted_name)
         if curve.measured is not None and motion.measured_degrees is not None:
             axes.plot(motion.measured_degrees, curve.measured, label="measured on U", **_MARKS)
     panels[0].set_title(motion.title)
     panels[0].legend(frameon=False, loc="upper right", bbox_to_anchor=(1, 1.25), ncols=2)
-    angle_axis(panels[-1], motion.angle)
+    style.angle_axis(panels[-1], motion.angle)
     return figure
 
 
@@ -149,13 +132,10 @@ def _between(trace: CutTrace, begin_s: float, end_s: float) -> CutTrace:
 
 
 def draw_sequence(trace: CutTrace, overview: CutTrace | None = None) -> Figure:
-    """Return states, Z, X and U against time: how the cut begins, goes on and ends.
-
-    `overview`: one tick of several of the whole cut, where the trace holds only its first turns.
-    """
+    """Return states, Z, X and U over time; `overview`: of a cut longer than its trace."""
     whole = trace if overview is None else overview
     windows = windows_s(trace, whole)
-    figure = new_figure(10, 7.0)
+    figure = style.new_figure(10, 7.0)
     ratios = {"height_ratios": [0.28, 1, 1, 1]}
     panels = figure.subplots(4, len(windows), sharex="col", squeeze=False, gridspec_kw=ratios)
     spans = state_spans(whole)
@@ -164,9 +144,9 @@ def draw_sequence(trace: CutTrace, overview: CutTrace | None = None) -> Figure:
         strip, z, x, u = panels[:, column]
         _strip(strip, spans, begin_s, end_s)
         strip.set_title(title)
-        _envelope(z, part.t_s, part.z_mm, GREEN)
-        _envelope(x, part.t_s, part.x_nm / _NM_PER_MM, BLUE)
-        _envelope(u, part.t_s, part.u_act_nm / _NM_PER_MM * _UM_PER_MM, RED)
+        _envelope(z, part.t_s, part.z_mm, style.GREEN)
+        _envelope(x, part.t_s, part.x_nm / _NM_PER_MM, style.BLUE)
+        _envelope(u, part.t_s, part.u_act_nm / _NM_PER_MM * _UM_PER_MM, style.RED)
         u.set_xlim(begin_s, end_s)
         u.set_xlabel("time, s")
     panels[0, 0].set_ylabel("state", rotation=0, ha="right", va="center")
@@ -189,21 +169,18 @@ class _FaultView:
 
 
 def draw_fault(trace: CutTrace, retract_s: float) -> Figure:
-    """Return U, X, the gap to the part and the spindle around the first fault.
-
-    `trace`: with at least one tick in state fault. `retract_s`: how long the retract took [s].
-    """
+    """Return U, X, the gap to the part and the spindle around the first fault of a trace."""
     view = _FaultView(trace, retract_s)
-    figure = new_figure(10, 6.6)
+    figure = style.new_figure(10, 6.6)
     names = (*_AXES[:0:-1], "tool tip off\nthe drawing, mm", "spindle, r/min")
-    panels = stacked(figure, names)
+    panels = style.stacked(figure, names)
     part, ms = view.trace, view.ms
-    panels[0].plot(ms, part.u_act_nm / 1e3, color=RED, lw=1.4)
-    panels[1].plot(ms, part.x_nm / _NM_PER_MM, color=BLUE, lw=1.4)
-    panels[2].plot(ms, part.error_nm / _NM_PER_MM, color=GREEN, lw=1.4)
-    panels[3].plot(ms, part.speed_rpm, color=PURPLE, lw=1.4)
+    panels[0].plot(ms, part.u_act_nm / 1e3, color=style.RED, lw=1.4)
+    panels[1].plot(ms, part.x_nm / _NM_PER_MM, color=style.BLUE, lw=1.4)
+    panels[2].plot(ms, part.error_nm / _NM_PER_MM, color=style.GREEN, lw=1.4)
+    panels[3].plot(ms, part.speed_rpm, color=style.PURPLE, lw=1.4)
     for axes in panels:
-        axes.axvline(0, color=GREY, lw=1.2, ls="--")
+        axes.axvline(0, color=style.GREY, lw=1.2, ls="--")
     panels[0].set_title("dashed line: the tick in which the controller saw the fault")
     panels[-1].set_xlabel("time from the fault, ms")
     panels[-1].set_xlim(ms[0], ms[-1])

@@ -87,23 +87,19 @@ def trace_text(outcome: AnyCut) -> str:
 def _board_charts(board: Board, shown: Sequence[Shown]) -> list[_Chart]:
     """Return the charts of a board with the words of the pictures whose place they take."""
     texts = {one.twin: one.text for one in shown if one.twin}
-    scale = (
-        f"The shape is enlarged {board.shape} times, each section against its own largest radius; "
-        "errors and tolerance, the green band, as chosen above. "
-        if board.shape > 1
-        else "The shape is as drawn; errors and tolerance, the green band, are enlarged as chosen "
-        "above. "
-    )
+    bands = "errors and tolerance, the green band, "
+    scale = f"The shape is as drawn; {bands}are enlarged as chosen above. "
+    if board.shape > 1:
+        about = "each section against its own largest radius"
+        scale = f"The shape is enlarged {board.shape} times, {about}; {bands}as chosen above. "
     deviations = f"Deviations from a cylinder are enlarged {board.space} times; drag to turn it. "
     space = deviations if board.space > 1 else "As drawn; drag to turn it. "
     dotted = "Dotted: the tolerance; zoom out if it is not in view. "
-    kept = "Kept sections stay visible. "
+    kept, height = "Kept sections stay visible. ", "the height at the chosen angle"
     return [
         _Chart("error-map", "Error map", texts.get("error-map", _MAP_TEXT), board.sentence, True),
         _Chart("section", "Section", scale, f"The chosen section. {scale}{board.sentence}"),
-        _Chart(
-            "profile", "Profile", dotted, "Radius and error over the height at the chosen angle."
-        ),
+        _Chart("profile", "Profile", dotted, f"Radius and error over {height}."),
         _Chart("unrolled", "Section unrolled", dotted + kept, "Error of the chosen section.", True),
         _Chart("space", "In space", space + texts.get("space", ""), board.sentence, True),
     ]
@@ -137,25 +133,16 @@ def policy(*texts: str) -> str:
 
 
 def css_text(text: str) -> str:
-    r"""Return a text as the inside of a string of CSS.
-
-    >>> css_text('a"b')
-    'a\\000022b'
-    """
+    """Return a text as the inside of a string of CSS."""
     return "".join(one if one.isalnum() and one.isascii() else f"\\{ord(one):06x}" for one in text)
 
 
 @cache
 def _environment() -> Environment:
-    environment = Environment(
-        loader=FileSystemLoader(_HERE),
-        undefined=StrictUndefined,
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["data_uri"] = data_uri
-    return environment
+    kept = {"autoescape": True, "trim_blocks": True, "lstrip_blocks": True}
+    found = Environment(loader=FileSystemLoader(_HERE), undefined=StrictUndefined, **kept)  # type: ignore[arg-type]
+    found.filters["data_uri"] = data_uri
+    return found
 
 
 def render_page(outcome: AnyCut, page: Page) -> str:
@@ -165,31 +152,28 @@ def render_page(outcome: AnyCut, page: Page) -> str:
     charts = {one.key: one.chart for one in shown if one.chart is not None}
     verdict = verdict_of(outcome, sheets.out if sheets else ())
     plotly, ours = script_texts()
-    return (
-        _environment()
-        .get_template("page.html.j2")
-        .render(
-            name=outcome.name,
-            page=page,
-            summary=outcome.summary,
-            verdict=verdict,
-            rows=[row for row in page.rows if row.name != "computing time"],
-            origin=origin_rows(outcome),
-            margins=margins_of(outcome),
-            story=fault_story(outcome) if outcome.has_fault else [],
-            shown=shown,
-            sheets=sheets,
-            board=board,
-            board_charts=_board_charts(board, shown) if board else [],
-            policy=Markup(policy(plotly, ours)),
-            style=Markup((_HERE / "page.css").read_text(encoding="utf-8")),
-            plotly=Markup(plotly),
-            ours=Markup(ours),
-            figures=json_script(charts | (board_charts(board, page.angle) if board else {})),
-            data=json_script(board_data(board) if board else {}),
-            running_title=Markup(css_text(f"{outcome.name}: {verdict.title}")),
-            running_date=Markup(css_text(outcome.origin.date if outcome.origin else "")),
-            trace=trace_text(outcome),
-            is_trace_complete=outcome.is_trace_complete,
-        )
+    template = _environment().get_template("page.html.j2")
+    return template.render(
+        name=outcome.name,
+        page=page,
+        summary=outcome.summary,
+        verdict=verdict,
+        rows=[row for row in page.rows if row.name != "computing time"],
+        origin=origin_rows(outcome),
+        margins=margins_of(outcome),
+        story=fault_story(outcome) if outcome.has_fault else [],
+        shown=shown,
+        sheets=sheets,
+        board=board,
+        board_charts=_board_charts(board, shown) if board else [],
+        policy=Markup(policy(plotly, ours)),
+        style=Markup((_HERE / "page.css").read_text(encoding="utf-8")),
+        plotly=Markup(plotly),
+        ours=Markup(ours),
+        figures=json_script(charts | (board_charts(board, page.angle) if board else {})),
+        data=json_script(board_data(board) if board else {}),
+        running_title=Markup(css_text(f"{outcome.name}: {verdict.title}")),
+        running_date=Markup(css_text(outcome.origin.date if outcome.origin else "")),
+        trace=trace_text(outcome),
+        is_trace_complete=outcome.is_trace_complete,
     )

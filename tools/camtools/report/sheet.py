@@ -88,9 +88,8 @@ class Sheets(NamedTuple):
     def out(self) -> list[str]:
         """Return what is out of tolerance, by sheet and feature."""
         named = [(sheet.name, one) for sheet in self.sections for one in sheet.features]
-        named += [
-            (f"profile {line.angle_deg:g}°", one) for line in self.lines for one in line.features
-        ]
+        profiles = ((f"profile {line.angle_deg:g}°", line.features) for line in self.lines)
+        named += [(name, one) for name, features in profiles for one in features]
         found = [f"{name}: {one.name}" for name, one in named if one.verdict == OUT]
         return found + [one.name for one in self.tapers if one.verdict == OUT]
 
@@ -143,15 +142,14 @@ def _axes_features(section: SectionFigures, stated: Tolerances) -> list[Feature]
 def _form_features(section: SectionFigures, subject: Subject, tolerance_um: float) -> list[Feature]:
     um = ("radius" if subject.has_radius else "along the normal", "µm")
     off, zone_um = section.off, section.off_zone.width_mm * UM_PER_MM
-    roundness_um = subject.tolerances.roundness_um
+    parts = {"RONp": off.peak_mm, "RONv": off.valley_mm, "RONq": off.q_mm}
+    zone = feature(_ROUNDNESS_MZ, um, zone_um, None, subject.tolerances.roundness_um)
     largest_um = section.largest_mm * UM_PER_MM
     return [
         feature("form: largest deviation, unfiltered", um, largest_um, None, tolerance_um),
         feature("roundness of the deviation RONt, LS", um, off.total_mm * UM_PER_MM),
-        feature("RONp, LS", um, off.peak_mm * UM_PER_MM),
-        feature("RONv, LS", um, off.valley_mm * UM_PER_MM),
-        feature("RONq, LS", um, off.q_mm * UM_PER_MM),
-        feature(_ROUNDNESS_MZ, um, zone_um, None, roundness_um)._replace(is_width=True),
+        *(feature(f"{name}, LS", um, mm * UM_PER_MM) for name, mm in parts.items()),
+        zone._replace(is_width=True),
     ]
 
 
@@ -181,9 +179,7 @@ def _line_sheet(line: GaugedLine, tolerance_um: float, stated: Tolerances) -> Li
         feature("STRq, LS", um, off.q_mm * UM_PER_MM),
         feature("straightness as it is STRt, LS", um, whole.total_mm * UM_PER_MM),
     ]
-    return LineSheet(
-        line.angle_deg, line.z_mm, line.radius_mm, line.deviation_mm, off, whole, features
-    )
+    return LineSheet(*line, off, whole, features)
 
 
 def _taper(one: LineSheet, other: LineSheet, tolerance_um: float | None) -> Feature:
@@ -196,12 +192,8 @@ def _taper(one: LineSheet, other: LineSheet, tolerance_um: float | None) -> Feat
 
 def _tapers(lines: list[LineSheet], tolerance_um: float | None) -> list[Feature]:
     by_angle = {line.angle_deg: line for line in lines}
-    pairs = [
-        (by_angle[deg], by_angle[deg + 180.0])
-        for deg in (0.0, 90.0)
-        if deg in by_angle and deg + 180.0 in by_angle
-    ]
-    return [_taper(*pair, tolerance_um) for pair in pairs]
+    pairs = ((by_angle.get(deg), by_angle.get(deg + 180.0)) for deg in (0.0, 90.0))
+    return [_taper(*pair, tolerance_um) for pair in pairs if None not in pair]  # type: ignore[arg-type]
 
 
 def ticks_per_turn(outcome: AnyCut) -> float:
@@ -214,25 +206,21 @@ def ticks_per_turn(outcome: AnyCut) -> float:
 
 def _not_too_coarse(features: list[Feature]) -> list[Feature]:
     """Return features without a good roundness: the waves between ticks are missing."""
+    good = (_ROUNDNESS_MZ, GOOD)
     return [
-        one._replace(verdict=TOO_COARSE)
-        if one.name == _ROUNDNESS_MZ and one.verdict == GOOD
-        else one
+        one._replace(verdict=TOO_COARSE) if (one.name, one.verdict) == good else one
         for one in features
     ]
 
 
 def _head(outcome: AnyCut, upr: int) -> list[ReportRow]:
-    per_turn = ticks_per_turn(outcome)
-    enough = (
-        ""
-        if per_turn >= POINTS_PER_WAVE * upr
-        else (
+    per_turn, enough = ticks_per_turn(outcome), ""
+    if per_turn < POINTS_PER_WAVE * upr:
+        enough = (
             f"; fewer than {POINTS_PER_WAVE} ticks per wave at {upr} UPR, so waves above "
             f"{per_turn / POINTS_PER_WAVE:.0f} per turn are smoothed and "
             "no roundness is accepted as good"
         )
-    )
     return [
         ReportRow("part", outcome.name),
         *origin_rows(outcome),
@@ -276,16 +264,12 @@ def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
             features = [*_axes_features(section, stated), *features, *_whole_features(section)]
         features = _not_too_coarse(features) if is_coarse else features
         sections.append(SectionSheet(name, one.z_mm, one.turn, section, features))
-    lines = [
-        _line_sheet(one, tolerance_um, stated)
-        for one in gauged.lines
-        if one.z_mm.size >= _LEAST_POINTS
-    ]
+    judged = (one for one in gauged.lines if one.z_mm.size >= _LEAST_POINTS)
+    lines = [_line_sheet(one, tolerance_um, stated) for one in judged]
     head = _head(outcome, upr)
     head += [ReportRow("smoothing", subject.note)] if subject.note else []
-    return Sheets(
-        head, subject, upr, sections, lines, _tapers(lines, subject.tolerances.taper_um), missing
-    )
+    tapers = _tapers(lines, stated.taper_um)
+    return Sheets(head, subject, upr, sections, lines, tapers, missing)
 
 
 def shown_number(value: float | None, unit: str) -> str:

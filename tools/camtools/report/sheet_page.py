@@ -61,23 +61,20 @@ class SheetPages(NamedTuple):
 
 def _row(one: Feature) -> Row:
     """Return a line of a table: deviations of millimetres in micrometres."""
-    unit = "" if one.unit == "°" else f" {one.unit}"
+    unit, small = ("°", "°") if one.unit == "°" else (f" {one.unit}", " µm")
     deviation = shown_number(one.deviation, one.unit)
     if one.unit == "mm" and one.deviation is not None:
         deviation = f"{one.deviation * UM_PER_MM:.4f} µm"
     elif deviation:
-        deviation += f"{unit}" if unit else "°"
-    tolerance = ""
-    if one.tolerance is not None:
-        sign = "" if one.is_width else "±"
-        tolerance = f"{sign}{one.tolerance:g}{'°' if one.unit == '°' else ' µm'}"
+        deviation += unit
+    sign = "" if one.is_width else "±"
     return (
         one.name,
         f"{one.quantity}, {one.unit}",
         shown_number(one.nominal, one.unit),
         shown_number(one.actual, one.unit),
         deviation,
-        tolerance,
+        "" if one.tolerance is None else f"{sign}{one.tolerance:g}{small}",
         "\N{EN DASH}" if one.verdict == NO_TOLERANCE else one.verdict,
         _CLASSES.get(one.verdict, "none"),
     )
@@ -106,12 +103,11 @@ def _views(sheets: Sheets) -> tuple[list[SheetView], dict[str, bytes]]:
     if sheets.lines:
         png = png_of(draw_lines(sheets))
         files["cut_profiles.png"] = png
-        rows = []
-        for line in sheets.lines:
-            named = [
-                part._replace(name=f"{line.angle_deg:g}°: {part.name}") for part in line.features
-            ]
-            rows += [_row(part) for part in named]
+        rows = [
+            _row(part._replace(name=f"{line.angle_deg:g}°: {part.name}"))
+            for line in sheets.lines
+            for part in line.features
+        ]
         rows += [_row(part) for part in sheets.tapers]
         views.append(SheetView("Profiles along the axis", png, rows, [], ""))
     return views, files
@@ -122,13 +118,9 @@ def _circle(one: Circle) -> Json:
 
 
 def _roundness(one: Roundness, zone_mm: float) -> Json:
-    return {
-        "RONt_LS_um": one.total_mm * UM_PER_MM,
-        "RONp_LS_um": one.peak_mm * UM_PER_MM,
-        "RONv_LS_um": one.valley_mm * UM_PER_MM,
-        "RONq_LS_um": one.q_mm * UM_PER_MM,
-        "RONt_MZ_um": zone_mm * UM_PER_MM,
-    }
+    names = ("RONt_LS_um", "RONp_LS_um", "RONv_LS_um", "RONq_LS_um", "RONt_MZ_um")
+    values_mm = (one.total_mm, one.peak_mm, one.valley_mm, one.q_mm, zone_mm)
+    return {name: mm * UM_PER_MM for name, mm in zip(names, values_mm, strict=True)}
 
 
 def _waves(waves: list[RoundWave]) -> list[Json]:

@@ -15,31 +15,21 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle as Disc
 
 from camtools.base.quantities import UM_PER_MM, Floats, length_text, length_unit
-from camtools.plots.style import (
-    BLUE,
-    GREY,
-    ORANGE,
-    PALE,
-    RED,
-    SKY,
-    log_axis,
-    new_figure,
-    nice_limit,
-)
+from camtools.plots import style
 from camtools.report.sheet import LineSheet, SectionSheet, Sheets
+from camtools.report.surface_plots import TURN, draw_ring
 from camtools.roundness.section import RoundWave
 
 _ROOM = 0.3  # share of the radius in which deviations are drawn, to both sides
 _EDGE, _NAMES = 1.62, 1.48
-_TURN = np.linspace(0, 1, 721)
 _LEAST_FLOOR_UM = 1e-5
 _DECADES = 3.0
 _LIMITS_DEG = 67.5
-_CENTRED = {"ha": "center", "va": "center", "color": GREY}
-_CIRCLE_STYLE = {"color": "black", "lw": 1.2, "ls": "--", "zorder": 5}
-_ZONE_STYLE = {"color": GREY, "lw": 0.9, "ls": ":"}
-_RAW_STYLE = {"color": RED, "lw": 0.6, "alpha": 0.6}
-_DRAWN_STYLE = {"color": BLUE, "lw": 2.4, "alpha": 0.45}
+_CENTRED = {"ha": "center", "va": "center", "color": style.GREY}
+_CIRCLE_STYLE: dict[str, object] = {"color": "black", "lw": 1.2, "ls": "--", "zorder": 5}
+_ZONE_STYLE: dict[str, object] = {"color": style.GREY, "lw": 0.9, "ls": ":"}
+_RAW_STYLE: dict[str, object] = {"color": style.RED, "lw": 0.6, "alpha": 0.6}
+_DRAWN_STYLE: dict[str, object] = {"color": style.BLUE, "lw": 2.4, "alpha": 0.45}
 
 
 def enlarged_text(radius_mm: float, limit_mm: float) -> str:
@@ -54,32 +44,24 @@ def _text(value_mm: float) -> str:
 
 def _limit_mm(off_mm: Floats) -> float:
     """Return the round deviation that the outer ring stands for [mm]."""
-    return nice_limit(float(np.abs(off_mm).max()) * UM_PER_MM) / UM_PER_MM
+    return style.nice_limit(float(np.abs(off_mm).max()) * UM_PER_MM) / UM_PER_MM
 
 
-def _ring(axes: Axes, turn: Floats, radius: Floats | float, **style: object) -> None:
-    phi, radii = 2 * np.pi * turn, np.broadcast_to(radius, turn.shape)
-    axes.plot(radii * np.cos(phi), radii * np.sin(phi), **style)  # type: ignore[arg-type]
-
-
-def _profile(axes: Axes, off_mm: Floats, limit_mm: float, **style: object) -> None:
+def _profile(axes: Axes, off_mm: Floats, limit_mm: float, **look: object) -> None:
     turn = np.arange(off_mm.size + 1) / off_mm.size
-    _ring(axes, turn, 1 + _ROOM * np.append(off_mm, off_mm[:1]) / limit_mm, **style)
+    draw_ring(axes, turn, 1 + _ROOM * np.append(off_mm, off_mm[:1]) / limit_mm, **look)
 
 
 def _polar(axes: Axes, title: str, limit_mm: float, middle: str) -> None:
     """Prepare a polar picture whose rings are apart by half of the limit, and number them."""
-    axes.set_aspect("equal")
-    axes.set_xlim(-_EDGE, _EDGE)
-    axes.set_ylim(-_EDGE, _EDGE)
+    axes.set(aspect="equal", xlim=(-_EDGE, _EDGE), ylim=(-_EDGE, _EDGE), title=title)
     axes.axis("off")
-    axes.set_title(title)
     for share in (-1.0, -0.5, 0.5, 1.0):
-        axes.add_patch(Disc((0, 0), 1 + _ROOM * share, fill=False, color=PALE, lw=0.7))
+        axes.add_patch(Disc((0, 0), 1 + _ROOM * share, fill=False, color=style.PALE, lw=0.7))
     spoke = np.array([1 - _ROOM, 1 + _ROOM])
     for deg in range(0, 360, 45):
         x, y = np.cos(np.radians(deg)), np.sin(np.radians(deg))
-        axes.plot(spoke * x, spoke * y, color=PALE, lw=0.7)
+        axes.plot(spoke * x, spoke * y, color=style.PALE, lw=0.7)
         axes.text(_NAMES * x, _NAMES * y, f"{deg}°", fontsize=8, **_CENTRED)  # type: ignore[arg-type]
     for share in (-1.13, 1.13):
         at = 1 + _ROOM * share * (1.07 if share < 0 else 1)
@@ -90,12 +72,12 @@ def _polar(axes: Axes, title: str, limit_mm: float, middle: str) -> None:
 
 
 def _circle_line(
-    axes: Axes, off_mm: float, centre_mm: tuple[float, float], limit_mm: float, **style: object
+    axes: Axes, off_mm: float, centre_mm: tuple[float, float], limit_mm: float, **look: object
 ) -> None:
     """Draw a circle that is eccentric by a little: enlarged it is a limacon."""
-    phi = 2 * np.pi * _TURN
+    phi = 2 * np.pi * TURN
     from_middle = off_mm + centre_mm[0] * np.cos(phi) + centre_mm[1] * np.sin(phi)
-    _ring(axes, _TURN, 1 + _ROOM * from_middle / limit_mm, **style)
+    draw_ring(axes, TURN, 1 + _ROOM * from_middle / limit_mm, **look)
 
 
 def _draw_whole(axes: Axes, one: SectionSheet) -> None:
@@ -111,7 +93,7 @@ def _draw_whole(axes: Axes, one: SectionSheet) -> None:
     )
     _polar(axes, "section as it is", limit_mm, middle)
     _profile(axes, found.drawn_mm - circle.radius_mm, limit_mm, **_DRAWN_STYLE)
-    _profile(axes, off_mm, limit_mm, color=RED, lw=1.0)
+    _profile(axes, off_mm, limit_mm, color=style.RED, lw=1.0)
     _circle_line(axes, 0.0, (circle.x_mm, circle.y_mm), limit_mm, **_CIRCLE_STYLE)
 
 
@@ -126,9 +108,9 @@ def _draw_off(axes: Axes, one: SectionSheet, upr: int, along: str) -> None:
         f"enlarged {enlarged_text(mean_mm, limit_mm)}"
     )
     _polar(axes, f"deviation from the drawing, {along}", limit_mm, middle)
-    _ring(axes, _TURN, 1.0, **(_DRAWN_STYLE | {"lw": 1.6}))
+    draw_ring(axes, TURN, 1.0, **(_DRAWN_STYLE | {"lw": 1.6}))
     _profile(axes, found.raw_mm, limit_mm, **_RAW_STYLE)
-    _profile(axes, found.filtered_mm, limit_mm, color=RED, lw=1.2)
+    _profile(axes, found.filtered_mm, limit_mm, color=style.RED, lw=1.2)
     centre = (circle.x_mm, circle.y_mm)
     _circle_line(axes, circle.radius_mm - mean_mm, centre, limit_mm, **_CIRCLE_STYLE)
     for side in (-0.5, 0.5):
@@ -138,11 +120,7 @@ def _draw_off(axes: Axes, one: SectionSheet, upr: int, along: str) -> None:
 
 
 def floor_um(waves: list[RoundWave]) -> float:
-    """Return where the axis of the amplitudes begins [um]: three decades below the largest.
-
-    >>> floor_um([RoundWave(1, 2e-5, 0.0), RoundWave(2, 5e-7, 0.0)])
-    1e-05
-    """
+    """Return where the axis of the amplitudes begins [um]: three decades below the largest."""
     largest_um = max(one.amplitude for one in waves) * UM_PER_MM
     power = round(log10(max(largest_um, _LEAST_FLOOR_UM)) - _DECADES)
     return max(_LEAST_FLOOR_UM, float(f"1e{power}"))
@@ -159,14 +137,14 @@ def _draw_waves(axes: Axes, one: SectionSheet, *, is_oval: bool) -> None:
     factor, unit = length_unit(float(amplitude_um.max()))
     low = floor_um(waves) * factor
     shown = np.maximum(amplitude_um * factor, low)
-    axes.bar(orders, shown - low, bottom=low, width=0.7, color=BLUE, label="deviation")
+    axes.bar(orders, shown - low, bottom=low, width=0.7, color=style.BLUE, label="deviation")
     high = max(float(shown.max()), 10 * low)
     if is_oval:
         whole = _amplitudes_um(one.section.whole_waves) * factor
-        some, style = whole > low, {"color": RED, "ls": "", "marker": "o", "ms": 4, "mfc": "none"}
-        axes.plot(orders[some], whole[some], label="section as it is", **style)  # type: ignore[arg-type]
+        some, look = whole > low, {"ls": "", "marker": "o", "ms": 4, "mfc": "none"}
+        axes.plot(orders[some], whole[some], color=style.RED, label="section as it is", **look)  # type: ignore[arg-type]
         high = max(high, float(whole.max()))
-    log_axis(axes, "y", low, high * 2)
+    style.log_axis(axes, "y", low, high * 2)
     axes.set_xlim(0.2, orders[-1] + 0.8)
     axes.set_xticks([1, *range(5, int(orders[-1]) + 1, 5)])
     axes.set_xlabel(f"waves per turn (UPR), unfiltered; no bar: below the floor of {low:g} {unit}")
@@ -175,33 +153,30 @@ def _draw_waves(axes: Axes, one: SectionSheet, *, is_oval: bool) -> None:
     axes.legend(frameon=False, loc="lower right", bbox_to_anchor=(1, 1.0), ncols=2)
 
 
-def _handle(label: str, **style: object) -> Line2D:
-    return Line2D([], [], label=label, **style)  # type: ignore[arg-type]
+def _explain(figure: Figure, looks: dict[str, dict[str, object]]) -> None:
+    """Explain the lines of the panels once for all, above them."""
+    handles = [Line2D([], [], label=name, **look) for name, look in looks.items()]  # type: ignore[arg-type]
+    figure.legend(handles=handles, loc="outside upper center", ncols=len(looks), frameon=False)
 
 
 def draw_section(one: SectionSheet, sheets: Sheets) -> Figure:
     """Return the pictures of a section: polar ones above, harmonics below."""
     is_oval = sheets.subject.is_oval
-    along = (
-        "radially"
-        if sheets.subject.has_radius
-        else "along the normal,\nover the direction of the roller"
-    )
+    normal = "along the normal,\nover the direction of the roller"
+    along = "radially" if sheets.subject.has_radius else normal
     layout = [["whole", "off"], ["waves", "waves"]] if is_oval else [["off"], ["waves"]]
-    figure = new_figure(10, 7.6)
+    figure = style.new_figure(10, 7.6)
     panels = figure.subplot_mosaic(layout, height_ratios=[2.5, 1])  # type: ignore[arg-type]
     if is_oval:
         _draw_whole(panels["whole"], one)
     _draw_off(panels["off"], one, sheets.upr, along)
     _draw_waves(panels["waves"], one, is_oval=is_oval)
-    handles = [
-        _handle("drawing", **_DRAWN_STYLE),
-        _handle("cut, filtered", color=RED),
-        _handle("cut, unfiltered", **_RAW_STYLE),
-        _handle("LS circle", **_CIRCLE_STYLE),
-        _handle("MZ circles", **_ZONE_STYLE),
-    ]
-    figure.legend(handles=handles, loc="outside upper center", ncols=5, frameon=False)
+    looks = {
+        "drawing": _DRAWN_STYLE,
+        "cut, filtered": {"color": style.RED},
+        "cut, unfiltered": _RAW_STYLE,
+    }
+    _explain(figure, looks | {"LS circle": _CIRCLE_STYLE, "MZ circles": _ZONE_STYLE})
     return figure
 
 
@@ -209,11 +184,10 @@ def _draw_line(axes: Axes, one: LineSheet, limit_um: float) -> None:
     factor, unit = length_unit(limit_um)
     fit_mm = one.off.middle_mm + one.off.slope * (one.z_mm - one.z_mm.mean())
     axes.axvline(0, **_DRAWN_STYLE)  # type: ignore[arg-type]
-    axes.plot(one.deviation_mm * UM_PER_MM * factor, one.z_mm, color=RED, lw=0.8)
+    axes.plot(one.deviation_mm * UM_PER_MM * factor, one.z_mm, color=style.RED, lw=0.8)
     axes.plot(fit_mm * UM_PER_MM * factor, one.z_mm, **_CIRCLE_STYLE)  # type: ignore[arg-type]
-    axes.set_xlim(-limit_um * factor, limit_um * factor)
     found = f"STRt {_text(one.off.total_mm)} LS\n{_text(one.off.zone_mm)} MZ"
-    axes.set_title(f"{one.angle_deg:g}°\n{found}")
+    axes.set(xlim=(-limit_um * factor, limit_um * factor), title=f"{one.angle_deg:g}°\n{found}")
     axes.set_xlabel(f"off the drawing\n(radius), {unit}")
     axes.grid(alpha=0.3)
 
@@ -221,11 +195,12 @@ def _draw_line(axes: Axes, one: LineSheet, limit_um: float) -> None:
 def draw_lines(sheets: Sheets) -> Figure:
     """Return the profiles: the cut as it is on the left, deviations from the drawing beside."""
     lines = sheets.lines
-    figure = new_figure(10, 5.6)
+    figure = style.new_figure(10, 5.6)
     figure.set_layout_engine("constrained", w_pad=0.12)  # numbers of neighbours keep apart
     widths = [1.4] + [1.0] * len(lines)
     panels = figure.subplots(1, len(widths), sharey=True, width_ratios=widths)
-    looks = zip(lines, (RED, GREY, SKY, ORANGE), ("-", "-", "--", "--"), strict=False)
+    colours = style.RED, style.GREY, style.SKY, style.ORANGE
+    looks = zip(lines, colours, ("-", "-", "--", "--"), strict=False)
     for one, colour, dashes in looks:
         name = f"{one.angle_deg:g}°"
         panels[0].plot(2 * one.radius_mm, one.z_mm, color=colour, lw=1.4, ls=dashes, label=name)
@@ -234,11 +209,11 @@ def draw_lines(sheets: Sheets) -> Figure:
     panels[0].grid(alpha=0.3)
     worst_um = max(float(np.abs(one.deviation_mm).max()) for one in lines) * UM_PER_MM
     for axes, one in zip(panels[1:], lines, strict=True):
-        _draw_line(axes, one, nice_limit(worst_um))
-    handles = [
-        _handle("cut, unfiltered", color=RED),
-        _handle("drawing", **_DRAWN_STYLE),
-        _handle("LS line", **_CIRCLE_STYLE),
-    ]
-    figure.legend(handles=handles, loc="outside upper center", ncols=3, frameon=False)
+        _draw_line(axes, one, style.nice_limit(worst_um))
+    looks = {
+        "cut, unfiltered": {"color": style.RED},
+        "drawing": _DRAWN_STYLE,
+        "LS line": _CIRCLE_STYLE,
+    }
+    _explain(figure, looks)
     return figure

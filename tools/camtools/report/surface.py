@@ -30,11 +30,7 @@ class Cells(NamedTuple):
 
 
 def map_rows(span_mm: float, feed_mm: float) -> int:
-    """Return how many rows of the map leave none without a turn: camsim's 256, halved as needed.
-
-    >>> map_rows(62.0, 0.1), map_rows(62.0, 0.5)
-    (256, 64)
-    """
+    """Return how many rows of the map leave none without a turn: camsim's 256, halved as needed."""
     n_rows = MAX_ROWS
     while n_rows > 1 and span_mm / n_rows < feed_mm:
         n_rows //= 2
@@ -82,11 +78,7 @@ def closed(near: GaugedSurface) -> GaugedSurface:
 
 
 def bands_by_height(surface: GaugedSurface, z_range_mm: tuple[float, float]) -> Floats:
-    """Return the error in bands of height.
-
-    Returns shape (4, n): height [mm], smallest, largest and rms error [um] of every band that has
-    points.
-    """
+    """Return height [mm], smallest, largest and rms error [um] of bands with points, (4, n)."""
     low, high = z_range_mm
     n = N_BANDS
     band = ((surface.z_mm - low) / (high - low) * n).astype(np.int64).clip(0, n - 1)

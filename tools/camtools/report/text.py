@@ -88,10 +88,7 @@ def _named(names: Sequence[str]) -> str:
 
 
 def verdict_of(outcome: AnyCut, out: Sequence[str] = ()) -> Verdict:
-    """Return whether the part is good, and why not.
-
-    `out`: what the sheets of the part found out of tolerance.
-    """
+    """Return whether the part is good, and why not; `out`: found by the sheets."""
     summary = outcome.summary
     form = summary["form_error_um"]
     if outcome.has_fault:
@@ -209,12 +206,7 @@ def margins_of(outcome: AnyCut) -> list[Margin]:
 def page_text(
     outcome: AnyCut, about: list[ReportRow], place: str, total_s: float, out: Sequence[str] = ()
 ) -> str:
-    """Return the summary table for the terminal.
-
-    `about`: what the kind of the part says of the cut. `place`: folder of the results, as the user
-    may type it. `total_s`: computing time of everything [s]. `out`: what the sheets of the part
-    found out of tolerance.
-    """
+    """Return the summary for the terminal: folder as typed, computing time, what is out."""
     rows = [row for row in about if row.name != "computing time"]
     for margin in margins_of(outcome):
         value = f"{margin.needed}, {margin.percent:.0f} % of the limit of {margin.limit}"
@@ -244,10 +236,7 @@ def origin_rows(outcome: AnyCut) -> list[ReportRow]:
 
 
 def fault_facts(path: Path = _FAULTS) -> dict[str, FaultFacts]:
-    """Return the table of faults of the firmware's manual.
-
-    Raises `InputError`: the manual cannot be read.
-    """
+    """Return the table of faults of the firmware's manual, or refuse a missing one."""
     try:
         text = path.read_text(encoding="utf-8")
     except OSError as error:

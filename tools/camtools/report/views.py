@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
@@ -14,17 +15,7 @@ from matplotlib.figure import Figure
 
 from camtools.base.quantities import Floats, length_text
 from camtools.base.text import Json
-from camtools.plots.style import (
-    BLUE,
-    GREEN,
-    ORANGE,
-    PALE,
-    RED,
-    log_axis,
-    new_figure,
-    nice_floor,
-    nice_limit,
-)
+from camtools.plots import style
 from camtools.report.charts import (
     TurnOfU,
     following_chart,
@@ -80,6 +71,10 @@ class View(NamedTuple, Generic[ShownT]):
     def words(self, cut: ShownT) -> str:
         """Return what the picture shows."""
         return (self.sentence(cut) if self.sentence else "") or self.title
+
+    def png(self, cut: ShownT) -> bytes:
+        """Return the picture."""
+        return style.png_of(self.draw(cut))
 
 
 def surface_sentence(outcome: AnyCut) -> str:
@@ -184,11 +179,9 @@ SEQUENCE: View[AnyCut] = View(
 
 def _spans(turn: Floats, is_cut: np.ndarray) -> list[tuple[str, float, float]]:
     """Return name, begin and end [turn] of rehearsal, engaging and cut, in their order."""
-    edges = np.flatnonzero(np.diff(is_cut.astype(np.int8))) + 1
-    begins = [0, *edges.tolist()]
-    ends = [*edges.tolist(), turn.size]
+    edges = (np.flatnonzero(np.diff(is_cut.astype(np.int8))) + 1).tolist()
     spans: list[tuple[str, float, float]] = []
-    for begin, end in zip(begins, ends, strict=True):
+    for begin, end in pairwise([0, *edges, turn.size]):
         name = "cut" if is_cut[begin] else "rehearsal"
         low, high = float(turn[begin]), float(turn[end - 1]) + 1
         if spans:
@@ -203,33 +196,31 @@ def draw_convergence(summary: Json) -> Figure:
     turn = np.asarray(summary["error_per_turn"]["turn"], dtype=np.float64)
     is_cut = np.asarray([state == "cutting" for state in summary["error_per_turn"]["state"]])
     tolerance_um = float(summary["form_error_um"]["tolerance"])
-    figure = new_figure(10, 4.2)
+    figure = style.new_figure(10, 4.2)
     axes = figure.add_subplot()
     above = np.append(um[um > 0], tolerance_um)
     shown = np.maximum(um, above.min())  # nothing of a logarithmic scale is 0
     for name, low, high in _spans(turn, is_cut):
-        shade = {"rehearsal": PALE, "engage": ORANGE}.get(name)
+        shade = {"rehearsal": style.PALE, "engage": style.ORANGE}.get(name)
         if shade:
             axes.axvspan(low, high, color=shade, alpha=0.35, lw=0)
         row = 1.07 if name == "engage" else 1.02  # it is narrow, and its neighbours may be
         axes.text((low + high) / 2, row, name, transform=axes.get_xaxis_transform(), ha="center")
-    style = {"marker": "o", "ms": 3} if um.size <= _MOST_MARKS else {}
-    for part, colour in ((~is_cut, BLUE), (is_cut, RED)):
+    look = {"marker": "o", "ms": 3} if um.size <= _MOST_MARKS else {}
+    for part, colour in ((~is_cut, style.BLUE), (is_cut, style.RED)):
         gaps = np.flatnonzero(np.diff(np.flatnonzero(part)) > 1) + 1
         for rows in np.split(np.flatnonzero(part), gaps):
-            axes.plot(turn[rows] + 0.5, shown[rows], color=colour, lw=1.2, **style)  # type: ignore[arg-type]
-    axes.axhline(tolerance_um, color=GREEN, lw=1.6, ls="--")
+            axes.plot(turn[rows] + 0.5, shown[rows], color=colour, lw=1.2, **look)  # type: ignore[arg-type]
+    axes.axhline(tolerance_um, color=style.GREEN, lw=1.6, ls="--")
     text = f" tolerance {length_text(tolerance_um)}"
-    axes.text(1, tolerance_um, text, transform=axes.get_yaxis_transform(), va="center", color=GREEN)
-    low, high = (
-        nice_floor(min(shown.min(), tolerance_um)),
-        nice_limit(max(shown.max(), tolerance_um)),
-    )
-    log_axis(axes, "y", low * (0.5 if low == high else 0.8), high * 1.25)
-    axes.set_xlim(float(turn[0]), float(turn[-1]) + 1)
+    place = axes.get_yaxis_transform()
+    axes.text(1, tolerance_um, text, transform=place, va="center", color=style.GREEN)
+    low = style.nice_floor(min(shown.min(), tolerance_um))
+    high = style.nice_limit(max(shown.max(), tolerance_um))
+    style.log_axis(axes, "y", low * (0.5 if low == high else 0.8), high * 1.25)
+    axes.set(xlim=(float(turn[0]), float(turn[-1]) + 1), xlabel="turns of the spindle")
+    axes.set(ylabel="error of the turn, µm")
     axes.grid(alpha=0.3)
-    axes.set_xlabel("turns of the spindle")
-    axes.set_ylabel("error of the turn, µm")
     return figure
 
 
@@ -265,24 +256,24 @@ def worth_text(variants: Sequence[CutVariant]) -> list[str]:
 
 def draw_variants(variants: Sequence[CutVariant], tolerance_um: float) -> Figure:
     """Return the largest control errors on a logarithmic scale, beside the tolerance."""
-    figure = new_figure(10, 1.1 + 0.5 * len(variants))
+    figure = style.new_figure(10, 1.1 + 0.5 * len(variants))
     axes = figure.add_subplot()
     values = [tolerance_um, *(variant.max_um for variant in variants)]
     above_zero = [value for value in values if value > 0] or [1.0]
     low, high = min(above_zero) / 2, max(above_zero) * 40  # with room for words
-    axes.axvspan(low, tolerance_um, color=GREEN, alpha=0.12, lw=0)
-    axes.axvline(tolerance_um, color=GREEN, lw=1.6, ls="--", zorder=1)
+    axes.axvspan(low, tolerance_um, color=style.GREEN, alpha=0.12, lw=0)
+    axes.axvline(tolerance_um, color=style.GREEN, lw=1.6, ls="--", zorder=1)
     for i, (variant, worth) in enumerate(zip(variants, worth_text(variants), strict=True)):
         at_um = max(variant.max_um, low)  # 0 has no place on a logarithmic scale
-        style = {"marker": "o", "color": BLUE} if i == 0 else {"marker": "D", "color": RED}
-        axes.plot([at_um], [i], ms=9, ls="", **style)  # type: ignore[arg-type]
+        marker, colour = ("o", style.BLUE) if i == 0 else ("D", style.RED)
+        axes.plot([at_um], [i], ms=9, ls="", marker=marker, color=colour)
         text = f"{length_text(variant.max_um)}" + (f", {worth}" if worth else "")
         offset = {"xytext": (10, 0), "textcoords": "offset points", "va": "center"}
         axes.annotate(text, (at_um, i), bbox=_WHITE, zorder=1.5, **offset)  # type: ignore[arg-type]
     axes.set_title(f"shaded: within the tolerance of {length_text(tolerance_um)}", loc="left")
     axes.set_yticks(range(len(variants)), [variant.name for variant in variants])
     axes.set_ylim(len(variants) - 0.5, -0.5)
-    log_axis(axes, "x", low, high)
+    style.log_axis(axes, "x", low, high)
     axes.grid(axis="x", alpha=0.3)
     axes.set_xlabel("largest error of the controller, µm")
     return figure

@@ -92,17 +92,12 @@ class Bounds:
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """One channel of a table.
-
-    `knots`, shape (n_slices, n_knots, 3): (p, v, a) of each knot, LSB 2^-frac_bits nm, of speed
-    2^-frac_bits 2^-20, of swing and contact 2^-frac_bits 2^-26 turn; n_knots = 1 for x.
-    `has_patterns`: slices are patterns of lobes, found by their number instead of a height.
-    """
+    """One channel of a table."""
 
     kind: int  # KIND_U, KIND_X, KIND_SPEED, KIND_SWING or KIND_CONTACT
-    knots: Knots
+    knots: Knots  # (p, v, a), shape (n_slices, n_knots, 3); n_knots = 1 over height
     log2_repeat: int  # the pattern repeats 2^log2_repeat times per turn; 0 for x
-    frac_bits: int  # 0 .. 16
+    frac_bits: int  # LSB 2^-frac_bits nm, of speed 2^-20 and of angles 2^-26 turn of that
     z_first_nm: int  # height of the first slice
     z_last_nm: int  # height of the last slice
     value_offset: int  # value at p = 0, in the unit of the channel
@@ -110,7 +105,7 @@ class Channel:
     p_max: int
     v_max: int  # of the magnitude, as a_max
     a_max: int
-    has_patterns: bool = False
+    has_patterns: bool = False  # slices are patterns of lobes, found by number, not height
 
     @property
     def n_slices(self) -> int:

@@ -42,10 +42,7 @@ def knot_interval(channel: Channel) -> float:
 
 
 def locate(channel: Channel, z_nm: Floats) -> tuple[Ints, Floats]:
-    """Return slice index and weight of the next slice; heights outside are clamped.
-
-    Patterns have no heights: there `z_nm` is the number of the pattern.
-    """
+    """Return slice and weight of the next one at clamped heights, or numbers of patterns."""
     if channel.has_patterns:
         i_slice = np.minimum(z_nm.astype(np.int64), channel.n_slices - 2)
         return i_slice, z_nm - i_slice
@@ -84,11 +81,7 @@ def evaluate_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
 
 
 def evaluate_at(channel: Channel, turn: Floats, z_nm: Floats) -> Values:
-    """Return a channel over angle at points.
-
-    `turn`, `z_nm`, shape (n,): spindle angle in turns (any value) and height. Returns each of shape
-    (n,).
-    """
+    """Return a channel over angle at points of turn and height, shape (n,)."""
     place = np.mod(turn * (1 << channel.log2_repeat), 1.0) * channel.knots.shape[1]
     i_knot = np.minimum(place.astype(np.int64), channel.knots.shape[1] - 1)
     i_slice, weight = locate(channel, z_nm)
@@ -118,10 +111,7 @@ def _bernstein_rows(degree: int) -> Floats:
 
 
 def polynomial_bounds(coefficients: Floats) -> tuple[float, float]:
-    """Return true bounds of polynomials on 0 .. 1, MATHS.md (51), on eight sub-intervals.
-
-    `coefficients`, shape (..., degree + 1): lowest power first.
-    """
+    """Return true bounds of polynomials, lowest power first, on 0 .. 1, MATHS.md (51)."""
     points = coefficients @ _bernstein_rows(coefficients.shape[-1] - 1)
     return float(points.min()), float(points.max())
 
@@ -143,10 +133,7 @@ def _outwards(channel: Channel, low: int, high: int) -> Extent:
 
 
 def extent(channel: Channel) -> Extent:
-    """Return what a channel takes, between its knots and the firmware's rounding included.
-
-    Exact, and therefore the numbers that the controller finds: cam_bounds.c.
-    """
+    """Return what a channel takes, exactly as the controller finds it: cam_bounds.c."""
     rows = np.rint(_bernstein_rows(5) * _WHOLE).astype(np.int64)
     points = channel_coefficients(channel).astype(np.int64) @ rows
     low, high = int(points.min()) // _WHOLE, -(-int(points.max()) // _WHOLE)
@@ -187,10 +174,7 @@ _AT_START = np.array([[1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0], [0, 0, 2, 0, 0, 0]
 
 
 def jumps(channel: Channel) -> tuple[Continuity, Continuity]:
-    """Return the jumps at knots inside the pattern, and at its wrap, in exact integers.
-
-    The wrap of x, which has none, is reported as 0.
-    """
+    """Return the jumps inside the pattern, and at its wrap (of x: 0), in exact integers."""
     c = channel_coefficients(channel)
     ends, starts = c @ _AT_END.T, np.roll(c, -1, axis=-2) @ _AT_START.T
     gap = np.abs(ends - starts).reshape(-1, c.shape[-2], 3).max(axis=0)
@@ -221,10 +205,7 @@ class MotionPeaks(NamedTuple):
 
 
 def peaks_together(y: Channel, speed: Channel) -> MotionPeaks:
-    """Return what a channel of an axis and the spindle's speed do together.
-
-    They are looked at on a grid finer than the knots of either.
-    """
+    """Return what a channel and the spindle's speed do together, on a fine grid."""
     n = _PLACES_PER_KNOT * max(y.knots.shape[1], speed.knots.shape[1])
     n_z = _HEIGHTS_BETWEEN * max(y.n_slices, speed.n_slices) + 1
     z_nm = np.linspace(y.z_first_nm, y.z_last_nm, n_z)

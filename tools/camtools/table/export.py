@@ -122,11 +122,7 @@ def _sampled(
 
 
 def points_of(table: Table, channel: Channel, z_mm: float, n_points: int = 0) -> ExportedPoints:
-    """Return a channel over the drawing's angle at a height, as the firmware plays it.
-
-    `n_points`: points per turn, equally spaced; 0 takes the knots, from which the quintics follow
-    exactly.
-    """
+    """Return a channel over the drawing's angle at a height; 0 points per turn: its knots."""
     drawn = in_sense(channel, table.direction)
     return _sampled(table, drawn, *_at_height(table, drawn, z_mm), n_points)
 
@@ -178,10 +174,7 @@ def _over_height(table: Table, form: str) -> str:
 
 
 def export_files(table: Table, export: Export) -> dict[str, bytes]:
-    """Return the files of an export by their names.
-
-    Raises `CamtoolsError`: a height outside of the table.
-    """
+    """Return the files of an export by name, or refuse a height outside of the table."""
     low, high = table.z_first_nm / NM_PER_MM, table.z_last_nm / NM_PER_MM
     for z_mm in export.heights_mm:
         if not low <= z_mm <= high:

@@ -65,10 +65,7 @@ def _units(value: float, per_unit: int) -> int:
 
 
 def check_bounds(bounds: Bounds) -> None:
-    """Refuse bounds of u that the header of an image does not hold, TABLE_FORMAT.md.
-
-    Raises `CamtoolsError`: with what is needed and what a table holds.
-    """
+    """Refuse bounds of u that the header of an image does not hold, TABLE_FORMAT.md."""
     reach_nm = max(bounds.u_max_nm, -bounds.u_min_nm)
     lines = [
         f"u: {what} comes to {found / NM_PER_MM:.6g} {unit}, a table holds {most / NM_PER_MM:.6g}; "
@@ -87,11 +84,7 @@ def check_bounds(bounds: Bounds) -> None:
 def table_of(
     part: PartFile, spindle_rpm: float, bounds: Bounds, channels: tuple[Channel, ...]
 ) -> Table:
-    """Return a table with the header of a part and its channels in the sense of cutting.
-
-    `spindle_rpm`: mean speed [r/min]. `channels`: over the drawing's angle; u comes first. Raises
-    `CamtoolsError`: see `check_bounds`.
-    """
+    """Return a table of channels over the drawing's angle, u first, in the sense of cutting."""
     check_bounds(bounds)
     process, u = part.process, channels[0]
     return Table(
@@ -109,10 +102,7 @@ def table_of(
 
 
 def check_tolerance(tolerance_nm: float) -> None:
-    """Refuse a tolerance that is not a length.
-
-    Raises `CamtoolsError`: not above 0, not at most MAX_TOLERANCE_NM, or not a number.
-    """
+    """Refuse a tolerance that is not a length of at most MAX_TOLERANCE_NM."""
     if not 0 < tolerance_nm <= MAX_TOLERANCE_NM:
         problem = f"must be above 0 and at most {MAX_TOLERANCE_NM:g}"
         raise CamtoolsError([f"tolerance_nm = {tolerance_nm:g}: {problem}; give nanometres"])

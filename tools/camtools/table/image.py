@@ -161,10 +161,7 @@ def crc32_of(image: bytes) -> int:
 
 
 def pack(table: Table) -> bytes:
-    """Return the image of a table; a valid table gives an image that `unpack` accepts.
-
-    Raises `OverflowError`: a number does not fit its field.
-    """
+    """Return the image of a table; `unpack` accepts that of a valid one."""
     lobes, passes = table.lobes, table.passes
     bent = {"is_ring_helix": table.is_ring_helix, "has_stations": table.has_stations}
     parts = []
@@ -185,10 +182,7 @@ def pack(table: Table) -> bytes:
 
 
 def unpack(image: bytes) -> Table:
-    """Return the table of an image, checked as the firmware checks it.
-
-    Raises `ImageError`: the first rule of TABLE_FORMAT.md that the image breaks.
-    """
+    """Return the table of an image, or the first rule of TABLE_FORMAT.md that it breaks."""
     demand(len(image) >= HEADER_SIZE, "size: shorter than a header")
     header = fields_of(HEADER, image, 0)
     demand(header["magic"] == MAGIC, "magic: not a cam table")

@@ -270,10 +270,7 @@ def _check_motion(turn: PointedTurn, numbers: Floats, file: str) -> None:
 
 
 def read_points(path: Path) -> PointFile:
-    """Return the points of a file.
-
-    Raises `InputError`: it cannot be read, is no file or too large, or see `parse_points`.
-    """
+    """Return the points of a file; errors as of `parse_points`, or it cannot be read."""
     return parse_points(read_whole_table(path, MAX_BYTES), path.name)
 
 

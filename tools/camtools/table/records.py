@@ -78,11 +78,7 @@ def listed(
     entry: Mapping[str, Any],
     ends_nm: tuple[int, int],
 ) -> list[tuple[int, ...]]:
-    """Return the records of an entry that holds no knots but a list, checked as far as all are.
-
-    `name`: what the list has, at most `most` of it: "lobes", "passes". `ends_nm`: heights of the
-    whole table, which every list has.
-    """
+    """Return the checked records of an entry that is a list of at most so many names."""
     n, offset = entry["n_slices"], entry["offset"]
     demand(1 <= n <= most, f"n_slices: not 1 .. {most} {name}")
     unused = any(entry[field] for field in _UNUSED_OF_LISTS)

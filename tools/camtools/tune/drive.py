@@ -77,10 +77,7 @@ class Drive(TomlTable):
         )  # fmt: skip
 
     def needed(self) -> Needed:
-        """Return the force that the task takes, without cutting force.
-
-        Raises `ValueError`: there is no task.
-        """
+        """Return the force that the task takes, without cutting force; ValueError without one."""
         if self.task is None:
             raise ValueError("the drive has no task")
         omega = 2.0 * np.pi * self.task.lobes * self.task.spindle_rpm / 60.0
@@ -109,10 +106,7 @@ def read_tree(path: Path) -> dict[str, Any]:
 
 
 def drive_of(tree: dict[str, Any], file: str) -> Drive:
-    """Return the drive of some keys.
-
-    Raises `CamtoolsError`: keys are missing, unknown or out of their ranges: one line each.
-    """
+    """Return the drive of some keys, or refuse wrong ones, a line each."""
     try:
         return Drive.model_validate(tree)
     except ValidationError as error:

@@ -42,16 +42,12 @@ _WITHOUT_LAG_HZ = 1e6
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """A loop on its drive.
-
-    `plant`: the drive, with the mass that the loop is made for. `mass`: the real mass, relative to
-    that; the fields below are for it. `at`: margins at MASSES times the real mass.
-    """
+    """A loop on its drive."""
 
     loop: Loop
-    plant: Plant
-    mass: float
-    at: tuple[Margins, ...]
+    plant: Plant  # with the mass that the loop is made for
+    mass: float  # real one, relative to that; the fields below are for it
+    at: tuple[Margins, ...]  # at MASSES times the real mass
     crossing_hz: float  # the last of the open loop through 0 dB
     weakest_hz: float  # of the least dynamic stiffness
     stiffness_n_per_um: float
@@ -146,10 +142,7 @@ def _culprit(judged: Judgement, is_proposal: bool) -> str:
 
 
 def refusal(judged: Judgement, *, is_proposal: bool) -> str:
-    """Return why a loop is refused, which cause weighs most and what to do; "" if it is not.
-
-    `is_proposal`: it is the best one, so that a better drive would have another.
-    """
+    """Return why a loop, proposed as best or given, is refused and what to do; "" if it is not."""
     poor = [(mass, one) for mass, one in zip(MASSES, judged.at, strict=True) if not one.is_enough]
     if not poor:
         return ""

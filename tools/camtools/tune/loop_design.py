@@ -116,10 +116,7 @@ def word_shares(loops: Reals, plant: Plant) -> Reals:
 
 
 def compliance(plant: Plant, hz: Reals, mass: float = 1.0) -> Complexes:
-    """Return what the scale sees per force at the mass, in m/N.
-
-    `mass`: the real mass, relative to that of the plant.
-    """
+    """Return what the scale sees per force at a relative real mass, in m/N."""
     s = 2j * np.pi * hz
     omega = 2.0 * np.pi * plant.mode_hz
     share = plant.mode_share if plant.mode_hz > 0.0 else 0.0
@@ -197,10 +194,7 @@ def open_loop(loops: Reals, plant: Plant, hz: Reals, mass: float = 1.0) -> Compl
 
 
 def margins(loop: Loop, plant: Plant, mass: float = 1.0) -> Margins:
-    """Judge a loop.
-
-    `loop`: made for the mass of the plant. `mass`: the real mass, relative to that of the plant.
-    """
+    """Judge a loop that is made for the mass of the plant at a relative real mass."""
     opened = open_loop(np.array(astuple(loop)), plant, response_grid(plant), mass)
     [gain], [phase] = _judged(opened)
     return Margins(float(gain), float(phase), bool(_is_stable(opened)))
@@ -214,11 +208,7 @@ def closed_compliance(loops: Reals, plant: Plant, hz: Reals, mass: float = 1.0) 
 
 
 def step_response(loops: Reals, plant: Plant, line_hz: float, mass: float = 1.0) -> Reals:
-    """Return the response in m to a step of 1 N, one row for each loop.
-
-    `loops`, `plant`, `mass`: as `open_loop`; stable. `line_hz`: the response lasts half its period,
-    in which it must end.
-    """
+    """Return the response [m] to 1 N, a row each, over half the period of a line."""
     hz = np.arange(line_hz, min(_FASTEST_HZ, 0.45 * plant.step_hz), line_hz)
     static = closed_compliance(loops, plant, _STATIC, mass).real  # 0 with an integral
     lines = (closed_compliance(loops, plant, hz, mass) - static) / (2j * np.pi * hz)

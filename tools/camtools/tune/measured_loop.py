@@ -45,11 +45,7 @@ class Figures(NamedTuple):
 
 
 def measured_loop(lines: Spectra, values: Mapping[str, int], drive: Drive) -> OpenLoop:
-    """Return what a record shows.
-
-    `lines`: of force [N] and position [nm]. `values`: parameters in force, complete. `drive`: for
-    its rate.
-    """
+    """Return what lines of force [N] and position [nm] show of the loop in force."""
     hz = lines.frequency_hz
     row = np.array(astuple(loop_of(values, drive)))
     control = controller_response(row, plant_of(values, drive)[0], hz)

@@ -68,11 +68,7 @@ def _drive_values(drive: Drive) -> dict[str, float]:
 
 
 def parameters_of(loop: Loop, drive: Drive) -> dict[str, int]:
-    """Return the parameters by name, in the order of the firmware.
-
-    Limits that the drive does not give are left out.
-    Raises `InputError`: one is out of its range.
-    """
+    """Return the parameters of a loop by name, in the firmware's order; limits only if given."""
     found = {PREFIX + k: round(v) for k, v in (_loop_values(loop) | _drive_values(drive)).items()}
     values = {name: found[name] for name in ranges() if name in found}
     check(values, drive, "proposed loop")
@@ -97,10 +93,7 @@ def _bounds(at: Mapping[str, int], tick_hz: float) -> dict[str, tuple[float, flo
 
 
 def check(values: Mapping[str, int], drive: Drive, file: str) -> None:
-    """Check the ranges of parameters, and their bounds by others.
-
-    Raises `InputError`: one is out of its range.
-    """
+    """Refuse parameters out of their ranges, or of bounds by others."""
     by_others = _bounds({name.removeprefix(PREFIX): v for name, v in values.items()}, drive.tick_hz)
     for name, value in values.items():
         low, high = ranges()[name]
@@ -124,11 +117,7 @@ def _check_words(values: Mapping[str, int], drive: Drive, file: str) -> None:
 
 
 def read_loop(path: Path, drive: Drive) -> dict[str, int]:
-    """Return the parameters of a file that `text_of` wrote, or `camctl params save`.
-
-    Raises `InputError`: it cannot be read; a parameter of the loop is missing, no whole number or
-    out of its range.
-    """
+    """Return the parameters of a file of `text_of` or `camctl params save`, checked."""
     flat: dict[str, Any] = {}
     for key, value in read_tree(path).items():
         flat |= value if isinstance(value, dict) else {key: value}

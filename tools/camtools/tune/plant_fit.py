@@ -160,10 +160,7 @@ def _best(residual: _Residual) -> Floats:
 
 
 def fit_lines(one: Spectra) -> PlantFit:
-    """Return the constants of lines of force [N] and position [nm].
-
-    Raises `CamtoolsError`: there are too few lines.
-    """
+    """Return the constants of lines of force [N] and position [nm], or refuse too few."""
     if one.s.size < _MIN_LINES:
         problem = f"{one.s.size} lines stand above their noise, {_MIN_LINES} are needed"
         raise CamtoolsError([f"record: {problem}; excite more, or record for longer"])
@@ -194,10 +191,7 @@ def _fit_at(residual: _Residual, x: Floats, cost: float) -> PlantFit:
 def fit_record(
     tick_hz: float, injected: Floats, force_n: Floats, position_m: Floats, quantum_nm: float = 0.0
 ) -> PlantFit:
-    """Return the constants of a record; arguments and errors of `record_lines`.
-
-    Raises `CamtoolsError`: there are too few lines.
-    """
+    """Return the constants of a record; arguments and errors of `record_lines`."""
     return fit_lines(record_lines(tick_hz, injected, force_n, position_m, quantum_nm))
 
 
@@ -260,10 +254,7 @@ def fit_table(record: Table, quantum_nm: float) -> PlantFit:
 
 
 def with_fit(keys: dict[str, Any], found: PlantFit, tick_hz: float) -> dict[str, Any]:
-    """Return the keys of a drive file with the constants that were found.
-
-    Drag, stiffness, friction and delay below 0 are 0.
-    """
+    """Return the keys of a drive file with what was found, at least 0 where it cannot be less."""
     new: dict[str, Any] = {"tick_hz": round(tick_hz, 3), "amplifier_hz": found.amplifier_hz}
     for i, value in enumerate(found.values):
         if i in _NAMES:

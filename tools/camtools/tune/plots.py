@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from camtools.plots.style import BLUE, GREY, ORANGE, RED, drawing, log_axis, png_of, titled_figure
+from camtools.plots import style
 from camtools.tune.judgement import BACK_UM, STEP_N, Judgement
 from camtools.tune.loop_design import (
     LEAST_GAIN_DB,
@@ -27,7 +27,7 @@ from camtools.tune.loop_design import (
 )
 from camtools.tune.measured_loop import OpenLoop
 
-_COLOURS = dict(zip(MASSES, (ORANGE, BLUE, RED), strict=True))
+_COLOURS = dict(zip(MASSES, (style.ORANGE, style.BLUE, style.RED), strict=True))
 _LOWEST_HZ = 5.0
 _NYQUIST = 2.5
 _LEVELS_DB = (-60.0, 60.0)
@@ -39,14 +39,14 @@ def _decibels(axes: Axes, hz: Reals, values: Complexes, mass: float) -> None:
 
 
 def _frequencies(axes: Axes, hz: Reals, name: str) -> None:
-    log_axis(axes, "x", _LOWEST_HZ, float(hz[-1]))
+    style.log_axis(axes, "x", _LOWEST_HZ, float(hz[-1]))
     axes.set(xlabel="frequency, Hz", ylabel=name)
 
 
 def _nyquist(axes: Axes) -> None:
     """Draw the unit circle and what the margins keep clear."""
     turn = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
-    axes.plot(turn.real, turn.imag, color=GREY, lw=0.8)
+    axes.plot(turn.real, turn.imag, color=style.GREY, lw=0.8)
     near = np.exp(1j * np.radians(180 + np.array([-LEAST_PHASE_DEG, LEAST_PHASE_DEG])))
     axes.plot(near.real, near.imag, "k_", ms=8)
     axes.plot([-(10 ** (-LEAST_GAIN_DB / 20))], [0], "k|", ms=8)
@@ -72,9 +72,9 @@ def _curves(panels: list[Axes], judged: Judgement, hz: Reals, mass: float) -> No
 
 def _step(axes: Axes, judged: Judgement) -> None:
     time_ms = 1e3 * judged.step_s
-    axes.plot(time_ms, judged.step_um, color=BLUE)
+    axes.plot(time_ms, judged.step_um, color=style.BLUE)
     for side in (-BACK_UM, BACK_UM):
-        axes.axhline(side, color=GREY, lw=0.8, ls="--")
+        axes.axhline(side, color=style.GREY, lw=0.8, ls="--")
     end = judged.back_s if np.isfinite(judged.back_s) else judged.step_s[-1]
     axes.set(xlim=(0, max(10.0, 1.5e3 * end)))
     axes.set(xlabel="time, ms", ylabel=f"after a step of {STEP_N:g} N, um")
@@ -92,8 +92,8 @@ def loop_png(judged: Judgement, title: str, measured: OpenLoop | None = None) ->
     """Return the picture as PNG. `judged`: of a stable loop. `measured`: of the loop in force."""
     hz = response_grid(judged.plant)
     hz = hz[hz >= _LOWEST_HZ]
-    with drawing():
-        figure = titled_figure(13.0, 8.0, title)
+    with style.drawing():
+        figure = style.titled_figure(13.0, 8.0, title)
         panels: list[Axes] = list(figure.subplots(2, 3).ravel())
         for mass in MASSES:
             _curves(panels, judged, hz, mass)
@@ -107,10 +107,10 @@ def loop_png(judged: Judgement, title: str, measured: OpenLoop | None = None) ->
             if name:
                 _frequencies(axes, hz, name)
         panels[0].set_ylim(_LEVELS_DB)
-        panels[0].axhline(0, color=GREY, lw=0.8)
-        panels[1].set_ylim(-540, 0)
-        panels[1].set_yticks(range(-540, 1, 90))
+        panels[0].axhline(0, color=style.GREY, lw=0.8)
+        panels[1].set(ylim=(-540, 0), yticks=range(-540, 1, 90))
         panels[3].set_ylim(-60, 15)
-        log_axis(panels[5], "y", 0.5 * judged.stiffness_n_per_um, 1e3 * judged.stiffness_n_per_um)
+        least = judged.stiffness_n_per_um
+        style.log_axis(panels[5], "y", 0.5 * least, 1e3 * least)
         panels[0].legend(loc="lower left", frameon=False)
-        return png_of(figure)
+        return style.png_of(figure)

@@ -58,10 +58,7 @@ def subject_of(found: Measured, keys: dict[str, Any], name: str, where: str) -> 
 
 
 def proposed(one: Subject, given: Path | None = None) -> Proposal:
-    """Return the best loop for a drive, or the given one, which may be made for another mass.
-
-    Raises `InputError`: a parameter of it is out of its range, or the file cannot be read.
-    """
+    """Return the best loop for a drive, or the given one, which may be for another mass."""
     drive = one.drive
     values = read_loop(given, drive) if given else parameters_of(best(drive.plant), drive)
     judged = judge(loop_of(values, drive), *plant_of(values, drive))
