@@ -102,12 +102,12 @@ def folder_of(table: bytes, design: bytes) -> Path:
 def _outcome(key: str, result: Result) -> CutOutcome:
     summary = result.summary
     form, following = summary["form_error_um"], summary["following_error_um"]
-    found = (form["max"], form["rms"], form["roundness"], following["max"])
+    values = (form["max"], form["rms"], form["roundness"], following["max"])
+    largest, rms, roundness, late = (nan if value is None else float(value) for value in values)
+    faults = " ".join(summary.get("first_faults", []))
     return CutOutcome(
-        *(key, summary["end"], result.status, " ".join(summary.get("first_faults", []))),
-        result.message,
-        *(nan if value is None else float(value) for value in found),
-        *(int(summary["ticks"]), float(summary["wall_time_s"])),
+        *(key, summary["end"], result.status, faults, result.message),
+        *(largest, rms, roundness, late, int(summary["ticks"]), float(summary["wall_time_s"])),
     )
 
 

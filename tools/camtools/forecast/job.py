@@ -82,28 +82,24 @@ def plan_of(question: Question) -> ForecastPlan:
     machine = own if question.machine is None else find_machine(question.machine)
     tree = read_machine(machine.text, machine.name)
     unknowns, left_out = _unknowns(question.vary, tree)
-    files = made.files(with_plots=False)
-    name = made.table.part.part.name
+    files, name = made.files(with_plots=False), part.part.name
     table, design = files[f"{name}.camtab"], files[f"{name}.json"]
     # The gauge judges by its own tolerance only whether a cut is good, which is done here.
     task = Task(table, design, (*question.words, "--tolerance-um", "1e6"), build_of(library_path()))
-    _check(task, machine, part.part.name)
+    _check(task, machine, name)
     _check_ends(task, tree, unknowns, str(question.vary or DEFAULT_VARY.name))
     inputs = draw(unknowns, question.n_runs, seed=question.seed)
     keys = [one.key for one in unknowns]
-    texts = [
-        emit_machine(mistaken(tree, dict(zip(keys, map(float, row), strict=True))))
-        for row in inputs
-    ]
+    drawn = (dict(zip(keys, map(float, row), strict=True)) for row in inputs)
+    texts = [emit_machine(mistaken(tree, numbers)) for numbers in drawn]
     given_um = question.tolerance_um
     tolerance_um = made.kind.form_error_um(part) if given_um is None else given_um
     tolerance_um -= made.kind.taken_um(made.table)
     if tolerance_um <= 0:
         raise CamtoolsError(["--tolerance-um: smoothing takes all of it; allow more"])
     digests = [task.key(text) for text in texts]
-    return ForecastPlan(
-        made, machine, unknowns, left_out, inputs, texts, digests, task, tolerance_um
-    )
+    cuts = (inputs, texts, digests, task, tolerance_um)
+    return ForecastPlan(made, machine, unknowns, left_out, *cuts)
 
 
 def _unknowns(vary: Path | None, tree: Tree) -> tuple[list[Unknown], list[str]]:

@@ -29,11 +29,6 @@ def batches(machines: Sequence[str], size: int = _BATCH) -> list[list[str]]:
     return [list(machines[at : at + size]) for at in range(0, len(machines), size)]
 
 
-def n_cores() -> int:
-    """Return the cores that this process may use."""
-    return len(os.sched_getaffinity(0))
-
-
 def _local(n_workers: int, folder: str) -> LocalCluster:
     """Return processes of this computer. Ctrl-C is not theirs: they inherit that it is blocked."""
     resource_tracker.ensure_running()  # would unblock it when it starts between
@@ -91,7 +86,7 @@ def cut_all(
     if not machines:
         return
     groups = batches(machines)
-    workers = min(n_workers or n_cores(), len(groups))
+    workers = min(n_workers or len(os.sched_getaffinity(0)), len(groups))
     if scheduler is None and workers == 1:
         for group in groups:
             take(_checked(cut_batch(task, group)))

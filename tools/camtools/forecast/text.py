@@ -73,12 +73,6 @@ def _um(value: float) -> str:
     return length_text(value) if np.isfinite(value) else "no result"
 
 
-def _interval(low_um: float, high_um: float) -> str:
-    if not np.isfinite(high_um):
-        return f"from {_um(low_um)} up"
-    return f"{_um(low_um)} .. {_um(high_um)}"
-
-
 def _effect(effect: Effect) -> str:
     if effect.is_noise:
         return f"{effect.key}: no more than noise"
@@ -95,7 +89,12 @@ def forecast_text(plan: ForecastPlan, forecast: Forecast, place: str) -> str:
         rows.append(("smoothing", share_text(taken_um, plan.tolerance_um + taken_um)))
     for one in forecast.quantiles:
         name = "median" if one.percent == 50 else f"{one.percent:.0f} % below"
-        rows.append((name, f"{_um(one.value)} ({_interval(one.low, one.high)})"))
+        within = (
+            f"{_um(one.low)} .. {_um(one.high)}"
+            if np.isfinite(one.high)
+            else f"from {_um(one.low)} up"
+        )
+        rows.append((name, f"{_um(one.value)} ({within})"))
     for end, count in forecast.ends.items():
         if end != "gauged":
             rows.append((f"ended: {end}", f"{count} cuts, counted as out of tolerance"))

@@ -54,12 +54,6 @@ class ConnectedU:
         if not self._keeps_command:
             self.link.rights.release()
 
-    def _get(self, name: str) -> int:
-        answer = self.link.ask("get_parameter", parameter=NUMBERS["parameter"][name])
-        if answer.result != "done":
-            raise Refused(f"{self.link.where}: {name}: {answer.result.replace('_', ' ')}")
-        return int(answer.value)
-
     def believed(self) -> Believed:
         """Return what the controller is configured with; refuse any state but ready."""
         status = self.link.listen()
@@ -69,7 +63,13 @@ class ConnectedU:
 
     def values(self, names: Iterable[str]) -> dict[str, int]:
         """Return parameters in force. Raises `Refused`: the controller does not know one."""
-        return {name: self._get(name) for name in names}
+        found = {}
+        for name in names:
+            answer = self.link.ask("get_parameter", parameter=NUMBERS["parameter"][name])
+            if answer.result != "done":
+                raise Refused(f"{self.link.where}: {name}: {answer.result.replace('_', ' ')}")
+            found[name] = int(answer.value)
+        return found
 
     def played(self, play: Play, signals: Sequence[str]) -> Floats:
         """Let U play a wave; return tick and signals of its periods, a row each.
@@ -81,20 +81,15 @@ class ConnectedU:
         """
         try:
             recording = excite(
-                self.link,
-                play.samples,
-                play.n_periods,
-                unit=play.unit,
-                fade_ticks=play.fade_ticks,
-                place_nm=play.place_nm,
+                *(self.link, play.samples, play.n_periods),
+                **{name: getattr(play, name) for name in ("unit", "fade_ticks", "place_nm")},
                 signals=signals,
                 progress=self._progress,
             )
         except Refused as refused:
             faults = ", ".join(self.link.listen().faults)
-            raise Refused(
-                f"{refused}: {faults}; {_ORDERS['fault']}" if faults else str(refused)
-            ) from refused
+            more = f": {faults}; {_ORDERS['fault']}" if faults else ""
+            raise Refused(f"{refused}{more}") from refused
         finally:
             self._give_back()
         if not recording.is_whole:

@@ -82,12 +82,14 @@ def second_order(s: Complexes, k1_s: float, k2_s2: float, lead_s: float) -> Comp
     return np.asarray(np.exp(-lead_s * s) / (1 + k1_s * s + k2_s2 * s**2))
 
 
-def stacked(values: Complexes) -> Floats:
+def stacked(values: Complexes | Floats) -> Floats:
     """Return real and imaginary parts, one below the other."""
     return np.concatenate([values.real, values.imag])
 
 
-def solved(columns: Sequence[Complexes], wanted: Complexes) -> tuple[Floats, Floats]:
+def solved(
+    columns: Sequence[Complexes | Floats], wanted: Complexes | Floats
+) -> tuple[Floats, Floats]:
     """Return the factors of columns that sum up to what is wanted, and the stacked residual."""
     matrix = np.column_stack([stacked(column) for column in columns])
     norm = np.linalg.norm(matrix, axis=0)
@@ -128,15 +130,11 @@ class _Lines:
         values = self.inverse @ wanted / self.scale
         return values, self.matrix @ values - wanted
 
-    def cost(self, lead_s: float) -> float:
-        """Return the sum of the squares of the residual."""
-        residual = self.solve(lead_s)[1]
-        return float(residual @ residual)
-
-    def physical_cost(self, lead_s: float) -> float:
-        """Return the cost, infinite where the constants are those of no drive."""
+    def cost(self, lead_s: float, *, is_physical: bool = False) -> float:
+        """Return the sum of the squares of the residual, on demand infinite for no drive."""
         values, residual = self.solve(lead_s)
-        return float(residual @ residual) if min(values[K1], values[K2]) > 0 else np.inf
+        is_drive = not is_physical or min(values[K1], values[K2]) > 0
+        return float(residual @ residual) if is_drive else np.inf
 
     def jacobian(self, lead_s: float) -> Floats:
         """Return the derivatives of the residual: k1, k2, c, dead time."""
@@ -150,7 +148,7 @@ def _lead(lines: _Lines) -> float:
     places, step = np.linspace(
         0.0, MOST_LEAD_S, int(MOST_LEAD_S * highest_hz * _PER_TURN) + 2, retstep=True
     )
-    i = int(np.argmin([lines.physical_cost(place) for place in places]))
+    i = int(np.argmin([lines.cost(place, is_physical=True) for place in places]))
     low, high = max(0.0, places[i] - step), min(MOST_LEAD_S, places[i] + step)
     found = minimize_scalar(
         lines.cost, bounds=(low, high), method="bounded", options={"xatol": 1e-11}

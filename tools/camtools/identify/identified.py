@@ -137,11 +137,6 @@ class Identified:
         )
 
     @property
-    def has_friction(self) -> bool:
-        """Friction stands above its error."""
-        return is_rubbing(self.plain)
-
-    @property
     def bias(self) -> Floats:
         """Plain fit minus the drive beside its mode: k1 and k2 as shares, 0, lead [s]."""
         bias = np.zeros(4)

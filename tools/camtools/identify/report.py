@@ -17,7 +17,7 @@ from camtools.base.text import Json
 from camtools.identify.configured_drive import Believed
 from camtools.identify.fit import FRICTION, K1, K2, LEAD
 from camtools.identify.foreign_record import FORCES, ForeignRecord
-from camtools.identify.identified import Identified, Limits
+from camtools.identify.identified import Identified, Limits, is_rubbing
 from camtools.identify.linear_model import DELAY, RATE, SECOND, STATIC, LinearModel, jackknife
 from camtools.identify.part_error import (
     ToolMotion,
@@ -134,7 +134,7 @@ def _part_lines(
     most = length_text(left.chosen_um + left.doubt_um)
     doubt = f"up to {most} if they are off by {_SIGMAS:g} standard deviations"
     yield f"form error with the identified constants: {length_text(left.chosen_um)}; {doubt}"
-    if found.has_friction:
+    if is_rubbing(found.plain):
         rubbing_um = friction_error_nm(motion, found.plain.values) * 1e-3
         yield f"friction adds up to {length_text(rubbing_um)}; u_friction_nm and learning remove it"
 

@@ -34,11 +34,8 @@ FilePath = Annotated[str, StringConstraints(min_length=1, max_length=1000)]
 Points = Annotated[list[Entry], Field(min_length=2, max_length=1000)]
 
 
-def _list_or_one(value: object) -> str:
-    return "(list)" if isinstance(value, list) else "(one)"
-
-
-LIST_OR_ONE = Discriminator(_list_or_one)  # members have these tags: findings leave them out
+# Members have these tags: findings leave them out.
+LIST_OR_ONE = Discriminator(lambda value: "(list)" if isinstance(value, list) else "(one)")
 NumberOrPoints = Annotated[
     Annotated[Points[Entry], Tag("(list)")] | Annotated[Entry, Tag("(one)")], LIST_OR_ONE
 ]

@@ -176,7 +176,7 @@ class Keys:
                     within.append(self._tables(entry, (*at, i), row, inner))
                 within += [self._tables(entry, at, None, inner)] if tree is None else []
             else:
-                keys.append(_key_of(at, one, variants, value, is_required))
+                keys.append(_key_of(at, one, variants, value, is_required=is_required))
         if path and (keys or not within):
             is_there = bool(values) or about.is_there
             meaning = _meaning_of(node)

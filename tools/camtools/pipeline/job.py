@@ -28,34 +28,28 @@ from camtools.roundness.section import DEFAULT_UPR, UPR_CHOICES
 from camtools.sim.machine_file import machine_bytes, names
 from camtools.table.header import check_tolerance
 
+_MEASURED = Option(
+    "correct the table by the measured surface of a part, from camsim or as angle, height and "
+    "deviation (tools/docs/MEASURED.md)",
+    "SURFACE.csv",
+)
+_PREVIOUS = Option(
+    "summary of the table that cut that part (default: next to the surface)", "NAME.json"
+)
+_GAIN = Option(f"share of the deviation to correct (default: {DEFAULT_GAIN})", "G")
+_HARMONICS = Option("highest harmonic to correct, in waves per turn (default: 16)", "N")
+_CENTRED = Option("do not correct mean and centre, which the instrument has removed")
+
 
 @dataclass(frozen=True)
 class Correcting:
     """How the surface of a gauged part corrects the next table."""
 
-    measured: Annotated[
-        Path | None,
-        Option(
-            "correct the table by the measured surface of a part, from camsim or as angle, height "
-            "and deviation (tools/docs/MEASURED.md)",
-            "SURFACE.csv",
-        ),
-    ] = None
-    previous: Annotated[
-        Path | None,
-        Option(
-            "summary of the table that cut that part (default: next to the surface)", "NAME.json"
-        ),
-    ] = None
-    gain: Annotated[
-        float | None, Option(f"share of the deviation to correct (default: {DEFAULT_GAIN})", "G")
-    ] = None
-    keep_harmonics: Annotated[
-        int | None, Option("highest harmonic to correct, in waves per turn (default: 16)", "N")
-    ] = None
-    centred: Annotated[
-        bool, Option("do not correct mean and centre, which the instrument has removed")
-    ] = False
+    measured: Annotated[Path | None, _MEASURED] = None
+    previous: Annotated[Path | None, _PREVIOUS] = None
+    gain: Annotated[float | None, _GAIN] = None
+    keep_harmonics: Annotated[int | None, _HARMONICS] = None
+    centred: Annotated[bool, _CENTRED] = False
 
     def __post_init__(self) -> None:
         for one in fields(self) if self.measured is None else ():
@@ -118,11 +112,28 @@ def _above_0(option: str, unit: str) -> Callable[[str], float]:
     return read
 
 
-def _for_camsim(words: Sequence[str]) -> list[str]:
-    for word in words:
-        if word.split("=")[0] in _OURS:
-            raise CamtoolsError([f"-- {word}: is set by tools/run itself; leave it out"])
-    return [str(Path(word).resolve()) if Path(word).is_file() else word for word in words]
+_RPM = Option("spindle speed in r/min (default: the part's)", "N", read=_above_0("--rpm", "r/min"))
+_FEED = Option(
+    "feed in mm per turn (default: the part's)", "MM", read=_above_0("--feed", "mm per turn")
+)
+_TOLERANCE = Option(
+    *("largest error of the table in nm (default: as tools/mktables)", "T"),
+    read=_above_0("--tolerance-nm", "nm"),
+)
+_UPR = Option(
+    "cut-off of the Gaussian roundness filter in the measurement sheets, in waves per turn "
+    f"(default: {DEFAULT_UPR})",
+    choices=UPR_CHOICES,
+)
+_KEEP = Option(
+    "delete all but the N newest runs in build/run, this one included (default: keep all)",
+    "N",
+    read=_count,
+)
+_OUTPUT = Option(
+    "folder for the results (default: build/run/NAME, NAME-roundN for a corrected table)",
+    *("DIR", "-o"),
+)
 
 
 @dataclass(frozen=True)
@@ -131,54 +142,14 @@ class RunJob:
 
     correcting: Correcting
     part: Annotated[Path, Word("part file (default: perkins240)", "PART.toml")] = DEFAULT_PART
-    rpm: Annotated[
-        float | None,
-        Option(
-            "spindle speed in r/min (default: the part's)", "N", read=_above_0("--rpm", "r/min")
-        ),
-    ] = None
-    feed: Annotated[
-        float | None,
-        Option(
-            "feed in mm per turn (default: the part's)",
-            "MM",
-            read=_above_0("--feed", "mm per turn"),
-        ),
-    ] = None
+    rpm: Annotated[float | None, _RPM] = None
+    feed: Annotated[float | None, _FEED] = None
     machine: Annotated[bytes | None, Option(MACHINE_HELP, "M", read=machine_bytes)] = None
-    tolerance_nm: Annotated[
-        float | None,
-        Option(
-            "largest error of the table in nm (default: as tools/mktables)",
-            "T",
-            read=_above_0("--tolerance-nm", "nm"),
-        ),
-    ] = None
-    upr: Annotated[
-        int,
-        Option(
-            "cut-off of the Gaussian roundness filter in the measurement sheets, in waves per "
-            f"turn (default: {DEFAULT_UPR})",
-            choices=UPR_CHOICES,
-        ),
-    ] = DEFAULT_UPR
+    tolerance_nm: Annotated[float | None, _TOLERANCE] = None
+    upr: Annotated[int, _UPR] = DEFAULT_UPR
     csv: Annotated[bool, Option("also write the trace as trace.csv")] = False
-    keep: Annotated[
-        int | None,
-        Option(
-            "delete all but the N newest runs in build/run, this one included (default: keep all)",
-            "N",
-            read=_count,
-        ),
-    ] = None
-    output: Annotated[
-        str | None,
-        Option(
-            "folder for the results (default: build/run/NAME, NAME-roundN for a corrected table)",
-            "DIR",
-            "-o",
-        ),
-    ] = None
+    keep: Annotated[int | None, _KEEP] = None
+    output: Annotated[str | None, _OUTPUT] = None
     extra: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -190,8 +161,12 @@ class RunJob:
             raise CamtoolsError(["--keep: applies only to build/run; leave out -o or --keep"])
 
     def with_words(self, words: Sequence[str]) -> RunJob:
-        """Return the job with the user's words for camsim."""
-        return replace(self, extra=tuple(_for_camsim(words)))
+        """Return the job with the user's words for camsim, which works in another folder."""
+        for word in words:
+            if word.split("=")[0] in _OURS:
+                raise CamtoolsError([f"-- {word}: is set by tools/run itself; leave it out"])
+        found = (str(Path(word).resolve()) if Path(word).is_file() else word for word in words)
+        return replace(self, extra=tuple(found))
 
     def check_feed(self, part: PartFile) -> None:
         """Refuse a feed that camsim would refuse, before anything is made."""
@@ -211,11 +186,7 @@ class RunJob:
         return Path(self.output) if self.output else RUNS / own
 
     def tolerance(self, form_error_um: float, taken_um: float) -> list[str]:
-        """Return what smoothing leaves of the form error, the part's or the one given, for camsim.
-
-        It follows the other words, of which camsim takes the last of a name.
-        Raises `CamtoolsError`: the form error that is given leaves nothing.
-        """
+        """Return what smoothing leaves of the form error, given or the part's, as words."""
         given = _last_value(self.extra, "--tolerance-um")
         if given is None:
             return ["--tolerance-um", repr(form_error_um - taken_um)]

@@ -164,12 +164,7 @@ def make(
             return Made(kind, kind.make(part, tolerance_nm))
         return Made(kind, kind.make_corrected(part, tolerance_nm, correction))
     except CamtoolsError as error:
-        lines = [line + _hint(line, correction) for line in error.lines]
-        raise CamtoolsError([f"{file}: {line}" for line in lines]) from error
-
-
-def _hint(line: str, correction: Correction | None) -> str:
-    """Return what a correction has to do with a refusal of what U can follow."""
-    if correction is None or ".u_" not in line:
-        return ""
-    return "; or leave the high waves of the correction out by --keep-harmonics"
+        hint = "; or leave the high waves of the correction out by --keep-harmonics"
+        hints = (hint if correction and ".u_" in line else "" for line in error.lines)
+        lines = [f"{file}: {line}{more}" for line, more in zip(error.lines, hints, strict=True)]
+        raise CamtoolsError(lines) from error

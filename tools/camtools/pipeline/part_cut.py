@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from camtools.base.command import BAD_INPUT
 from camtools.base.errors import CamtoolsError
@@ -110,16 +110,9 @@ class _Progress:
         sys.stderr.flush()
 
 
-def made_cut(
-    table: str,
-    words: Sequence[str],
-    *,
-    tables: Sequence[str] = (),
-    files: Mapping[str, str] | None = None,
-    progress: Callable[[float], None] | None = None,
-) -> Result:
-    """Cut as `cut` does, and refuse what the controller refuses."""
-    result = cut([table, *words], tables=tables, files=files, progress=progress)
+def made_cut(table: str, words: Sequence[str], **options: Any) -> Result:  # noqa: ANN401
+    """Cut as `cut` does, with its options, and refuse what the controller refuses."""
+    result = cut([table, *words], **options)
     if result.status == BAD_INPUT:
         raise CamtoolsError([result.message])
     return result
@@ -138,9 +131,8 @@ def cut_part(
     """Cut a part; write surface, sections and trace; return the result with surface and sections.
 
     `window_turns`: the trace is of a second run that ends after so many turns; None: of the cut
-    itself. `every`: the overview of a longer cut holds one tick of so many. `sections_mm`: heights
-    of sections, rising; none: those that camsim chooses. `keeps_text`: also write the traces as
-    CSV.
+    itself. `every`: the overview of a longer cut holds one tick of so many. `sections_mm`: heights,
+    rising; none: those that camsim chooses. `keeps_text`: also write the traces as CSV.
     """
     more = ["--sections-mm", ",".join(map(repr, sections_mm))] if len(sections_mm) else []
     more += [] if window_turns is None else ["--trace-every", str(every)]

@@ -21,8 +21,8 @@ from camtools.plots import style
 Floats = npt.NDArray[np.float64]
 Columns = Mapping[str, Floats]
 ANGLE = "angle_deg"
-_UNITS = {"um": "µm", "mm": "mm", "deg": "degrees", "rpm": "r/min", "n": "N"}
 _RATES = {"mm_per_s": "mm/s", "m_per_s2": "m/s²"}
+_UNITS = _RATES | {"um": "µm", "mm": "mm", "deg": "degrees", "rpm": "r/min", "n": "N"}
 _COLOURS = (style.BLUE, style.ORANGE, style.GREEN, style.PURPLE, style.SKY, style.RED)
 _NOT_DRAWN = ("tick", "config")
 _LONG_AXES, _UM_PER_MM = ("x_", "z_"), 1000.0  # they travel millimetres, U micrometres
@@ -30,22 +30,14 @@ _WIDTH_IN, _PANEL_IN, _MOST_POLAR = 11.0, 1.5, 4
 _DUE, _ACTUAL, _ERROR = "u_due_um", "u_actual_um", "following error_um"
 
 
-def _unit_of(name: str) -> str:
-    for end, unit in _RATES.items():
-        if name.endswith(end):
-            return unit
-    return _UNITS.get(name.rpartition("_")[2], "")
-
-
-def _word_of(name: str) -> str:
-    for end in (*_RATES, *_UNITS):
-        if name.endswith(f"_{end}"):
-            return name.removesuffix(f"_{end}").replace("_", " ")
-    return name.replace("_", " ")
+def _split(name: str) -> tuple[str, str]:
+    """Return a column's name in words, without its unit, and the unit."""
+    end = next((one for one in _UNITS if name.endswith(f"_{one}")), "")
+    return name.removesuffix(f"_{end}").replace("_", " "), _UNITS.get(end, "")
 
 
 def _label_of(name: str) -> str:
-    return f"{_word_of(name)}\n{_unit_of(name)}".rstrip()
+    return "\n".join(_split(name)).rstrip()
 
 
 def _panels(columns: Columns) -> list[list[str]]:
@@ -53,7 +45,7 @@ def _panels(columns: Columns) -> list[list[str]]:
     panels: dict[tuple[str, str], list[str]] = {}
     for name in columns:
         if name not in _NOT_DRAWN:
-            unit = _unit_of(name)
+            unit = _split(name)[1]
             panels.setdefault((name[0] if unit else name, unit), []).append(name)
     return list(panels.values())
 
@@ -103,24 +95,18 @@ def _draw_bits(axes: Axes, t_ms: Floats, values: Floats, names: Mapping[int, str
 
 
 def _draw_over_time(axes: Axes, t_ms: Floats, columns: Columns, names: list[str]) -> None:
-    is_number = not _unit_of(names[0])
+    is_number = not _split(names[0])[1]
     for name, colour in zip(names, _COLOURS * len(names), strict=False):
         look = "steps-post" if is_number else "default"
-        axes.plot(t_ms, columns[name], color=colour, lw=0.9, label=_word_of(name), drawstyle=look)
+        axes.plot(t_ms, columns[name], color=colour, lw=0.9, label=_split(name)[0], drawstyle=look)
     axes.axvline(0, color=style.RED, lw=0.8)
-    axes.set_ylabel(_label_of(names[0]) if len(names) == 1 else _unit_of(names[0]))
+    axes.set_ylabel(_label_of(names[0]) if len(names) == 1 else _split(names[0])[1])
     axes.margins(x=0)
     if is_number:
         axes.yaxis.set_major_locator(MaxNLocator(4, integer=True, min_n_ticks=1))
     if len(names) > 1:
-        axes.legend(
-            loc="lower left",
-            bbox_to_anchor=(0, 0.95),
-            borderaxespad=0,
-            ncols=len(names),
-            fontsize=8,
-            frameon=False,
-        )
+        place = {"loc": "lower left", "bbox_to_anchor": (0, 0.95), "borderaxespad": 0}
+        axes.legend(ncols=len(names), fontsize=8, frameon=False, **place)  # type: ignore[arg-type]
 
 
 def time_picture(
@@ -130,11 +116,10 @@ def time_picture(
     trigger: str = "",
     bits: Mapping[str, Mapping[int, str]] | None = None,
 ) -> bytes:
-    """Return signals over time as PNG.
+    """Return signals over time from the trigger on as PNG.
 
-    `t_s`, shape (n,): [s] from the trigger on. `columns`: by names whose last word is the unit.
-    `states`: names of the numbers in the column state. `bits`: names of the bits of columns that
-    are sums of bits, by column.
+    `columns`: by names whose last word is the unit. `states`: names of the numbers in the column
+    state. `bits`: names of the bits of columns that are sums of bits, by column.
     """
     all_of, named = _in_mm(_with_error(columns)), bits or {}
     panels = _panels(all_of)
@@ -186,16 +171,14 @@ def _draw_turns(unrolled: Axes, polar: PolarAxes, columns: Columns, name: str) -
     look = {"ha": "center", "va": "center", "bbox": paper}
     polar.text(0.5, 0.5, text, transform=polar.transAxes, **look)  # type: ignore[arg-type]
     polar.set_xticks(np.radians(range(0, 360, 45)))
-    unrolled.set_ylabel(_label_of(name))
-    unrolled.set_xlim(0, 360)
-    unrolled.set_xticks(range(0, 361, 45))
+    unrolled.set(ylabel=_label_of(name), xlim=(0, 360), xticks=range(0, 361, 45))
 
 
 def angle_picture(columns: Columns) -> bytes:
     """Return signals over the spindle's angle as PNG, unrolled and polar, turn over turn."""
     all_of = _in_mm(_with_error(columns))
     left_out = {ANGLE, _DUE} if _ERROR in all_of else {ANGLE}  # the error tells more
-    names = [n for n in all_of if _unit_of(n) and n not in left_out][:_MOST_POLAR]
+    names = [n for n in all_of if _split(n)[1] and n not in left_out][:_MOST_POLAR]
     n_turns = int(turns_of(all_of[ANGLE]).max()) + 1
     with style.drawing():
         title = f"{n_turns} turns, from dark to light"

@@ -38,12 +38,8 @@ _NO_REHEARSAL = "on, but no turn was steady enough to learn from; set rehearse_t
 
 def numbers_text(numbers: Sequence[int]) -> str:
     """Return numbers in rising order in words, neighbours as a range."""
-    runs: list[list[int]] = []
-    for number in numbers:
-        if runs and number == runs[-1][-1] + 1:
-            runs[-1].append(number)
-        else:
-            runs.append([number])
+    breaks = np.flatnonzero(np.diff(numbers) != 1) + 1
+    runs = [run.tolist() for run in np.split(np.array(numbers, int), breaks)]
     texts = [f"{run[0]} .. {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs]
     return ", ".join(texts)
 
@@ -101,13 +97,6 @@ def _at_an_end(summary: Json) -> str | None:
     return None
 
 
-def _is_turned(summary: Json) -> bool:
-    """Return whether the rotation of the whole part makes up most of the rms error."""
-    form = summary["form_error_um"]
-    without = form.get("rms_not_turned")
-    return without is not None and without < 0.7 * form["rms"]
-
-
 def _cause(summary: Json) -> str:
     """Return the likely cause of the largest error, and what helps most."""
     found, form = summary["learning"], summary["form_error_um"]
@@ -121,7 +110,7 @@ def _cause(summary: Json) -> str:
         return at_an_end
     if "better_rpm" in summary:
         return f"of encoder counts that do not average; {summary['better_rpm']:g} r/min helps"
-    if _is_turned(summary):
+    if form.get("rms_not_turned") is not None and form["rms_not_turned"] < 0.7 * form["rms"]:
         return (
             f"an angle by which the whole part is turned, {form['turned_urad']:+.0f} µrad; "
             "index_offset_udeg or a finer encoder helps"
@@ -137,23 +126,17 @@ def _cause(summary: Json) -> str:
     )
 
 
-def remaining_text(summary: Json) -> str | None:
-    """Return the likely cause of the largest error, nothing if no turn was gauged."""
-    largest_um = summary["form_error_um"]["max"]
-    if largest_um is None:
-        return None
-    return f"{length_text(largest_um)}, likely {_cause(summary)}"
-
-
 def learning_rows(summary: Json) -> list[ReportRow]:
     """Return whether and what was learned, and what remains; nothing where camsim does not say."""
     found = summary.get("learning")
     if found is None:
         return []
     if found["is_on"]:
-        remaining = remaining_text(summary)
-        rows = [ReportRow("learning", _on_text(found))]
-        return rows if remaining is None else [*rows, ReportRow("what remains", remaining)]
+        rows, largest_um = [ReportRow("learning", _on_text(found))], summary["form_error_um"]["max"]
+        if largest_um is not None:
+            remains = f"{length_text(largest_um)}, likely {_cause(summary)}"
+            rows.append(ReportRow("what remains", remains))
+        return rows
     why = _OFF.get(found["reason"])
     return [ReportRow("learning", f"off: {why}" if why else _NO_REHEARSAL)]
 

@@ -16,6 +16,7 @@ from matplotlib.patches import Patch
 from camtools.base.quantities import Floats, length_unit
 from camtools.plots import style
 from camtools.report.charts import TurnOfU
+from camtools.report.surface import extremes
 from camtools.sim.results import CUTTING, FAULT, STATES, CutTrace
 
 _NAMES = "PALE PURPLE SKY ORANGE GREEN ORANGE RED BLUE GREY PURPLE SKY"  # as STATES
@@ -40,12 +41,8 @@ def following_by_angle(trace: CutTrace) -> Floats:
     rows = trace.state == CUTTING
     error_um = trace.following_um[rows]
     place = ((trace.turn[rows] % 1) * _N_BINS).astype(np.int64).clip(0, _N_BINS - 1)
-    count = np.bincount(place, minlength=_N_BINS)
+    some, least, most, count = extremes(place, error_um, _N_BINS)
     mean = np.bincount(place, error_um, minlength=_N_BINS) / np.maximum(count, 1)
-    least, most = np.full(_N_BINS, np.inf), np.full(_N_BINS, -np.inf)
-    np.minimum.at(least, place, error_um)
-    np.maximum.at(most, place, error_um)
-    some = count > 0
     degrees = (np.arange(_N_BINS) + 0.5) * (360 / _N_BINS)
     return np.stack([degrees[some], least[some], most[some], mean[some]])
 
@@ -107,8 +104,7 @@ def _strip(axes: Axes, spans: list[tuple[float, float, int]], begin_s: float, en
         room = 0.03 * len(STATES[state]) * (end_s - begin_s)
         if min(high, end_s) - max(low, begin_s) > room:
             axes.text(middle, 0.5, STATES[state], ha="center", va="center", fontsize=8.5)
-    axes.set_yticks([])
-    axes.set_ylim(0, 1)
+    axes.set(yticks=[], ylim=(0, 1))
     axes.spines["left"].set_visible(False)
 
 
@@ -147,8 +143,7 @@ def draw_sequence(trace: CutTrace, overview: CutTrace | None = None) -> Figure:
         _envelope(z, part.t_s, part.z_mm, style.GREEN)
         _envelope(x, part.t_s, part.x_nm / _NM_PER_MM, style.BLUE)
         _envelope(u, part.t_s, part.u_act_nm / _NM_PER_MM * _UM_PER_MM, style.RED)
-        u.set_xlim(begin_s, end_s)
-        u.set_xlabel("time, s")
+        u.set(xlim=(begin_s, end_s), xlabel="time, s")
     panels[0, 0].set_ylabel("state", rotation=0, ha="right", va="center")
     for row, name in enumerate(_AXES, start=1):
         panels[row, 0].set_ylabel(name)
@@ -157,24 +152,14 @@ def draw_sequence(trace: CutTrace, overview: CutTrace | None = None) -> Figure:
     return figure
 
 
-class _FaultView:
-    """The time around the first fault, in ms from it."""
-
-    def __init__(self, trace: CutTrace, retract_s: float) -> None:
-        self.fault_s = float(trace.t_s[np.flatnonzero(trace.state == FAULT)[0]])
-        room_s = max(0.02, 0.5 * retract_s)
-        part = _between(trace, self.fault_s - room_s, self.fault_s + retract_s + room_s)
-        self.trace = part
-        self.ms = (part.t_s - self.fault_s) * _MS_PER_S
-
-
 def draw_fault(trace: CutTrace, retract_s: float) -> Figure:
     """Return U, X, the gap to the part and the spindle around the first fault of a trace."""
-    view = _FaultView(trace, retract_s)
+    fault_s, room_s = float(trace.t_s[trace.state == FAULT][0]), max(0.02, 0.5 * retract_s)
+    part = _between(trace, fault_s - room_s, fault_s + retract_s + room_s)
+    ms = (part.t_s - fault_s) * _MS_PER_S
     figure = style.new_figure(10, 6.6)
     names = (*_AXES[:0:-1], "tool tip off\nthe drawing, mm", "spindle, r/min")
     panels = style.stacked(figure, names)
-    part, ms = view.trace, view.ms
     panels[0].plot(ms, part.u_act_nm / 1e3, color=style.RED, lw=1.4)
     panels[1].plot(ms, part.x_nm / _NM_PER_MM, color=style.BLUE, lw=1.4)
     panels[2].plot(ms, part.error_nm / _NM_PER_MM, color=style.GREEN, lw=1.4)
@@ -182,6 +167,5 @@ def draw_fault(trace: CutTrace, retract_s: float) -> Figure:
     for axes in panels:
         axes.axvline(0, color=style.GREY, lw=1.2, ls="--")
     panels[0].set_title("dashed line: the tick in which the controller saw the fault")
-    panels[-1].set_xlabel("time from the fault, ms")
-    panels[-1].set_xlim(ms[0], ms[-1])
+    panels[-1].set(xlabel="time from the fault, ms", xlim=(ms[0], ms[-1]))
     return figure

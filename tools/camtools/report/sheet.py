@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -182,18 +183,17 @@ def _line_sheet(line: GaugedLine, tolerance_um: float, stated: Tolerances) -> Li
     return LineSheet(*line, off, whole, features)
 
 
-def _taper(one: LineSheet, other: LineSheet, tolerance_um: float | None) -> Feature:
-    """Return how the diameter through two lines grows off the drawing, MATHS.md (206)."""
-    span_mm = min(float(np.ptp(line.z_mm)) for line in (one, other))
-    grown_um = (one.off.slope + other.off.slope) * span_mm * UM_PER_MM
-    name = f"taper {one.angle_deg:g}°/{other.angle_deg:g}° over {span_mm:.4g} mm, off the drawing"
-    return feature(name, ("diameter", "µm"), grown_um, None, tolerance_um)
-
-
-def _tapers(lines: list[LineSheet], tolerance_um: float | None) -> list[Feature]:
+def _tapers(lines: list[LineSheet], tolerance_um: float | None) -> Iterator[Feature]:
+    """Yield how the diameter through two lines grows off the drawing, MATHS.md (206)."""
     by_angle = {line.angle_deg: line for line in lines}
-    pairs = ((by_angle.get(deg), by_angle.get(deg + 180.0)) for deg in (0.0, 90.0))
-    return [_taper(*pair, tolerance_um) for pair in pairs if None not in pair]  # type: ignore[arg-type]
+    for deg in (0.0, 90.0):
+        if {deg, deg + 180.0} <= by_angle.keys():
+            one, other = by_angle[deg], by_angle[deg + 180.0]
+            span_mm = min(float(np.ptp(line.z_mm)) for line in (one, other))
+            grown_um = (one.off.slope + other.off.slope) * span_mm * UM_PER_MM
+            over = f"{deg:g}°/{deg + 180.0:g}° over {span_mm:.4g} mm"
+            kind = ("diameter", "µm")
+            yield feature(f"taper {over}, off the drawing", kind, grown_um, None, tolerance_um)
 
 
 def ticks_per_turn(outcome: AnyCut) -> float:
@@ -268,7 +268,7 @@ def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
     lines = [_line_sheet(one, tolerance_um, stated) for one in judged]
     head = _head(outcome, upr)
     head += [ReportRow("smoothing", subject.note)] if subject.note else []
-    tapers = _tapers(lines, stated.taper_um)
+    tapers = list(_tapers(lines, stated.taper_um))
     return Sheets(head, subject, upr, sections, lines, tapers, missing)
 
 

@@ -25,6 +25,7 @@ _EDGE, _NAMES = 1.62, 1.48
 _LEAST_FLOOR_UM = 1e-5
 _DECADES = 3.0
 _LIMITS_DEG = 67.5
+_RED: dict[str, object] = {"color": style.RED}
 _CENTRED = {"ha": "center", "va": "center", "color": style.GREY}
 _CIRCLE_STYLE: dict[str, object] = {"color": "black", "lw": 1.2, "ls": "--", "zorder": 5}
 _ZONE_STYLE: dict[str, object] = {"color": style.GREY, "lw": 0.9, "ls": ":"}
@@ -171,11 +172,7 @@ def draw_section(one: SectionSheet, sheets: Sheets) -> Figure:
         _draw_whole(panels["whole"], one)
     _draw_off(panels["off"], one, sheets.upr, along)
     _draw_waves(panels["waves"], one, is_oval=is_oval)
-    looks = {
-        "drawing": _DRAWN_STYLE,
-        "cut, filtered": {"color": style.RED},
-        "cut, unfiltered": _RAW_STYLE,
-    }
+    looks = {"drawing": _DRAWN_STYLE, "cut, filtered": _RED, "cut, unfiltered": _RAW_STYLE}
     _explain(figure, looks | {"LS circle": _CIRCLE_STYLE, "MZ circles": _ZONE_STYLE})
     return figure
 
@@ -210,10 +207,5 @@ def draw_lines(sheets: Sheets) -> Figure:
     worst_um = max(float(np.abs(one.deviation_mm).max()) for one in lines) * UM_PER_MM
     for axes, one in zip(panels[1:], lines, strict=True):
         _draw_line(axes, one, style.nice_limit(worst_um))
-    looks = {
-        "cut, unfiltered": {"color": style.RED},
-        "drawing": _DRAWN_STYLE,
-        "LS line": _CIRCLE_STYLE,
-    }
-    _explain(figure, looks)
+    _explain(figure, {"cut, unfiltered": _RED, "drawing": _DRAWN_STYLE, "LS line": _CIRCLE_STYLE})
     return figure

@@ -10,10 +10,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from camtools.base.quantities import Floats, Ints
 from camtools.sim.results import GaugedSurface
 
+Bools = npt.NDArray[np.bool_]
 N_COLUMNS, MAX_ROWS = 360, 256
 N_BINS = 180  # of a section
 N_BANDS = 124  # of the height
@@ -77,17 +79,22 @@ def closed(near: GaugedSurface) -> GaugedSurface:
     )
 
 
+def extremes(place: Ints, values: Floats, n: int) -> tuple[Bools, Floats, Floats, Ints]:
+    """Return which of n bins have values, their smallest and largest value, and their count."""
+    count = np.bincount(place, minlength=n)
+    least, most = np.full(n, np.inf), np.full(n, -np.inf)
+    np.minimum.at(least, place, values)
+    np.maximum.at(most, place, values)
+    return count > 0, least, most, count
+
+
 def bands_by_height(surface: GaugedSurface, z_range_mm: tuple[float, float]) -> Floats:
     """Return height [mm], smallest, largest and rms error [um] of bands with points, (4, n)."""
     low, high = z_range_mm
     n = N_BANDS
     band = ((surface.z_mm - low) / (high - low) * n).astype(np.int64).clip(0, n - 1)
-    count = np.bincount(band, minlength=n)
+    some, least, most, count = extremes(band, surface.error_um, n)
     square = np.bincount(band, surface.error_um**2, minlength=n)
-    least, most = np.full(n, np.inf), np.full(n, -np.inf)
-    np.minimum.at(least, band, surface.error_um)
-    np.maximum.at(most, band, surface.error_um)
-    some = count > 0
     centre_mm = low + (np.arange(n) + 0.5) * (high - low) / n
     rms = np.sqrt(square[some] / count[some])
     return np.stack([centre_mm[some], least[some], most[some], rms])

@@ -95,32 +95,24 @@ def verdict_of(outcome: AnyCut, out: Sequence[str] = ()) -> Verdict:
         first = ", ".join(summary["first_faults"])
         return Verdict("fault", f"fault: {first}", "The controller stopped the cut.")
     if form["max"] is None:
-        return Verdict(
-            "poor", f"nothing cut ({summary['end']})", "No surface was cut to full depth."
-        )
+        title = f"nothing cut ({summary['end']})"
+        return Verdict("poor", title, "No surface was cut to full depth.")
     found = f"largest form error {length_text(form['max'])}"
     allowed = f"tolerance of {length_text(form['tolerance'])}"
+    within = f"The {found} is within the {allowed}"
     if form["max"] > form["tolerance"]:
         return Verdict("poor", "out of tolerance", f"The {found} is above the {allowed}.")
     if summary["end"] != "done":
         cut = summary["cut"]
-        turns = f"{cut['turns']:.0f} of {cut['planned_turns']:.0f} turns"
-        return Verdict(
-            "poor",
-            f"incomplete: {summary['end']}",
-            f"{turns} were cut. So far the {found} is good.",
-        )
+        turns = f"{cut['turns']:.0f} of {cut['planned_turns']:.0f} turns were cut"
+        sentence = f"{turns}. So far the {found} is good."
+        return Verdict("poor", f"incomplete: {summary['end']}", sentence)
     if not outcome.is_good:  # a lobe of a camshaft
-        return Verdict(
-            "poor", "not gauged", f"{found.capitalize()}, but not every lobe was gauged."
-        )
-    within = f"The {found} is within the {allowed}"
+        sentence = f"{found.capitalize()}, but not every lobe was gauged."
+        return Verdict("poor", "not gauged", sentence)
     if out:
-        return Verdict(
-            "poor",
-            "out of tolerance",
-            f"{within}, but the measurement sheets show out of tolerance: {_named(out)}.",
-        )
+        shown = f"but the measurement sheets show out of tolerance: {_named(out)}"
+        return Verdict("poor", "out of tolerance", f"{within}, {shown}.")
     return Verdict("good", "within tolerance", f"{within}.")
 
 
@@ -228,11 +220,8 @@ def origin_rows(outcome: AnyCut) -> list[ReportRow]:
     machine = ReportRow("machine", f"{summary['machine']}, seed {summary['seed']}")
     if origin is None:
         return [machine]
-    return [
-        ReportRow("made", f"{origin.date}, version {origin.version}"),
-        ReportRow("command", origin.command),
-        machine,
-    ]
+    made = ReportRow("made", f"{origin.date}, version {origin.version}")
+    return [made, ReportRow("command", origin.command), machine]
 
 
 def fault_facts(path: Path = _FAULTS) -> dict[str, FaultFacts]:
@@ -279,10 +268,8 @@ def fault_story(outcome: AnyCut) -> list[ReportRow]:
     place = f"height {fault['z_mm']:.3f} mm, angle {360 * fault['turn']:.1f}°"
     when = f"{fault['time_s']:.4f} s after the start{cutting}, {fault['state']}, {place}"
     rows += [ReportRow("when", when), ReportRow("reaction", _reaction(outcome))]
-    later = [
-        name for name in outcome.summary["faults"] if name not in outcome.summary["first_faults"]
-    ]
-    if later:
+    first = outcome.summary["first_faults"]
+    if later := [name for name in outcome.summary["faults"] if name not in first]:
         rows.append(ReportRow("later faults", ", ".join(later)))
     return rows + remedies(outcome.summary["first_faults"])
 
@@ -299,13 +286,11 @@ def _reaction(outcome: AnyCut) -> str:
             "A U whose drive is not ready, or whose position loop does not work, cannot retract; "
             "the drives were disabled in the same tick."
         )
-    clear_s = clear_after_s(outcome)
-    if clear_s is None:
-        clear = ""
-    elif clear_s > 0:
-        clear = f" The tool was {_CLEAR_MM} mm clear after {clear_s * 1e3:.1f} ms."
-    else:
+    clear, clear_s = "", clear_after_s(outcome)
+    if clear_s is not None:
         clear = " The tool was already out of the work."
+        if clear_s > 0:
+            clear = f" The tool was {_CLEAR_MM} mm clear after {clear_s * 1e3:.1f} ms."
     rest_ms = outcome.summary["fault"]["retract_s"] * 1e3
     return (
         "In the same tick the controller commanded U to retract, X to move away, Z to brake and "

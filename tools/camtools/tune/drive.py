@@ -1,8 +1,8 @@
 r"""A drive file: what is known about a force drive, and the task that it must do.
 
->>> text = "mass_kg = 1.5\namplifier_hz = 1500.0\ndelay_us = 75.0\ntick_hz = 20000.0\n"
->>> task = "[task]\ntravel_mm = 1.0\nspindle_rpm = 3000.0\nlobes = 2\n"
->>> drive = parse_drive(text + task, "a.toml")
+>>> keys = {"mass_kg": 1.5, "amplifier_hz": 1500.0, "delay_us": 75.0, "tick_hz": 20000.0}
+>>> task = {"travel_mm": 1.0, "spindle_rpm": 3000.0, "lobes": 2}
+>>> drive = drive_of(keys | {"task": task}, "a.toml")
 >>> [f"{newton:.0f}" for newton in drive.needed()]
 ['296', '209']
 """
@@ -89,20 +89,15 @@ class Drive(TomlTable):
         return Needed(float(np.abs(force).max()), float(np.sqrt(np.mean(force**2))))
 
 
-def _tree(text: str, file: str) -> dict[str, Any]:
-    try:
-        return toml_tree(text)
-    except ValueError as error:
-        raise InputError(file, "", None, f"not TOML: {error}", "correct it") from error
-
-
 def read_tree(path: Path) -> dict[str, Any]:
-    """Return the tables of a TOML file. Raises `InputError`: it cannot be read, or is no TOML."""
+    """Return the tables of a TOML file, or refuse what cannot be read or is no TOML."""
     try:
-        return _tree(read_limited(path, _MOST_BYTES).decode("utf-8"), str(path))
+        return toml_tree(read_limited(path, _MOST_BYTES).decode("utf-8"))
     except (OSError, UnicodeDecodeError) as error:
         problem = f"cannot be read: {getattr(error, 'strerror', None) or 'not UTF-8 text'}"
         raise InputError(str(path), "", None, problem, "give a TOML file") from error
+    except ValueError as error:
+        raise InputError(str(path), "", None, f"not TOML: {error}", "correct it") from error
 
 
 def drive_of(tree: dict[str, Any], file: str) -> Drive:
@@ -111,8 +106,3 @@ def drive_of(tree: dict[str, Any], file: str) -> Drive:
         return Drive.model_validate(tree)
     except ValidationError as error:
         raise CamtoolsError(describe_all(file, error)) from error
-
-
-def parse_drive(text: str, file: str) -> Drive:
-    """Return the drive of a text, as `drive_of`."""
-    return drive_of(_tree(text, file), file)

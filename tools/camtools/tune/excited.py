@@ -26,6 +26,7 @@ from camtools.base.quantities import Floats
 from camtools.identify.configured_drive import Believed
 from camtools.identify.drives import SimulatedU
 from camtools.identify.excitation_plan import Play, U, Wishes, plan
+from camtools.identify.fit import solved
 from camtools.identify.recording import Spectra
 from camtools.pipeline.load import load, make
 from camtools.table.image import pack
@@ -68,12 +69,7 @@ def simulated_u(machine: bytes, name: str) -> Iterator[SimulatedU]:
 
 
 def recorded(u: U, name: str, highest_hz: float = HIGHEST_HZ) -> Recorded:
-    """Excite U and record it.
-
-    `u`: takes forces; its loop may be weak. `name`: of the machine, for errors. `highest_hz`: [Hz]
-    highest line, at least 50. Raises `CamtoolsError`: the machine is wrong, or U takes positions;
-    `Refused`, `CutShortError`: the controller refuses, or the excitation was cut short.
-    """
+    """Excite a U that takes forces, up to a line of 50 Hz or more, and record it, or refuse."""
     believed, values = u.believed(), u.values(ranges())
     if values["servo_crossover_hz"] == 0:
         problem = "servo_crossover_hz = 0: U takes positions, or its loop is not set"
@@ -133,21 +129,16 @@ def _one(tick_hz: float, force_n: Floats, position_m: Floats) -> tuple[float, fl
     soon = maximum_filter1d(np.abs(speed), 2 * n + 1, origin=-n)  # greatest of the next 2 n ticks
     impulse = _sums(np.where(soon < _STANDING * fastest, 0.0, force_n), step_s)
     time = np.arange(force_n.size) * step_s  # of a speed at the start
-    columns = [np.ones_like(force_n), time, impulse, _sums(impulse, step_s)]
-    columns.append(_sums(_sums(sense, step_s), step_s))
-    matrix = np.column_stack(columns)
-    size = np.linalg.norm(matrix, axis=0) + 1e-300
-    found = np.linalg.lstsq(matrix / size, position_m, rcond=None)[0] / size
+    rubbed = _sums(_sums(sense, step_s), step_s)
+    columns = [np.ones_like(force_n), time, impulse, _sums(impulse, step_s), rubbed]
+    found, _ = solved(columns, position_m)
     return float(found[3]), float(-found[4])
 
 
 def pulse_fit(tick_hz: float, force_n: Floats, position_m: Floats) -> Pulse:
-    """Return sign and mass.
+    """Return sign and mass from a pulse in each direction, a half each, from rest to rest.
 
-    `tick_hz`: rate of the record. `force_n`, `position_m`, shape (n,): from rest: a pulse in one
-    direction in the first half, in the other in the second; each ends at rest. Raises
-    `CamtoolsError`: the scale did not move, or the directions differ in sign or by more than 30 %
-    of the mass.
+    Refuses a scale that did not move, and directions that differ in sign or by 30 % of the mass.
     """
     half = force_n.size // 2
     parts = (slice(0, half), slice(half, None))
@@ -179,12 +170,9 @@ def pulse_play(force_n: float, mass_kg: float, believed: Believed) -> Play:
 
 
 def measure_pulse(u: U, force_n: float) -> Pulse:
-    """Push U in both directions; return sign, mass and friction.
+    """Push U in both directions with a force [N]; return sign, mass and friction.
 
-    `u`: in ready; its loop may be weak, because the whole force is recorded. `force_n`: [N] above
-    0, at most the force limit. Raises `CamtoolsError`: as `pulse_fit`; U hardly moved; or the
-    simulated controller refuses; `Refused`, `CutShortError`: the controller refuses, for instance a
-    force above its limit, or a fault ends the pulse.
+    Its loop may be weak, because the whole force is recorded. Refuses a U that hardly moved.
     """
     if force_n <= 0:
         raise CamtoolsError([f"pulse of {force_n:g} N: give a force above 0 N"])

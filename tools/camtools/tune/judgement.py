@@ -102,24 +102,20 @@ def judge(loop: Loop, plant: Plant, mass: float = 1.0) -> Judgement:
 
 def _missing(at: tuple[Margins, ...]) -> float:
     """Return how much the margins lack, 0: nothing; of each mass 1: all, 2: unstable."""
-    lacks = [
-        max(0.0, 1.0 - one.gain_db / LEAST_GAIN_DB, 1.0 - one.phase_deg / LEAST_PHASE_DEG)
-        if one.is_stable else 2.0
-        for one in at
-    ]  # fmt: skip
-    return sum(lacks)
+    shares = ((one.gain_db / LEAST_GAIN_DB, one.phase_deg / LEAST_PHASE_DEG) for one in at)
+    lacks = zip(at, (max(0.0, 1.0 - min(two)) for two in shares), strict=True)
+    return sum(lack if one.is_stable else 2.0 for one, lack in lacks)
 
 
 def _without(p: Plant) -> dict[str, Plant]:
     """Return the drive without each of its lags, by its description and remedy."""
     quick = max(_WITHOUT_LAG_HZ, p.amplifier_hz)
     tick = f"the hold of a tick at {p.step_hz * 1e-3:.3g} kHz: raise the rate"
+    lag = f"the lag of the amplifier of {p.amplifier_hz:.4g} Hz: take a faster one"
     found = {
         f"the delay of {p.delay_s * 1e6:.3g} us: shorten it": replace(p, delay_s=0.0),
         tick: replace(p, delay_s=p.delay_s - 0.5 / p.step_hz),
-        f"the lag of the amplifier of {p.amplifier_hz:.4g} Hz: take a faster one": replace(
-            p, amplifier_hz=quick
-        ),
+        lag: replace(p, amplifier_hz=quick),
     }
     if p.mode_hz:
         mode = f"the mode at {p.mode_hz:.4g} Hz: damp or stiffen it"

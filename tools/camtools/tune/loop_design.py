@@ -74,45 +74,33 @@ class Margins:
 
 
 def controller_response(loop: Reals, plant: Plant, hz: Reals) -> Complexes:
-    """Return the response of loops in N/m.
-
-    `loop`: fields of Loop, one row each; one column for each loop. `plant`: for its mass and rate.
-    `hz`: frequencies below half the rate.
-    """
+    """Return the response in N/m of loops (rows: fields of Loop) below half the rate."""
     crossover, ratio, pole, integral, notch, zero_damping, pole_damping = loop[..., None]
     s = 2j * plant.step_hz * np.tan(np.pi * hz / plant.step_hz) / (2.0 * np.pi)
     lead = _lead(s, ratio, pole)
     gain = _gain(plant, crossover, ratio, pole)
     q = s / (plant.step_hz / np.pi * np.tan(np.pi * notch / plant.step_hz))
     notched = (q * q + 2.0 * zero_damping * q + 1.0) / (q * q + 2.0 * pole_damping * q + 1.0)
-    response: Complexes = gain * (1.0 + integral / s) * lead * notched
-    return response
+    return np.asarray(gain * (1.0 + integral / s) * lead * notched)
 
 
 def _lead(s: Complexes, ratio: Reals, pole: Reals) -> Complexes:
-    lead: Complexes = (1.0 + s * ratio / pole) / (1.0 + s / pole)
-    return lead
+    return np.asarray((1.0 + s * ratio / pole) / (1.0 + s / pole))
 
 
 def _gain(plant: Plant, crossover: Reals, ratio: Reals, pole: Reals) -> Reals:
     s: Complexes = np.asarray(1j * crossover)
     omega = 2.0 * np.pi * crossover
-    gain: Reals = plant.mass_kg * omega**2 / np.abs(_lead(s, ratio, pole))
-    return gain
+    return np.asarray(plant.mass_kg * omega**2 / np.abs(_lead(s, ratio, pole)))
 
 
 def word_shares(loops: Reals, plant: Plant) -> Reals:
-    """Return which share integral and lead take of the coefficients that the firmware holds.
-
-    The firmware refuses a loop where one is above 1. Arguments of `controller_response`; the
-    result has a row for each.
-    """
+    """Return which share integral and lead take of what the firmware holds; it refuses above 1."""
     crossover, ratio, pole, integral = loops[:4]
     gain = _gain(plant, crossover, ratio, pole)
     summed = 2.0 * np.pi * integral / plant.step_hz
     led = (ratio - 1.0) * (1.0 - integral / pole) / (1.0 + np.pi * pole / plant.step_hz)
-    shares: Reals = gain * np.stack([summed / _MOST_SUMMED, led / _MOST_LED])
-    return shares
+    return np.asarray(gain * np.stack([summed / _MOST_SUMMED, led / _MOST_LED]))
 
 
 def compliance(plant: Plant, hz: Reals, mass: float = 1.0) -> Complexes:
@@ -122,31 +110,27 @@ def compliance(plant: Plant, hz: Reals, mass: float = 1.0) -> Complexes:
     share = plant.mode_share if plant.mode_hz > 0.0 else 0.0
     mode = s * s * share / (s * s + 2.0 * plant.mode_damping * omega * s + omega**2)
     slide = mass * plant.mass_kg * s * s + plant.drag_n_s_per_m * s + plant.stiffness_n_per_m
-    response: Complexes = (1.0 - mode) / slide
-    return response
+    return np.asarray((1.0 - mode) / slide)
 
 
 def actuator_response(plant: Plant, hz: Reals) -> Complexes:
     """Return force per command: amplifier, delay, hold."""
     s = 2j * np.pi * hz
     delay = np.exp(-s * (plant.delay_s + 0.5 / plant.step_hz))
-    response: Complexes = delay * np.sinc(hz / plant.step_hz) / (1.0 + hz * 1j / plant.amplifier_hz)
-    return response
+    return np.asarray(delay * np.sinc(hz / plant.step_hz) / (1.0 + hz * 1j / plant.amplifier_hz))
 
 
 def response_grid(plant: Plant) -> Reals:
     """Return frequencies up to half the rate, dense about the mode."""
     rough = np.geomspace(1.0, 0.499 * plant.step_hz, 500)
     width = np.sinh(np.linspace(-3.0, 3.0, 81)) / 40.0
-    return np.sort(
-        np.concatenate([rough, plant.mode_hz * (1.0 + width)]) if plant.mode_hz else rough
-    )
+    near = [plant.mode_hz * (1.0 + width)] if plant.mode_hz else []
+    return np.sort(np.concatenate([rough, *near]))
 
 
 def _least(values: Reals, crossings: NDArray[np.bool_]) -> Reals:
     """Return the least amount of the values at the crossings of each row; infinity without one."""
-    least: Reals = np.min(np.where(crossings, np.abs(values), np.inf), axis=-1)
-    return least
+    return np.asarray(np.min(np.where(crossings, np.abs(values), np.inf), axis=-1))
 
 
 def _judged(
@@ -179,16 +163,11 @@ def _is_stable(opened: Complexes) -> NDArray[np.bool_]:
     start, first = np.degrees(angle[..., 0]), np.degrees(np.angle(opened[..., 0]))
     first -= np.where(first > 45.0, 360.0, 0.0)
     end = start - 360.0 * np.round((start - first) / 360.0) + np.degrees(turned)
-    stable: NDArray[np.bool_] = np.abs(end) < 30.0
-    return stable
+    return np.asarray(np.abs(end) < 30.0)
 
 
 def open_loop(loops: Reals, plant: Plant, hz: Reals, mass: float = 1.0) -> Complexes:
-    """Return the response of loops with the plant.
-
-    `loops`, `hz`: as `controller_response`. `plant`: the drive; the loops are made for its mass.
-    `mass`: the real mass, relative to that.
-    """
+    """Return the response of loops, made for the mass of the plant, at a relative real mass."""
     outside = actuator_response(plant, hz) * compliance(plant, hz, mass)
     return controller_response(loops, plant, hz) * outside
 
@@ -203,8 +182,7 @@ def margins(loop: Loop, plant: Plant, mass: float = 1.0) -> Margins:
 def closed_compliance(loops: Reals, plant: Plant, hz: Reals, mass: float = 1.0) -> Complexes:
     """Return what the scale sees per force with loops closed, in m/N; arguments of `open_loop`."""
     moved = compliance(plant, hz, mass)
-    response: Complexes = moved / (1.0 + open_loop(loops, plant, hz, mass))
-    return response
+    return np.asarray(moved / (1.0 + open_loop(loops, plant, hz, mass)))
 
 
 def step_response(loops: Reals, plant: Plant, line_hz: float, mass: float = 1.0) -> Reals:
@@ -215,8 +193,7 @@ def step_response(loops: Reals, plant: Plant, line_hz: float, mass: float = 1.0)
     n = 2 * (hz.size + 1)
     row = np.fft.irfft(np.insert(lines, 0, 0.0, axis=-1), n) * n * line_hz
     ended = row[..., [3 * n // 4]]  # away from the jump that a static response has at 0
-    response: Reals = (row - ended + static)[..., : n // 2]
-    return response
+    return np.asarray((row - ended + static)[..., : n // 2])
 
 
 def _with_depth(found: Reals) -> Reals:
@@ -238,17 +215,14 @@ def _cost(found: Reals, plant: Plant) -> Reals:
     cost += 10.0 * np.maximum(0.0, word_shares(loops, plant) - _MOST_SHARE).sum(axis=0)
     for mass in EXTREME_MASSES:
         cost += np.where(_is_stable(opened / mass), 0.0, 5.0)
-    total: Reals = cost
-    return total
+    return np.asarray(cost)
 
 
 def best(plant: Plant) -> Loop:
     """Return the loop whose peak after a step of force is the smallest.
 
-    Loops are preferred whose margins are 6 dB and 30 degrees over the mass +-30 %, and among these
-    such that are stable from half the mass to twice the mass, and back within 0.1 um 20 ms after a
-    step of 10 N. Where none has the margins, the best one lacks some.
-    `plant`: the drive.
+    Preferred are margins of 6 dB and 30 degrees over the mass +-30 %, stability from half the mass
+    to twice the mass, and 0.1 um 20 ms after a step of 10 N. Where none has all, some are lacking.
     """
     fastest = plant.step_hz / 5.0
     about = plant.mode_hz if plant.mode_hz > 0.0 else fastest / 4.0

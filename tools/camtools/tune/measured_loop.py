@@ -76,9 +76,8 @@ def figures(one: OpenLoop) -> Figures:
         return Figures()
     phase_deg = float(np.abs((angle + 180.0) % 360.0 - 180.0).min())
     found = Figures(float(np.exp(crossing[-1])), phase_deg)
-    turned, level, real = _at_zeros(
-        one.response.imag, log_hz, level_db, np.asarray(one.response.real)
-    )
+    imag, real = one.response.imag, one.response.real
+    turned, level, real = _at_zeros(imag, log_hz, level_db, real)
     is_one = (real < 0.0) & (turned > crossing[-1])
     if not is_one.any():
         return found

@@ -198,13 +198,10 @@ def fit_record(
 def record_lines(
     tick_hz: float, injected: Floats, force_n: Floats, position_m: Floats, quantum_nm: float = 0.0
 ) -> Spectra:
-    """Return the lines of force [N] and position [nm] of a record.
+    """Return the lines of force [N] and position [nm] of a record, one value of each a tick.
 
-    `tick_hz`: rate of record, loop and force. `injected`, shape (n,): set-point or injected force,
-    in any unit; repeats every 0.2 s, in odd lines of 5 Hz and one of 20 Hz (`multisine`).
-    `force_n`, shape (n,): whole force that was commanded in each tick. `position_m`, shape (n,):
-    reading of the scale in the same tick. `quantum_nm`: of the scale, 0 if it is not known. Raises
-    `CamtoolsError`: the record is too short, or the injected signal does not repeat.
+    The injected set-point or force, in any unit, repeats every 0.2 s, in odd lines of 5 Hz and one
+    of 20 Hz (`multisine`). Refuses a record that is too short, or does not repeat.
     """
     grid = Grid(tick_hz, round(tick_hz / LINE_HZ), _HIGHEST * tick_hz)
     n = force_n.size // grid.n_ticks - _DROPPED
@@ -226,15 +223,13 @@ def record_lines(
 _HEADER = "time_s,injected_n,force_n,position_um"
 _INJECTED = {"injected_n": 1.0, "injected_kn": 1e3}
 _SETPOINTS = {f"setpoint_{unit}": metres for unit, metres in LENGTHS.items()}
-_NAMES = {
-    MASS: ("mass_kg", 1.0),
-    DRAG: ("drag_n_s_per_m", 1.0),
-    STIFFNESS: ("stiffness_n_per_m", 1.0),
-    FRICTION: ("friction_n", 1.0),
-    DELAY: ("delay_us", 1e6),
-    MODE_HZ: ("mode_hz", 1.0),
-    MODE_DAMPING: ("mode_damping", 1.0),
-    MODE_SHARE: ("mode_share", 1.0),
+_NAMES = {  # of each constant that a drive file has, with its unit
+    i: (name, 1e6 if i == DELAY else 1.0)
+    for i, name in (
+        *((MASS, "mass_kg"), (DRAG, "drag_n_s_per_m"), (STIFFNESS, "stiffness_n_per_m")),
+        *((FRICTION, "friction_n"), (DELAY, "delay_us"), (MODE_HZ, "mode_hz")),
+        *((MODE_DAMPING, "mode_damping"), (MODE_SHARE, "mode_share")),
+    )
 }
 _NEVER_BELOW_0 = (DRAG, STIFFNESS, FRICTION, DELAY)
 
@@ -247,10 +242,8 @@ def parse_loop_record(text: str, file: str) -> Table:
 
 def fit_table(record: Table, quantum_nm: float) -> PlantFit:
     """Return the constants of a record; errors as of `fit_record`."""
-    values = record.values
-    return fit_record(
-        record.rate_hz, values["injected"], values["force"], values["position"], quantum_nm
-    )
+    injected, force_n, position_m = record.values.values()
+    return fit_record(record.rate_hz, injected, force_n, position_m, quantum_nm)
 
 
 def with_fit(keys: dict[str, Any], found: PlantFit, tick_hz: float) -> dict[str, Any]:
