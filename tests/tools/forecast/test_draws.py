@@ -104,6 +104,9 @@ def test_usual_errors_of_scale_and_encoder_are_around_what_is_stated(
         assert max(0.0, value - 0.75) <= least <= value + 0.01 < most <= value + 0.75
 
 
+LATE = "[u.delay_us]\ndistribution = "
+
+
 @pytest.mark.parametrize(
     ("text", "told"),
     [
@@ -111,37 +114,20 @@ def test_usual_errors_of_scale_and_encoder_are_around_what_is_stated(
         ("", "v.toml: 0 numbers to vary; give 1 .. 100"),
         ("u = 1\n", "v.toml: u = 1: not a table of a machine file; write [TABLE.KEY]"),
         ("[u]\ndelay_us = 1\n", "v.toml: u.delay_us = 1: not a table; write [u.delay_us]"),
-        (
-            '[u.x]\ndistribution = "uniform"\nlow = 0\nhigh = 1\n',
-            "u.x: not a number of a machine file",
-        ),
-        ('[u.delay_us]\ndistribution = "flat"\n', "u.delay_us.distribution = 'flat'"),
-        ('[u.delay_us]\ndistribution = "uniform"\nlow = 0\n', "u.delay_us.high: is missing"),
-        (
-            '[u.delay_us]\ndistribution = "uniform"\nlow = 0\nhigh = 1\nsd = 1\n',
-            "u.delay_us.sd = 1.0: does not belong to a uniform distribution; remove it",
-        ),
-        (
-            '[u.delay_us]\ndistribution = "uniform"\nlow = 3\nhigh = 1\n',
-            "u.delay_us.low = 3.0: must be below high = 1",
-        ),
-        ('[u.delay_us]\ndistribution = "normal"\nsd = 0\n', "u.delay_us.sd = 0: "),
-        ('[u.delay_us]\ndistribution = "normal"\nsd = inf\n', "u.delay_us.sd = inf: "),
-        ('[u.delay_us]\ndistribution = "lognormal"\nfactor = 1\n', "u.delay_us.factor = 1: "),
-        (
-            '[u.delay_us]\ndistribution = "normal"\nsd = 1\nlow = 200\nhigh = 300\n',
-            "u.delay_us: leaves 0 of the distribution between 200 and 300",
-        ),
-        (
-            '[u.mode_hz]\ndistribution = "normal"\nof = "nominal"\nsd = 0.1\n',
-            "u.mode_hz.of = 'nominal': is 0 on this machine",
-        ),
-        (
-            '[u.delay_us]\ndistribution = "normal"\nsd = 1\nwidth = 1\n',
-            "u.delay_us.width = 1: unkn",
-        ),
+        ('[u.x]\ndistribution = "uniform"\nlow = 0\nhigh = 1\n', "u.x: not a number of a machine"),
+        (LATE + '"flat"\n', "u.delay_us.distribution = 'flat'"),
+        (LATE + '"uniform"\nlow = 0\n', "u.delay_us.high: is missing"),
+        (LATE + '"uniform"\nlow = 0\nhigh = 1\nsd = 1\n', "u.delay_us.sd = 1.0: does not belong"),
+        (LATE + '"uniform"\nlow = 3\nhigh = 1\n', "u.delay_us.low = 3.0: must be below high = 1"),
+        (LATE + '"normal"\nsd = 0\n', "u.delay_us.sd = 0: "),
+        (LATE + '"normal"\nsd = inf\n', "u.delay_us.sd = inf: "),
+        (LATE + '"lognormal"\nfactor = 1\n', "u.delay_us.factor = 1: "),
+        (LATE + '"normal"\nsd = 1\nlow = 200\nhigh = 300\n', "leaves 0 of the distribution"),
+        (LATE.replace("delay_us", "mode_hz") + '"normal"\nof = "nominal"\nsd = 0.1\n',
+         "u.mode_hz.of = 'nominal': is 0 on this machine"),
+        (LATE + '"normal"\nsd = 1\nwidth = 1\n', "u.delay_us.width = 1: unkn"),
     ],
-)
+)  # fmt: skip
 def test_bad_files_are_refused_in_one_line(text: str, told: str) -> None:
     """File, field, value, remedy."""
     line = refusal(text)

@@ -48,7 +48,6 @@ def test_amplitude_crest_and_quantum() -> None:
     spectrum = np.fft.rfft(wave.u_nm)
     spectrum[CARRIER_LINE] = 0
     assert np.std(np.fft.irfft(spectrum)) == pytest.approx(25_000.0, rel=1e-4)
-    grid = Grid.of(20_000.0)
     wave = multisine(grid, 25_000.0, 0.0)
     line = np.zeros(grid.n_ticks // 2 + 1, complex)
     line[grid.bins] = np.fft.rfft(wave.u_nm)[grid.bins] * (2j * np.pi * grid.bins * 5.0) ** 2
@@ -176,21 +175,14 @@ bandwidth_hz = 270
 damping = 0.8
 delay_us = 60
 """
-DRIVE: dict[str, float | str] = {
-    "tick_hz": 20_000,
-    "hz": 300.0,
-    "damping": 0.7,
-    "delay_us": 75.0,
-    "friction": 5,
-    "quantum_nm": 10,
-    "more": "",
-}
+DRIVE: dict[str, float | str] = {"tick_hz": 20_000, "hz": 300.0, "damping": 0.7, "delay_us": 75.0}
+DRIVE |= {"friction": 5, "quantum_nm": 10, "more": ""}
 
 
-def simulated(folder: Path, text: str) -> SimulatedU:
+def simulated(folder: Path, text: str, *options: str) -> SimulatedU:
     """Return U of a machine."""
     table = skirt_of("perkins240").table
-    return SimulatedU(folder, text.encode(), "m.toml", pack(table))
+    return SimulatedU(folder, text.encode(), "m.toml", pack(table), options)
 
 
 def found_on(u: SimulatedU) -> Identified:
@@ -258,10 +250,7 @@ def test_believed_is_what_the_controller_has(tmp_path: Path) -> None:
 
 def test_excitation_that_ends_early_gives_no_record(tmp_path: Path) -> None:
     """The emergency stop is pressed meanwhile."""
-    text = MACHINE.format(**DRIVE).encode()
-    u = SimulatedU(
-        tmp_path, text, "m.toml", pack(skirt_of("perkins240").table), ["--inject=estop@t0.5"]
-    )
+    u = simulated(tmp_path, MACHINE.format(**DRIVE), "--inject=estop@t0.5")
     believed = u.believed()
     with pytest.raises(CutShortError, match="cut short"):
         excited(u, plan(believed, Wishes()), believed)

@@ -26,22 +26,13 @@ def place(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_the_newest_come_first(place: Path) -> None:
-    """With what they take."""
-    assert [(run.name, run.n_bytes) for run in runs(place)] == [
-        *(("new", 1024), ("middle", 1024), ("old", 1024))
-    ]
-    assert kept_text(place) == "3 runs, 3.1 kB: new, middle, old"
-
-
 def test_the_oldest_go_and_nothing_else(place: Path) -> None:
-    """What is no run stays, and so does what a link leads to."""
+    """The newest come first, with what they take; what is no run stays, a link's target, too."""
+    found = [(run.name, run.n_bytes) for run in runs(place)]
+    assert found == [("new", 1024), ("middle", 1024), ("old", 1024)]
+    assert kept_text(place) == "3 runs, 3.1 kB: new, middle, old"
     assert [run.name for run in drop_all_but(place, 1)] == ["middle", "old"]
     left = sorted(path.name for path in place.iterdir())
     assert left == ["link", "mine", "new", "notes.txt", "torn"]
     assert (place / "new" / "trace.parquet").exists()
-
-
-def test_a_folder_that_is_not_there_holds_nothing(tmp_path: Path) -> None:
-    """As before the first run."""
-    assert kept_text(tmp_path / "run") == "no runs"
+    assert kept_text(place / "run") == "no runs"

@@ -37,15 +37,12 @@ def params(loop: Loop, plant: Plant, **others: int) -> dict[str, int]:
         "servo_notch_hz": round(loop.notch_hz),
         "servo_notch_zero_permille": round(loop.notch_zero * 1e3),
         "servo_notch_pole_permille": round(loop.notch_pole * 1e3),
-        "u_scale_latency_ns": 0,
         "servo_force_delay_ns": round((plant.delay_s + hold_s + amplifier_s) * 1e9),
-        "servo_drag_mn_s_per_m": 0,
-        "servo_friction_mn": 0,
+        **dict.fromkeys(("u_scale_latency_ns", "servo_drag_mn_s_per_m", "servo_friction_mn"), 0),
         "servo_stiffness_n_per_m": 0,
-        "servo_force_limit_mn": 500000,
-        "servo_force_rate_n_per_ms": 1000000,
-        "servo_continuous_mn": 500000,
-        "servo_thermal_ms": 20000,
+        **dict.fromkeys(("servo_force_limit_mn", "servo_continuous_mn"), 500_000),
+        "servo_force_rate_n_per_ms": 1_000_000,
+        "servo_thermal_ms": 20_000,
     } | others
 
 
@@ -304,10 +301,10 @@ def test_record_is_fitted_and_tuned_in_one_go(
 ) -> None:
     """Limits come from the drive file; without one their parameters are left out."""
     row, place = record(SLOW, 5.0, 100.0), tmp_path / "scope.csv"
-    lines = [
-        f"{i / STEP_HZ:.6f},{a:.6f},{b:.6f},{c * 1e6:.4f}" for i, (a, b, c) in enumerate(row.T)
-    ]
-    place.write_text("time_s,injected_n,force_n,position_um\n" + "\n".join(lines) + "\n")
+    head = "time_s,injected_n,force_n,position_um"
+    columns = [np.arange(row.shape[1]) / STEP_HZ, *row]
+    columns[3] = columns[3] * 1e6
+    np.savetxt(place, np.transpose(columns), "%.6f", ",", header=head, comments="")
     assert main(["--record", str(place), "-o", str(tmp_path / "out")]) == 0
     report = capsys.readouterr().out
     assert "mass_kg                   1.5" in report

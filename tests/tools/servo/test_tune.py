@@ -379,6 +379,8 @@ def test_a_stiff_loop_is_refused_for_a_pulse(capsys: pytest.CaptureFixture[str])
     assert main(["--machine", str(_MACHINE), "--pulse", "700"]) == 2  # above the force limit
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 1 and "servo_force_limit_mn is 600000" in lines[0], lines
+    assert main(["--machine", "default"]) == 2  # its U takes positions
+    assert "tune: default: servo_crossover_hz = 0" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -399,12 +401,6 @@ def test_a_drive_that_takes_positions_is_refused(
     assert main(words) == 2
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 1 and says in lines[0] and "use tools/identify" in lines[0], lines
-
-
-def test_a_machine_that_takes_positions_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    """By its parameters."""
-    assert main(["--machine", "default"]) == 2
-    assert "tune: default: servo_crossover_hz = 0" in capsys.readouterr().err
 
 
 def test_a_refused_loop_is_not_set(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -8,16 +8,16 @@ import pytest
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.cli.mktables import main as mktables
 from camtools.pipeline.load import load
-from camtools.skirt.table.generate import GeneratedSkirt, generate
+from camtools.skirt.table.generate import generate
 from camtools.table.channel import KIND_U
 from camtools.table.evaluate import evaluate_at
 from camtools.table.export import Export, export_files
-from camtools.table.image import pack
+from camtools.table.image import Table, pack
 from camtools.table.points import parse_points, quintics_of
 from tests.tools.cases.cut_cases import PARTS, evaluated, made_of, skirt_of
 from tests.tools.cases.part_cases import PERKINS
 
-NM_PER_MM = 1e6
+NM_PER_MM, XYVA = 1e6, Export("xyva")
 IMPORTED = '[piston.section]\nshape = "points"\n'
 
 
@@ -29,9 +29,9 @@ def imported(part: Path, folder: Path, section: str) -> Path:
     return path
 
 
-def export(made: GeneratedSkirt, folder: Path, what: Export) -> list[str]:
+def export(table: Table, folder: Path, what: Export = XYVA) -> list[str]:
     """Write the files of an export; return their names."""
-    files = export_files(made.table, what)
+    files = export_files(table, what)
     for name, data in files.items():
         (folder / name).write_bytes(data)
     return sorted(files)
@@ -41,7 +41,7 @@ def export(made: GeneratedSkirt, folder: Path, what: Export) -> list[str]:
 def test_export_and_import_give_the_same_table(name: str, tmp_path: Path) -> None:
     """An oval and one cut with M4: to the byte, so to the nanometre."""
     made = skirt_of(name)
-    export(made, tmp_path, Export("xyva"))
+    export(made.table, tmp_path)
     path = imported(PARTS / f"{name}.toml", tmp_path, f'csv = "{name}_u_xyva.csv"\n')
     again = generate(load(path).part)
     assert again.table.channels[0].knots.tobytes() == made.table.channels[0].knots.tobytes()
@@ -52,7 +52,7 @@ def test_a_file_for_each_height(tmp_path: Path) -> None:
     """Three heights of their own: the part is straight between them, the firmware plays that."""
     made = skirt_of("perkins240")
     heights = (0.0, 20.0, 62.0)
-    names = export(made, tmp_path, Export("xyva", heights))
+    names = export(made.table, tmp_path, Export("xyva", heights))
     assert [name for name in names if "_z" in name] == [
         f"perkins240_u_z{z}_xyva.txt" for z in ("0", "20", "62")
     ]
@@ -98,10 +98,8 @@ def test_a_cam_comes_back(
 ) -> None:
     """An exported lobe as law "list" cuts the same part: every value within 1 nm."""
     path, made = PARTS / f"{name}.toml", made_of(name).table
-    files = export_files(made.table, Export("xyva"))
+    export(made.table, tmp_path)
     csv = f"{name}_lift_profile1_xyva.txt"
-    for file, data in files.items():
-        (tmp_path / file).write_bytes(data)
     text = CAM.format(base=base, roller=roller, wheel=wheel, csv=csv)
     rest = path.read_text().partition("[process]")[2]
     (tmp_path / "again.toml").write_text(text + rest)
@@ -118,8 +116,7 @@ def test_a_cam_comes_back(
 def test_a_polygon_comes_back_as_a_skirt(tmp_path: Path) -> None:
     """Points know no kind: P4C 35, exported, is a skirt of diameter 35 with the same knots."""
     made = made_of("p4c-35").table
-    for file, data in export_files(made.table, Export("xyva")).items():
-        (tmp_path / file).write_bytes(data)
+    export(made.table, tmp_path)
     rest = (PARTS / "p4c-35.toml").read_text().partition("[process]")[2]
     (tmp_path / "again.toml").write_text(
         '[part]\nname = "again"\nkind = "piston"\nsource = "an export"\n'

@@ -13,8 +13,6 @@ stopped finds what is there and goes on.
 0.1
 """
 
-from __future__ import annotations
-
 import atexit
 import hashlib
 import shutil

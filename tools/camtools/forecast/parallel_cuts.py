@@ -4,8 +4,6 @@
 [['a', 'b'], ['c']]
 """
 
-from __future__ import annotations
-
 import logging
 import os
 import signal
@@ -76,13 +74,7 @@ def cut_all(
     scheduler: str | None = None,
     n_workers: int | None = None,
 ) -> None:
-    """Cut on every machine.
-
-    `take`: Is given the outcomes of every batch as soon as they are there, in any order.
-    `scheduler`: address of a Dask cluster; else as many processes of this computer as there are
-    cores. `n_workers`: processes on this computer. Raises `CamtoolsError`: the cluster is no good,
-    or its workers died again and again.
-    """
+    """Cut on every machine, here or on a Dask cluster; `take` gets outcomes, batch by batch."""
     if not machines:
         return
     groups = batches(machines)

@@ -4,8 +4,6 @@
 (0.05, 1.0)
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

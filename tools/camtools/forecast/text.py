@@ -8,8 +8,6 @@ r"""A forecast in lines for people: how far it is, and what it found.
 'forecast: 4 of 4 cuts, 1 without a result\n'
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import TextIO
 

@@ -7,8 +7,6 @@ A table for each number, named as in machine files; tools/docs/FORECAST.md descr
 ['u.delay_us']
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -4,8 +4,6 @@
 [90.0, -90.0]
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

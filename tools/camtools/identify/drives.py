@@ -4,8 +4,6 @@ r"""A U that plays excitations: of a controller over CAN, and of the simulator.
 'the state is cutting, U is excited in ready only; stop and wait for ready'
 """
 
-from __future__ import annotations
-
 import subprocess
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -100,10 +98,7 @@ class ConnectedU:
         return np.array([column[rows] for column in columns], np.float64)
 
     def apply(self, settings: Mapping[str, int]) -> None:
-        """Disable the drives, set parameters, all of them or none, and read them back.
-
-        Raises `Refused`: the controller does not go off, refuses one, or reads another value.
-        """
+        """Disable the drives, set all parameters or none, read them back; or refuse."""
         answer = self.link.ask("disable")
         if answer.result != "done":
             raise Refused(f"{self.link.where}: disable: {answer.result.replace('_', ' ')}")

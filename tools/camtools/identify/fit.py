@@ -11,8 +11,6 @@
 (700.0, 300.0, 100.0)
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -157,7 +155,7 @@ def _lead(lines: _Lines) -> float:
 
 
 def _covariance(lines: _Lines, spectra: Spectra, values: Floats, residual: Floats) -> Floats:
-    """Return the covariance of the values."""
+    """Return the covariance: White's sandwich, or the scatter of the periods if that is larger."""
     jacobian = lines.jacobian(float(values[LEAD]))
     scale = np.linalg.norm(jacobian, axis=0)
     scale[scale == 0] = 1.0

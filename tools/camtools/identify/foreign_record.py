@@ -6,8 +6,6 @@ r"""A recording of another instrument: time, command or force, and position in c
 ('force_n', 1000, 4096, 4e-06)
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -91,12 +89,7 @@ class Table(NamedTuple):
 
 
 def parse_table(text: str, file: str, quantities: Mapping[str, Units], header: str) -> Table:
-    """Return the columns of a text.
-
-    `quantities`: the names that the column of each quantity may have, with their units in SI.
-    `header`: an example for the remedy. Raises `InputError`: with the line: columns are missing, no
-    numbers, uneven times, too few or too many rows, a column that does not change.
-    """
+    """Return columns, by the names that each may have with their units in SI, or refuse a line."""
     lines = text.rstrip().splitlines()
     columns = NumberLines(lines[0] if lines else "")
     kinds = {"time": TIMES} | dict(quantities)

@@ -9,8 +9,6 @@ the set-points, has neither fault.
 True
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import copysign
 
@@ -39,11 +37,7 @@ class _Slide:
         self.y = self.v = 0.0
 
     def move(self, command: float, flow: tuple[float, ...], dt_s: float) -> float:
-        """Let a step pass; return the time integral of the friction's share [s].
-
-        While the slide moves one way friction only shifts the place to which it is pulled, so that
-        the flow is exact; where it stops within the step, it does so with an even deceleration.
-        """
+        """Let a step pass, exactly or to an even stop; return the integral of friction."""
         v = self.v
         if v == 0.0 and abs(command - self.y) <= self.friction_nm:
             return (command - self.y) / self.friction_nm * dt_s
@@ -73,12 +67,7 @@ class _Slide:
 
 
 def friction_of(values: Floats, u_nm: Floats, tick_s: float) -> Floats:
-    """Return the friction of a drive in each tick, as a share of its greatest, -1 .. 1.
-
-    `values`, shape (4,): k1 [s] and k2 [s2], both > 0, friction [nm], dead time with half a tick of
-    hold [s]. `u_nm`, shape (n,): set-points from rest on, one a tick. Returns shape (n,): mean over
-    the tick that begins with the set-point.
-    """
+    """Return the mean friction of a drive in each tick from rest, of its greatest, -1 .. 1."""
     k1_s, k2_s2, friction_nm, lead_s = (float(value) for value in values)
     if friction_nm <= 0:
         return np.zeros(u_nm.size)

@@ -8,8 +8,6 @@
 ([], '2.00 0.00100')
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -184,12 +182,7 @@ def _halves(segments: _Segments, begin: Floats) -> list[Half]:
 
 
 def response_of(values: Floats, s: Complexes, hold_s: float) -> Complexes:
-    """Return the frequency response of constants, for a command that is held by MATHS.md (225).
-
-    `values`, shape (4,): as of `LinearModel`. `s`: j times the angular frequency [rad/s], below
-    half of the sampling rate. `hold_s`: how long each value of the command is held: the sampling
-    step, or 0.
-    """
+    """Return the response of constants at s = j w, for a command held [s] MATHS.md (225)."""
     if hold_s:
         step = 2j * np.pi / hold_s
         aliases = s[:, None] + step * np.arange(-_ALIASES, _ALIASES + 1)

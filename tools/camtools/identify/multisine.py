@@ -125,12 +125,7 @@ def _peaks(bins: Ints, lines: Complexes, line_hz: float) -> WavePeaks:
 
 
 def multisine(grid: Grid, rms_nm: float, carrier_nm: float, quantum_nm: float = 1.0) -> Wave:
-    """Return an excitation; the same arguments give the same wave.
-
-    `rms_nm`: of the multisine, > 0. `carrier_nm`: amplitude of the carrier, >= 0. `quantum_nm`: the
-    wave is rounded to whole multiples, so that a drive which rounds its commands to that quantum
-    plays what is known; below 1: to 1 nm.
-    """
+    """Return an excitation, always the same, rounded to whole multiples of a quantum."""
     bins = grid.bins
     lines = rms_nm * _shape(bins, grid.line_hz) * np.exp(1j * _phases(bins.size))
     bins = np.append(bins, CARRIER_LINE)

@@ -6,8 +6,6 @@
 (314, 197)
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@
 700000.0
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
@@ -140,11 +138,7 @@ def _part_lines(
 
 
 def chosen(found: Identified, limits: Limits, motion: ToolMotion | None) -> Floats:
-    """Return the constants for the feed-forward.
-
-    They are those of the fit. Where a mode biases it beyond the limits, they follow from the fit of
-    the drive beside its mode: those that are best for the part, or far below the mode without one.
-    """
+    """Return the constants for the feed-forward: of the fit, or beside a mode that biases it."""
     if found.with_mode is None or not found.is_biased(limits):
         return found.plain.values
     if motion is None:

@@ -6,8 +6,6 @@
 [1.0, 0.0]
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -150,11 +148,7 @@ def _begins(start: Floats, near: ModeFit | None) -> Iterator[Floats]:
 
 
 def fit_mode(spectra: Spectra, plain: DriveFit, near: ModeFit | None = None) -> ModeFit | None:
-    """Return the constants of a drive with one mode, nothing where there are too few lines.
-
-    The search begins at several frequencies, above the highest line too: the flank of a mode that
-    is not excited itself is seen as well. `near`: where to begin instead.
-    """
+    """Return the constants beside one mode, from several begins or one; none for few lines."""
     if spectra.s.size < _MIN_LINES:
         return None
     residual = _Residual(spectra, plain)

@@ -4,8 +4,6 @@
 (False, True)
 """
 
-from __future__ import annotations
-
 from typing import Annotated, Literal, Protocol, Self
 
 from pydantic import Field, StringConstraints, ValidationInfo, field_validator, model_validator

@@ -4,8 +4,6 @@ r"""A part file as it lies on the disk: read within bounds, parsed once, checked
 {'part': {'name': 'a'}}
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar

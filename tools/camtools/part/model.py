@@ -4,8 +4,6 @@
 'is (odd)'
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise

@@ -5,8 +5,6 @@
 '0.144270'
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import Annotated, Literal
 

@@ -8,8 +8,6 @@
 ('spindle_rpm', 2500, 'r/min', '1 .. 60000', True)
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

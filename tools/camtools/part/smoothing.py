@@ -10,8 +10,6 @@ band; the smallest third derivative decides where they go, MATHS.md (220).
 (True, '0.0000')
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Annotated, NamedTuple, TypeVar
 

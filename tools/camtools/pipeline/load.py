@@ -10,8 +10,6 @@ a.toml: process: is missing; add it
 ['cam-disc.camtab', 'cam-disc.json', 'cam-disc_table.c', 'cam-disc_table.h']
 """
 
-from __future__ import annotations
-
 import pkgutil
 from functools import cache
 from importlib import import_module

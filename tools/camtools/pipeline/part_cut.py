@@ -6,8 +6,6 @@ All of them work in the folder of the table, which is the working folder.
 (None, 596)
 """
 
-from __future__ import annotations
-
 import sys
 import time
 from collections.abc import Sequence

@@ -7,8 +7,6 @@
 124.0
 """
 
-from __future__ import annotations
-
 import json
 import shutil
 import sys

@@ -4,8 +4,6 @@
 [0, 0, 1, 1, 1, 1, 2]
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from math import floor, log10
 

@@ -4,8 +4,6 @@
 (0.05, 10.0, 1.0)
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from io import BytesIO

@@ -6,8 +6,6 @@ The numbers go into the page once, packed; report/page.js cuts every chart of th
 'AQI='
 """
 
-from __future__ import annotations
-
 from base64 import b64encode
 from typing import Any, NamedTuple
 
@@ -95,10 +93,7 @@ def board_of(
     tolerance_um: float,
     space: int | None = None,
 ) -> Board | None:
-    """Return the board of a surface; nothing where none was gauged.
-
-    `space`: enlargement of the part in space; by default a round one that shows its shape.
-    """
+    """Return the board of a surface, none if nothing was gauged; space: enlargement, or chosen."""
     if not surface.turn.size or z_range_mm[1] <= z_range_mm[0]:
         return None
     rows = map_rows(z_range_mm[1] - z_range_mm[0], feed_mm)

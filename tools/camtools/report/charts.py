@@ -5,8 +5,6 @@
 ['smallest of all turns', 'largest of all turns', 'mean of all turns']
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

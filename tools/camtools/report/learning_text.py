@@ -4,8 +4,6 @@
 '2 .. 4, 7'
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -4,8 +4,6 @@
 [[0.0, -3.0], [5.0, 1.0]]
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

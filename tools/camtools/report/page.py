@@ -6,8 +6,6 @@ The page's policy names each script by its hash, so that nothing else is ever ex
 Markup('{"name":"\\u003c/script\\u003e"}')
 """
 
-from __future__ import annotations
-
 import json
 from base64 import b64encode
 from collections.abc import Sequence

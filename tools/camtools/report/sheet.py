@@ -4,8 +4,6 @@
 ('good', 'out of tolerance', 'no tolerance given')
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -109,11 +107,7 @@ def feature(
     nominal: float | None = None,
     tolerance: float | None = None,
 ) -> Feature:
-    """Return a line of a table; what has no nominal value is a deviation itself.
-
-    `kind`: quantity (diameter, radius, angle) and unit. `tolerance`: in um where the unit is a
-    length, else in the unit.
-    """
+    """Return a line of a table; of lengths the tolerance is in um; no nominal: a deviation."""
     deviation = None if nominal is None else actual - nominal
     judged = actual if deviation is None else deviation
     verdict = verdict_of(judged * (UM_PER_MM if kind[1] == "mm" else 1), tolerance)

@@ -5,8 +5,6 @@ r"""Sheets as the page shows them, as pictures, and as data in sheets.json.
 ('91.999 900', '-0.1000 µm', '')
 """
 
-from __future__ import annotations
-
 import json
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@
 ('140 000-fold', '280-fold')
 """
 
-from __future__ import annotations
-
 from math import log10
 
 import numpy as np

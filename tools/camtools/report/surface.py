@@ -5,8 +5,6 @@
 np.float64(-0.3)
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

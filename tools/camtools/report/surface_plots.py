@@ -4,8 +4,6 @@
 64
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

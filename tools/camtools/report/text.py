@@ -4,8 +4,6 @@
 '0.1 um, 3 m/s2'
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -124,16 +122,7 @@ def error_pair(error: Json) -> str:
 
 
 def form_text(form: Json, taken_um: float = 0.0) -> str:
-    """Return the form error with what it is measured against and its tolerance.
-
-    `form`: of camsim's summary; its tolerance is what smoothing leaves. `taken_um`: what smoothing
-    of the drawing's points takes of the tolerance.
-
-    >>> form_text({"max": 0.25, "rms": 0.1, "tolerance": 5.0})
-    'max 250 nm, rms 100 nm against the drawing (tolerance 5 µm)'
-    >>> form_text({"max": 0.25, "rms": 0.1, "tolerance": 4.5}, 0.5).partition("against ")[2]
-    'the smoothed drawing (4.5 µm left: smoothing takes 0.5 um of the tolerance of 5 um)'
-    """
+    """Return the form error, its reference and its tolerance, of which smoothing takes a share."""
     left = length_text(form["tolerance"])
     if taken_um == 0:
         return f"{error_pair(form)} against the drawing (tolerance {left})"

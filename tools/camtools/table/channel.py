@@ -16,8 +16,6 @@ at the contact has the same direction in space. Only derivatives by the angle ch
 [[0, -5, 1], [30, -8, 4], [20, -7, 3], [10, -6, 2]]
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 

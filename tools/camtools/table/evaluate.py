@@ -5,8 +5,6 @@
 (0.0, 1.0)
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import ceil, comb
 from typing import NamedTuple
@@ -67,11 +65,7 @@ def _scaled(channel: Channel, raw: Floats) -> Values:
 
 
 def evaluate_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
-    """Return a channel over angle on a grid of all segments of a pattern.
-
-    `channel`: of any kind but x. `z_nm`, shape (n_z,): heights. `t`, shape (n_t,): places inside
-    each segment, 0 .. 1. Returns each of shape (n_z, n_knots * n_t), angle rising.
-    """
+    """Return a channel at heights and places 0 .. 1 of all segments, (n_z, n_knots * n_t)."""
     i_slice, weight = locate(channel, z_nm)
     w = weight[:, None, None]
     blended = (1 - w) * channel.knots[i_slice] + w * channel.knots[i_slice + 1]

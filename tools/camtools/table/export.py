@@ -8,8 +8,6 @@ of other makers read two columns, angle and value. Angles are the drawing's, in 
 ('z12.5', 'z-3')
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 

@@ -5,8 +5,6 @@
 400000
 """
 
-from __future__ import annotations
-
 from math import ceil, floor
 from typing import Protocol
 

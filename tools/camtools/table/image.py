@@ -6,8 +6,6 @@ Every record is packed and read by the names of its fields, which are those of t
 '0xd71f022f'
 """
 
-from __future__ import annotations
-
 import re
 import zlib
 from collections.abc import Sequence

@@ -11,8 +11,6 @@ velocity, acceleration in degrees and mm.
 ([0.5, 1.5, 2.5], False)
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import NamedTuple
@@ -162,12 +160,7 @@ def _in_units(columns: list[_Column], units: Units, file: str, place: str) -> li
 
 
 def parse_points(text: str, file: str, units: Units = DEGREES_AND_MM) -> PointFile:
-    """Return the points of a text.
-
-    Raises `InputError`: with the line: columns missing or unknown, no numbers, angles that do not
-    rise, a turn that does not close, velocities or accelerations that contradict the values, two
-    units.
-    """
+    """Return the points of a text, or refuse it by the line that is wrong, with a remedy."""
     lines = [
         (i, line.strip())
         for i, line in enumerate(text.splitlines(), start=1)

@@ -7,8 +7,6 @@
 (500, 6)
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import ceil, floor, log2
 
@@ -50,12 +48,7 @@ def _largest_sum(channel: Channel) -> int:
 
 
 def quantise(kind: int, exact: Floats, log2_repeat: int, range_nm: tuple[int, int]) -> Channel:
-    """Return a channel with as many fraction bits as the format's bound allows.
-
-    `exact`, shape (n_slices, n_knots, 3): triples (value, h value', h^2 value'' / 2) in the unit of
-    the channel. `range_nm`: height of the first and of the last slice. Raises `TooLargeError`: even
-    whole nanometres are too fine.
-    """
+    """Return a channel of (value, h value', h^2 value''/2) with all fraction bits that fit."""
     # Begin with frac_bits from the size of the numbers, at most one too many.
     coarse = _integers(kind, exact / 2**16, 0, (0, 1), 8)
     size = max(1, _largest_sum(coarse)) * 2.0**8

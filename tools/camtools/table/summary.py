@@ -4,8 +4,6 @@
 'part_16V240_ZJ'
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from camtools.base.quantities import NM_PER_MM

@@ -7,8 +7,6 @@ r"""A drive file: what is known about a force drive, and the task that it must d
 ['296', '209']
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 

@@ -8,8 +8,6 @@
 (-1, 2.0, True)
 """
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -156,11 +154,7 @@ def pulse_fit(tick_hz: float, force_n: Floats, position_m: Floats) -> Pulse:
 
 
 def pulse_play(force_n: float, mass_kg: float, believed: Believed) -> Play:
-    """Return a pulse in each direction: a force, the opposite one, and twice as long a rest.
-
-    Each takes U by a tenth of its stroke, as far as the mass is known: F t^2 / m. Friction stops U
-    in the rest, however small it is.
-    """
+    """Return a force, its opposite, twice as long a rest, in each direction, over 0.1 stroke."""
     way_m = _OF_STROKE * believed.u_stroke_nm * 1e-9
     seconds = min(max(float(np.sqrt(way_m * mass_kg / force_n)), _LEAST_S), _MOST_S)
     n = round(seconds * believed.tick_hz)

@@ -8,8 +8,6 @@ r"""What a loop does on its drive, why it is refused, and as text.
 'most to blame is the lag of the amplifier of 1500 Hz: take a faster one'
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import astuple, dataclass, replace
 

@@ -8,8 +8,6 @@ It is the reading over the whole force, times the response of the controller's p
 crossover 100 Hz, phase margin 72.0 degrees, gain margin 14.0 dB at 500 Hz
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import astuple
 from typing import NamedTuple

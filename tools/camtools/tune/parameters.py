@@ -6,8 +6,6 @@
 (395, 206103, 3976)
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import astuple, replace
@@ -150,11 +148,7 @@ def plant_of(values: Mapping[str, int], drive: Drive) -> tuple[Plant, float]:
 
 
 def settings_of(values: Mapping[str, int], drive: Drive) -> dict[str, int]:
-    """Return all that is to be set for parameters of the loop: themselves, no lag, the lead.
-
-    U is looked up ahead by a tick and the delay of the force (cam_force.c), which is that of the
-    drive where they have none.
-    """
+    """Return all that is to be set for parameters of the loop: themselves, no lag, the lead."""
     settings, own_ns = dict(values), round(_drive_values(drive)["force_delay_ns"])
     lead_ns = round(1e9 / drive.tick_hz) + settings.setdefault("servo_force_delay_ns", own_ns)
     return settings | _NO_LAG | {"lead_ns": lead_ns}

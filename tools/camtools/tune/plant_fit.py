@@ -14,8 +14,6 @@ the loop feeds back into the force goes, so that it does not bias position over 
 (1.5, 75.0, 1500.0)
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -50,10 +48,7 @@ _SAME = 0.01  # of an injected signal that repeats
 
 @dataclass(frozen=True, eq=False)
 class PlantFit:
-    """Constants in SI units, in the order of MASS .. MODE_SHARE; without a mode six of them.
-
-    Delay and amplifier separate only poorly; `late_sigma_s` is the deviation of their sum.
-    """
+    """Constants in SI units, in the order of MASS .. MODE_SHARE; without a mode six of them."""
 
     values: Floats
     sigmas: Floats  # standard deviations

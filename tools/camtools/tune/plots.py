@@ -8,8 +8,6 @@
 b'PNG'
 """
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 

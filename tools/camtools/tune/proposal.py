@@ -6,8 +6,6 @@
 ('', 1500, 'crossover:')
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -41,12 +39,7 @@ class Proposal(NamedTuple):
 
 
 def subject_of(found: Measured, keys: dict[str, Any], name: str, where: str) -> Subject:
-    """Return the drive that an excitation shows, and its loop as it is.
-
-    `keys`: of a drive file, for what an excitation does not show; may be empty. `name`, `where`: of
-    files, and in errors. Raises `CamtoolsError`: a key is wrong, or a constant that was found is
-    out of its range.
-    """
+    """Return the drive that an excitation shows, with keys of a drive file, and its loop."""
     drive = drive_of(with_fit(keys, found.fit, found.tick_hz), where)
     measured = measured_loop(found.lines, found.values, drive)
     lines = [
