@@ -104,9 +104,9 @@ def _outcome(key: str, result: Result) -> CutOutcome:
     largest, rms, roundness, late = (nan if value is None else float(value) for value in values)
     faults = " ".join(summary.get("first_faults", []))
     return CutOutcome(
-        *(key, summary["end"], result.status, faults, result.message),
-        *(largest, rms, roundness, late, int(summary["ticks"]), float(summary["wall_time_s"])),
-    )
+        key, summary["end"], result.status, faults, result.message,
+        largest, rms, roundness, late, int(summary["ticks"]), float(summary["wall_time_s"]),
+    )  # fmt: skip
 
 
 def cut_one(task: Task, machine: str) -> CutOutcome:

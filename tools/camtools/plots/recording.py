@@ -103,8 +103,10 @@ def _draw_over_time(axes: Axes, t_ms: Floats, columns: Columns, names: list[str]
     if is_number:
         axes.yaxis.set_major_locator(MaxNLocator(4, integer=True, min_n_ticks=1))
     if len(names) > 1:
-        place = {"loc": "lower left", "bbox_to_anchor": (0, 0.95), "borderaxespad": 0}
-        axes.legend(ncols=len(names), fontsize=8, frameon=False, **place)  # type: ignore[arg-type]
+        axes.legend(
+            loc="lower left", bbox_to_anchor=(0, 0.95), borderaxespad=0,
+            ncols=len(names), fontsize=8, frameon=False,
+        )  # fmt: skip
 
 
 def time_picture(
