@@ -94,7 +94,7 @@ def effects(keys: list[str], inputs: Floats, errors: Floats, *, seed: int) -> li
     first = rbd_fast.analyze(_problem(inputs), inputs, logs, num_resamples=_RESAMPLES, seed=seed)
     columns = (map(float, one) for one in (moved, first["S1"], first["S1_conf"]))
     rows = zip(keys, *columns, strict=False)  # moved has the random columns, too
-    found = [Effect(key, far, *alone, far <= floor) for key, far, *alone in rows]
+    found = [Effect(key, far, alone, half, far <= floor) for key, far, alone, half in rows]
     return sorted(found, key=lambda effect: -effect.pawn)
 
 

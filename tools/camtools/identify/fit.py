@@ -13,9 +13,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from camtools.base.errors import CamtoolsError
@@ -85,9 +86,7 @@ def stacked(values: Complexes | Floats) -> Floats:
     return np.concatenate([values.real, values.imag])
 
 
-def solved(
-    columns: Sequence[Complexes | Floats], wanted: Complexes | Floats
-) -> tuple[Floats, Floats]:
+def solved(columns: Sequence[NDArray[Any]], wanted: NDArray[Any]) -> tuple[Floats, Floats]:
     """Return the factors of columns that sum up to what is wanted, and the stacked residual."""
     matrix = np.column_stack([stacked(column) for column in columns])
     norm = np.linalg.norm(matrix, axis=0)
