@@ -19,6 +19,8 @@ from camtools.cli.papers import MODULES, main
 from camtools.lobe.part import LobePart
 from camtools.papers import corner, helix, refit
 from camtools.papers.declared import Paper, compared, filled, page
+from camtools.papers.drawings import draw_points
+from camtools.papers.figures import PICTURES, refit_drawers
 from camtools.papers.lobe import LobeWishes
 from camtools.pipeline.load import load
 from tests.tools.cases.cut_cases import PARTS, geometry_of_part
@@ -45,6 +47,9 @@ LISTED = {
 }
 
 
+FILES = {one.KEY: {*one.TABLES, *PICTURES[one.KEY]()} for one in MODULES}
+
+
 @cache
 def all_papers() -> list[Paper]:
     """Return all papers, worked out once."""
@@ -65,12 +70,11 @@ def test_page_is_what_the_command_writes() -> None:
     assert "| flow charts | they show steps, no numbers" in missing
     begin = text.index("## S0, S1:")
     assert text[begin : begin + len(made)] == made
-    files = {one.KEY: one.files() for one in MODULES}
     for paper in all_papers():
         items = [row.item for row in paper.rows if row.item != "text"]
         assert sorted(items) == sorted(LISTED[paper.key])
         for row in paper.rows:
-            assert "" not in row and set(row.files.split()) <= set(files[paper.key]), row.item
+            assert "" not in row and set(row.files.split()) <= FILES[paper.key], row.item
 
 
 def test_value_beyond_its_tolerance_ends_the_page() -> None:
@@ -80,6 +84,7 @@ def test_value_beyond_its_tolerance_ends_the_page() -> None:
             compared({"e_mm": [1.96, 0.005]}, {"e_mm": ours})
     with pytest.raises(CamtoolsError, match="drawn_um"):
         compared({"drawn_um": [[-5, -20], 0.5]}, {"drawn_um": [-5.28, -20.6]})
+    assert np.isnan(compared({"e_mm": [0, 0.1]}, {"e_mm": 0.05})["off"]["e_mm"])
 
 
 @pytest.mark.long
@@ -145,7 +150,7 @@ def test_points_of_the_helix_are_those_of_the_sections() -> None:
     # Pictures: 4 rings, or all 22 at 10 mm on 210 mm, and the turns between them, of 72 points.
     for item, n_rings, is_part in (("Fig 7", 4, True), ("Fig 8", None, False)):
         shown = helix.point_matrix(10.0, n_rings)
-        title = helix.draw_points(shown, is_part=is_part).axes[0].get_title()
+        title = draw_points(shown, is_part=is_part).axes[0].get_title()
         assert title.startswith(f"{item}: ")
         assert title.endswith(f", {(2 * (n_rings or 22) - 1) * 72 + 1} points")
     found = helix.quantities()
@@ -159,7 +164,7 @@ def test_command_makes_every_file(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert main(["-o", str(tmp_path / "a")]) == 0
     assert "46 figures and tables" in capsys.readouterr().out
     made = {path.name: path.read_bytes() for path in (tmp_path / "a").iterdir()}
-    assert set(made) == {"papers.md"}.union(*(one.files() for one in MODULES))
+    assert set(made) == {"papers.md"}.union(*FILES.values())
     assert all(data[1:4] == b"PNG" for name, data in made.items() if name.endswith(".png"))
     assert made["papers.md"].decode() == page(all_papers())
 
@@ -275,7 +280,7 @@ def test_other_sections_are_not_compared_with_the_paper() -> None:
 def test_pictures_show_their_columns() -> None:
     """A declared picture has a panel for each line of its declaration, with its units."""
     found = study_of("weichai3a", 40.0, 800.0)
-    axes = [draw().axes for draw in refit.drawers(found).values()]
+    axes = [draw().axes for draw in refit_drawers(found).values()]
     assert [len(one) for one in axes] == [4, 3]
     assert axes[0][2].get_ylabel() == "u acceleration,\nmm/s²"
     assert [len(one.lines) for one in axes[0]] == 4 * [4]

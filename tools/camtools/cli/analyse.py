@@ -17,7 +17,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.files import write_all
 from camtools.base.text import csv_text, emit_json
 from camtools.lobe.part import LobePart
-from camtools.papers import lobe, paths, refit, section
+from camtools.papers import figures, lobe, path_drawings, paths, refit, section
 from camtools.papers.lobe import LobeWishes
 from camtools.papers.section import Analysis, AnalysisWishes, make_analysis
 from camtools.pipeline.load import load_able
@@ -35,13 +35,13 @@ def _files(found: Analysis, nose_mm: float, *, with_pictures: bool) -> dict[str,
     study = paths.make_study(*ends, found.feed_mm, found.rpm, nose_mm, limits)
     slope = np.abs(found.geometry.radius_mm(np.linspace(*ends, 2001), 1)).max()
     texts["paths.csv"] = paths.study_csv(study, float(slope))
-    drawers = section.drawers(found) | paths.drawers(found.name, study)
+    drawers = {**figures.section_drawers(found), **path_drawings.drawers(found.name, study)}
     if found.geometry.corner is not None:
         joint = found.geometry.corner.joint(found.height_mm)
         corner = refit.study(joint, found.height_mm, found.rpm)
         texts |= {f"{key}.csv": csv_text(table) for key, table in refit.tables(corner).items()}
         texts["refit_notes.md"] = refit.notes(corner)
-        drawers |= refit.drawers(corner)
+        drawers |= figures.refit_drawers(corner)
     files = {name: text.encode("utf-8") for name, text in texts.items()}
     return files | (_drawn(drawers) if with_pictures else {})
 
@@ -55,13 +55,13 @@ def lobe_products(
 ) -> tuple[str, dict[str, bytes]]:
     """Return what is printed of a cam, and the content of every file by its name."""
     studies = lobe.study_lobes(part, wishes)
-    figures = lobe.lobe_figures(part, studies)
+    extremes = lobe.lobe_figures(part, studies)
     files = {f"lobe_{one.number}.csv": csv_text(lobe.lobe_columns(one)).encode() for one in studies}
-    files["analysis.json"] = emit_json(figures).encode()
+    files["analysis.json"] = emit_json(extremes).encode()
     if with_pictures:
         fine = lobe.study_lobes(part, wishes._replace(step_deg=_DRAWN_DEG))
-        files |= _drawn(lobe.drawers(part.part.name, fine))
-    return lobe.lobe_text(figures), files
+        files |= _drawn(figures.lobe_drawers(part.part.name, fine))
+    return lobe.lobe_text(extremes), files
 
 
 def _lobe_wishes(given: AnalysisWishes) -> LobeWishes:

@@ -10,8 +10,11 @@ import sys
 
 from camtools.base.arguments import Folder, command
 from camtools.base.files import write_all
+from camtools.base.text import csv_text
 from camtools.papers import corner, helix, lobe, removal
 from camtools.papers.declared import filled, page
+from camtools.papers.figures import PICTURES
+from camtools.plots.style import pictures
 
 PAGE = "papers.md"
 MODULES = (removal, corner, helix, lobe)
@@ -23,10 +26,13 @@ def papers(output: Folder) -> int:
     A page compares them.
     """
     found = [filled(one.KEY, one.quantities()) for one in MODULES]
-    files = {name: make() for one in MODULES for name, make in one.files().items()}
-    write_all(output, files | {PAGE: page(found).encode("utf-8")})
+    files = {PAGE: page(found).encode("utf-8")}
+    for one in MODULES:
+        files |= {name: csv_text(columns()).encode() for name, columns in one.TABLES.items()}
+        files |= pictures(PICTURES[one.KEY]())
+    write_all(output, files)
     n = sum(len(paper.rows) for paper in found)
-    sys.stdout.write(f"{n} figures and tables, {len(files)} files; {PAGE} compares them\n")
+    sys.stdout.write(f"{n} figures and tables, {len(files) - 1} files; {PAGE} compares them\n")
     return 0
 
 

@@ -13,7 +13,8 @@ from typing import Annotated
 from camtools.base.arguments import Folder, Option, Word, command
 from camtools.base.errors import CamtoolsError
 from camtools.base.files import write_all
-from camtools.papers.paths import cut_paths, cuts_csv, cuts_text, draw_scallop
+from camtools.papers.path_drawings import draw_scallop
+from camtools.papers.paths import cut_paths, cuts_csv, cuts_text
 from camtools.pipeline.load import load_for
 from camtools.plots.style import pictures
 from camtools.skirt.part.part_file import SkirtPart

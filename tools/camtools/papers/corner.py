@@ -8,25 +8,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import UM_PER_MM, Floats
 from camtools.base.text import Columns
 from camtools.papers import refit
-from camtools.papers.declared import csv, declared, draw_table, fill_panels, part_of, png, printed
+from camtools.papers.declared import corner_of, declared, part_of, printed
 from camtools.papers.paths import cut_table
-from camtools.papers.refit import CUBIC, DELETED, QUINTIC, curve_of
-from camtools.plots.style import BLUE, GREEN, around, new_figure, plane
+from camtools.papers.refit import CUBIC, DELETED, curve_of
 from camtools.sim.machine_file import machine_text
 from camtools.skirt.geometry.refit import Recipe, deviation_mm
 from camtools.skirt.geometry.sections import Joint
-from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.part.section_keys import Refit
 from camtools.skirt.report.summary import make_summary
@@ -44,26 +41,19 @@ BEST = {  # of Table 1, least jerk first
 }
 _TABLE_2_DEG = (10.0, 20.0, 30.0, 40.0, 48.0)
 _N_BINS = 900  # of a quarter turn; some hold no point of the map of the surface
-_POLAR_UM = 1500.0  # radius of the records
 
 
 @cache
 def theory() -> refit.Study:
     """Return the study of the section of the paper's theory part."""
     height_mm = _CASE["height_mm"]
-    return refit.study(_joint(_CASE["theory"], height_mm), height_mm, _CASE["theory_rpm"])
+    return refit.study(corner_of(_CASE["theory"]).joint(height_mm), height_mm, _CASE["theory_rpm"])
 
 
 @cache
 def measured() -> Joint:
     """Return the section that reproduces the paper's measurements."""
-    return _joint(_CASE["measured"], 10.0)
-
-
-def _joint(name: str, height_mm: float) -> Joint:
-    corner = make_geometry(part_of(name, SkirtPart)).corner
-    assert corner is not None
-    return corner.joint(height_mm)
+    return corner_of(_CASE["measured"]).joint(10.0)
 
 
 def radius_um(reduction_mm: Callable[[Floats], Floats]) -> Floats:
@@ -96,12 +86,8 @@ def fold_deg(turn: Floats) -> Floats:
 def cut_record(name: str, recipe: Recipe, mode_hz: float = 0.0) -> Record:
     """Cut the measured skirt with a refit; return its record.
 
-    Parameters
-    ----------
-    mode_hz : float, optional
-        Frequency at which the tool swings on its slide, 10 .. 20000; by default it is rigid.
-
-    Raises CamtoolsError where no table can be made, or the cut did not come to its end.
+    The tool swings on its slide at 10 .. 20000 Hz, or is rigid at 0. Raises CamtoolsError where no
+    table can be made, or the cut did not come to its end.
     """
     part = part_of(_CASE["measured"], SkirtPart)
     tree = {"spline": recipe.spline, "delete": [recipe.s1, recipe.s2], "ends": recipe.ends}
@@ -137,36 +123,32 @@ def records(mode_hz: float = 0.0) -> list[Record]:
     return [cut_record(name, recipe, mode_hz) for name, recipe in RECORDS.items()]
 
 
-def _swung_um(mode_hz: float) -> list[float]:
-    return [float(np.abs(one.off_um).max()) for one in records(mode_hz)]
-
-
 def _before_um() -> Floats:
     record = records(_CASE["stiff_hz"])[0]
     return -np.interp(_TABLE_2_DEG, record.deg, record.reduction_um)
-
-
-def _best_mm_s3(jerks: Floats | list[float]) -> list[float]:
-    """Return the three least of the jerks beyond the corner, as BEST."""
-    return [jerks[4 * recipe.s2 + recipe.s1] for recipe in BEST.values()]
 
 
 def quantities() -> dict[str, Any]:
     """Return the quantities of the rows."""
     joint, curves = theory().joint, [curve_of(measured(), one) for one in RECORDS.values()]
     rigid_um = [UM_PER_MM * float(np.abs(deviation_mm(measured(), one)[1]).max()) for one in curves]
+    soft_um, stiff_um = (
+        [float(np.abs(one.off_um).max()) for one in records(_CASE[name])]
+        for name in ("soft_hz", "stiff_hz")
+    )
+    jerks = theory().tail_jerk_mm_s3
     return refit.quantities(theory()) | {
         "e_mm": float(joint.arc().eccentricity_mm),
         "r_mm": float(joint.arc().radius_mm),
         "diameter_mm": 2 * float(joint.a_mm),
-        "best_mm_s3": _best_mm_s3(theory().tail_jerk_mm_s3),
+        "best_mm_s3": [jerks[4 * one.s2 + one.s1] for one in BEST.values()],
         "drawn_um": drawn_um(),
         "measured_um": radius_um(curves[2]),
         "before_um": _before_um(),
         "rigid_um": rigid_um,
         "after_um": rigid_um[2],
-        "soft_um": _swung_um(_CASE["soft_hz"]),
-        "stiff_um": _swung_um(_CASE["stiff_hz"]),
+        "soft_um": soft_um,
+        "stiff_um": stiff_um,
         "process": part_of(_CASE["measured"], SkirtPart).process,
     }
 
@@ -198,7 +180,8 @@ def _table_2() -> Columns:
     }
 
 
-def _fig_8() -> Columns:
+def fig_8() -> Columns:
+    """Return the records beside the splines that were played."""
     deg = records()[0].deg
     drawn = UM_PER_MM * measured().reduction(np.radians(deg)).delta
     columns = {"angle_deg": (deg, 3), "drawn_reduction_um": (drawn, 3)}
@@ -207,43 +190,4 @@ def _fig_8() -> Columns:
     return columns
 
 
-def draw_records() -> Figure:
-    """Return the roundness records: the closed sections enlarged, and their distance as drawn."""
-    figure = new_figure(11, 7)
-    figure.suptitle("roundness before, corrected by hand, after the refit; green: drawing")
-    halves: Any = figure.subfigures(1, 2, width_ratios=[1, 2.2])
-    left, right = halves
-    deg = np.linspace(0, 360, 1441)
-    phi, quarter_deg = np.radians(deg), fold_deg(deg / 360)
-    drawn = UM_PER_MM * measured().reduction(np.radians(quarter_deg)).delta
-    for one, axes in zip(records(), left.subplots(3, 1), strict=True):
-        cut = np.interp(quarter_deg, one.deg, one.reduction_um)
-        for values, colour in ((drawn, GREEN), (cut, BLUE)):
-            axes.plot(*around(_POLAR_UM - values, phi), color=colour, lw=1)
-        plane(axes)
-        axes.set_title(one.name, fontsize=9)
-    fill_panels(right, "records", {"": _fig_8()})
-    return figure
-
-
-def files() -> dict[str, Callable[[], bytes]]:
-    """Return the makers of the paper's tables and figures."""
-
-    def motion(topic: str, recipes: Mapping[str, Recipe]) -> Callable[[], bytes]:
-        title = f"first quadrant at {theory().spindle_rpm:g} r/min: {' and '.join(recipes)}"
-        return png(lambda: draw_table(topic, title, refit.motion(theory(), recipes, 0, 90)))
-
-    title = "ellipse and eccentric circle"
-    cubic, deleted = {"cubic spline": CUBIC}, {"quintic, (3, 3) deleted": DELETED}
-    return {
-        "s2_table_1.csv": csv(_table_1),
-        "s2_table_2.csv": csv(_table_2),
-        "s2_fig_8.csv": csv(_fig_8),
-        "s2_fig_1.png": png(lambda: refit.draw_section(theory().joint, title)),
-        "s2_fig_2.png": motion("quadrant", cubic),
-        "s2_fig_3.png": motion("quadrant", {"quintic spline": QUINTIC}),
-        "s2_fig_4.png": motion("jerk", BEST),
-        "s2_fig_6.png": motion("quadrant", deleted),
-        "s2_fig_7.png": motion("quadrant", cubic | deleted),
-        "s2_fig_8.png": png(draw_records),
-    }
+TABLES = {"s2_table_1.csv": _table_1, "s2_table_2.csv": _table_2, "s2_fig_8.csv": fig_8}

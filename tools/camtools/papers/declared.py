@@ -1,34 +1,30 @@
-"""Declared tables, notes and pictures: filled with quantities, compared with the printed values.
+"""Declared tables and notes: filled with quantities, compared with the printed values.
 
 >>> WORDS.format("{depth_mm:.1f} mm", depth_mm=np.array([0.1, 0.25]))
 '0.1, 0.2 mm'
 >>> compared({"e_mm": [1.96, 0.1]}, {"e_mm": 2.058})["off"]["e_mm"].round(6)
 np.float64(5.0)
-
->>> label_of("spindle_acceleration_rad_s2"), label_of("depth_mm"), label_of("s1")
-(('spindle acceleration', 'rad/s²'), ('depth', 'mm'), ('s1', ''))
 """
 
 from __future__ import annotations
 
 import string
 import tomllib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from textwrap import fill
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure, FigureBase
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.project import ROOT
-from camtools.base.text import Columns, csv_text
 from camtools.part.common import PartFile
 from camtools.pipeline.load import load
-from camtools.plots.style import GREY, legend_below, new_figure, pictures, stroke_of
+from camtools.skirt.geometry.corner import Corner
+from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.skirt.part.part_file import SkirtPart
 
 _HEAD = "| | what it shows | the paper | ours | difference, and why | file |\n" + 6 * "|---" + "|"
 PartT = TypeVar("PartT", bound=PartFile)
@@ -89,7 +85,8 @@ def printed(key: str, name: str) -> Any:  # noqa: ANN401 - a number or a list
 def compared(printed: Mapping[str, Any], quantities: Quantities) -> dict[str, Any]:
     """Return the printed values, how far ours are off in per cent, and at most in their unit.
 
-    Raises CamtoolsError where ours is off by more than the declared difference.
+    The share of a printed 0 is not a number. Raises CamtoolsError where ours is off by more than
+    the declared difference.
     """
     found: dict[str, dict[str, Any]] = {"paper": {}, "off": {}, "most": {}}
     for name, (value, allowed) in printed.items():
@@ -99,16 +96,14 @@ def compared(printed: Mapping[str, Any], quantities: Quantities) -> dict[str, An
             problem = f"{name}: {ours} differs from the printed {theirs} by more than {allowed}"
             raise CamtoolsError([f"{problem}; correct the part, or the row in declared.toml"])
         found["paper"][name] = value
-        found["off"][name] = 100 * (ours / theirs - 1)
+        ratio = np.divide(ours, theirs, np.full_like(ours - theirs, np.nan), where=theirs != 0)
+        found["off"][name] = 100 * (ratio - 1)
         found["most"][name] = most
     return found
 
 
 def filled(key: str, quantities: Quantities) -> Paper:
-    """Return a paper whose rows hold the quantities.
-
-    Raises CamtoolsError where a quantity is off by more than the declared difference.
-    """
+    """Return a paper whose rows hold the quantities; errors as `compared`."""
     paper = declared(key)
     names = {"case": paper.case, **quantities, **compared(paper.printed, quantities)}
     rows = tuple(Row(*(WORDS.format(cell, **names) for cell in row)) for row in paper.rows)
@@ -144,93 +139,14 @@ def part_of(name: str, model: type[PartT]) -> PartT:
     return part
 
 
-def png(draw: Callable[[], Figure]) -> Callable[[], bytes]:
-    """Return the maker of a picture as PNG."""
-    return lambda: pictures({"": draw})[""]
+@cache
+def geometry_of(name: str) -> Geometry:
+    """Return the exact geometry of a skirt of the repository."""
+    return make_geometry(part_of(name, SkirtPart))
 
 
-def csv(columns: Callable[[], Columns]) -> Callable[[], bytes]:
-    """Return the maker of a table as CSV."""
-    return lambda: csv_text(columns()).encode()
-
-
-_UNITS = {
-    "mm_s3": "mm/s³",
-    "mm_s2": "mm/s²",
-    "rad_s2": "rad/s²",
-    "deg_s2": "degrees/s²",
-    "mm3_s": "mm³/s",
-    "mm_s": "mm/s",
-    "deg_s": "degrees/s",
-    "mm_rad": "mm/rad",
-    "mm2": "mm²",
-    "mm": "mm",
-    "um": "µm",
-    "deg": "degrees",
-    "rpm": "r/min",
-    "ms": "ms",
-    "n": "N",
-    "w": "W",
-}
-
-
-def label_of(name: str) -> tuple[str, str]:
-    """Return the words and the unit of a column's name."""
-    for end, unit in _UNITS.items():
-        if name.endswith(f"_{end}"):
-            return name.removesuffix(f"_{end}").replace("_", " "), unit
-    return name.replace("_", " "), ""
-
-
-def _plot(
-    axes: Axes, columns: Columns, picture: Mapping[str, Any], names: list[str], of: str
-) -> None:
-    """Draw columns in a panel; `of` names the table where there are several."""
-    x = np.asarray(columns[picture["x"]][0])
-    if x.dtype.kind == "U":
-        axes.set_xticks(range(x.size), x)
-        x = np.arange(x.size)
-    for i, name in enumerate(names):
-        values = np.array(columns[name][0], dtype=np.float64)
-        values[np.abs(values) > picture.get("most", np.inf)] = np.nan
-        stroke, label = stroke_of(len(axes.lines) + len(axes.containers)), of or label_of(name)[0]
-        if np.isnan(values).all():
-            continue
-        if picture.get("kind") == "bars":
-            width = 0.8 / len(names)
-            shown = x + width * (i - (len(names) - 1) / 2)
-            axes.bar(shown, np.abs(values), width, color=stroke["color"], label=label)
-        else:
-            marker = "o" if picture.get("kind") == "dots" else ""
-            axes.plot(x, values, lw=1.3, label=label, marker=marker, ms=3, **stroke)
-
-
-def fill_panels(figure: FigureBase, topic: str, tables: Mapping[str, Columns]) -> None:
-    """Draw a declared picture of tables, by name where there are several, on a figure."""
-    picture = declarations()["pictures"][topic]
-    panels = figure.subplots(len(picture["panels"]), 1, sharex=True, squeeze=False)[:, 0]
-    for axes, names in zip(panels, picture["panels"], strict=True):
-        for of, columns in tables.items():
-            _plot(axes, columns, picture, names, of)
-        words, unit = label_of(names[0])
-        axes.set_ylabel(f"{words},\n{unit}" if unit else words)
-        axes.grid(alpha=0.3)
-        if len(names) > 1:
-            axes.legend(frameon=False, fontsize=8)
-        axes.set(**picture.get("settings", {}).get(names[0], {}))
-        for at in picture.get("limits", {}).get(names[0], ()):
-            axes.axhline(at, color=GREY, ls="--", lw=1)
-    panels[-1].set(
-        xlabel=", ".join(filter(None, label_of(picture["x"]))), **picture.get("axis", {})
-    )
-    figure.align_ylabels(list(panels))
-
-
-def draw_table(topic: str, title: str, tables: Mapping[str, Columns]) -> Figure:
-    """Return a declared picture of a table, or of several in the same panels."""
-    figure = new_figure(9, 1.2 + 1.9 * len(declarations()["pictures"][topic]["panels"]))
-    figure.suptitle(title)
-    fill_panels(figure, topic, tables)
-    if len(tables) > 1:
-        legend_below(figure, figure.axes[0], 3)
-    return figure
+def corner_of(name: str) -> Corner:
+    """Return the corner of a skirt of the repository."""
+    corner = geometry_of(name).corner
+    assert corner is not None
+    return corner

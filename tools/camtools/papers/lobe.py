@@ -12,22 +12,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import cache, partial
+from functools import cache
 from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from camtools.base.quantities import Floats, omega_rad_s
 from camtools.base.text import Columns
 from camtools.lobe.contact import Contact, Follower
 from camtools.lobe.motion import ShaftLobe, make_lobes
 from camtools.lobe.part import MAX_RPM, MIN_RPM, LobePart
-from camtools.papers.declared import csv, declared, draw_table, part_of, png
+from camtools.papers.declared import declared, part_of
 from camtools.papers.section import check_wishes
-from camtools.plots.style import BLUE, GREY, ORANGE, PALE, RED, new_figure, plane
 
 _RANGES = {"step_deg": (0.01, 45.0), "rpm": (MIN_RPM, MAX_RPM)}
 _FLAT_MM = 1e6  # larger radii of curvature are written as this
@@ -180,93 +177,25 @@ def lobe_text(figures: dict[str, Any]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def drawers(name: str, studies: Sequence[LobeStudy]) -> dict[str, Callable[[], Figure]]:
-    """Return the makers of the pictures of a study by topic."""
-    is_turned = studies[0].operation == "turning"
-    subject = "tool swung about the roller's centre" if is_turned else "wheel and speed of the cam"
-    tables = {f"lobe {one.number}": lobe_columns(one) for one in studies}
-    motion, contact = f"{name}: {subject}", f"{name}: where the follower touches"
-    return {
-        "lobe_motion": partial(draw_table, studies[0].operation, motion, tables),
-        "lobe_contact": partial(draw_table, "contact", contact, tables),
-    }
-
-
-def draw_swing(study: LobeStudy) -> Figure:
-    """Return travel, its speed and the swing over the follower's direction."""
-    return draw_table("swing", f"tool at {study.rpm:g} r/min", {"": lobe_columns(study)})
-
-
-def draw_follower(study: LobeStudy, i: int) -> Figure:
-    """Return lobe, roller and tool or wheel for a direction of the follower, as the paper does."""
-    touch, is_turned = study.touch, study.operation == "turning"
-    theta, gamma, p = float(touch.theta[i]), float(touch.gamma[i]), float(touch.p[i])
-    normal, out = (1j * complex(np.exp(1j * angle)) for angle in (theta - gamma, theta))
-    at = {  # the zero of the law points upwards
-        "O": 0j,
-        "C": 1j * float(touch.radius[i]) * complex(np.exp(1j * float(touch.alpha[i]))),
-        "Q": p * out - p * np.cos(gamma) * normal,
-        "O'" if is_turned else "O2": p * out,
-    }
-    tool = p * out + (study.lobe.follower_mm - touch.roller) * normal
-    more = {"x = 0": (study.lobe.base_mm + touch.roller) * out}
-    lines = [("O", "O'", BLUE), ("Q", "O'", RED), ("O", "Q", GREY)]
-    if not is_turned:
-        more = {"O1": tool, "P": 1j * complex(-float(touch.p1[i]) * out)}
-        lines = [("O", "O2", BLUE), ("Q", "O1", RED), ("O", "Q", GREY), ("O", "P", ORANGE)]
-        lines.append(("O", "O1", BLUE))
-    at |= more
-    phi, lift = float(np.degrees(study.path.phi[i])), float(study.path.lift[i])
-    figure = new_figure(7.5, 7)
-    title = f"{study.operation}: theta {study.theta_deg[i]:g}, phi {phi:.3f} degrees"
-    figure.suptitle(f"{title}, lift {lift:.4f} mm, swing {np.degrees(gamma):.3f} degrees")
-    axes, turn = figure.subplots(), np.linspace(-np.pi, np.pi, 1441)
-    all_round, _ = study.lobe.contacts(turn + study.lobe.phase_rad)
-    shape = 1j * all_round.radius * np.exp(1j * all_round.alpha)
-    axes.fill(shape.real, shape.imag, fc=PALE, ec=GREY, lw=1.5)
-    circles = [(0j, study.lobe.base_mm, GREY), (p * out, touch.roller, ORANGE)]
-    for centre, radius, colour in [
-        *circles,
-        *([] if is_turned else [(tool, study.lobe.follower_mm, RED)]),
-    ]:
-        circle = centre + radius * np.exp(1j * turn)
-        axes.plot(circle.real, circle.imag, color=colour, lw=1)
-    for first, last, colour in lines:
-        ends = np.array([at[first], at[last]])
-        axes.plot(ends.real, ends.imag, color=colour, lw=1)
-    if is_turned:  # the tool, from the contact along the normal
-        ends = np.array([at["C"], at["C"] + 22 * normal])
-        axes.plot(ends.real, ends.imag, color=RED, lw=3)
-    for name, point in at.items():
-        axes.plot([point.real], [point.imag], "k.", ms=5)
-        axes.annotate(name, (point.real, point.imag), (7, 7), textcoords="offset points")
-    plane(axes)
-    if not is_turned:
-        reach = 0.15 * study.lobe.follower_mm
-        axes.set(
-            xlim=(min(-40.0, tool.real - 20), max(60.0, tool.real + 20)),
-            ylim=(-30, tool.imag + reach),
-        )
-    return figure
-
-
 KEY = "S4"
 _CASE = declared(KEY).case
 
 
 @cache
-def _studied(name: str) -> LobeStudy:
+def studied(name: str) -> LobeStudy:
+    """Return the cam of the paper, turned or ground."""
     [study] = study_lobes(part_of(_CASE[name], LobePart), LobeWishes(step_deg=5.0))
     return study
 
 
-def _index() -> int:
-    return int(np.argmin(np.abs(_studied("turned").theta_deg - _CASE["at_deg"])))
+def index() -> int:
+    """Return the place of the direction that the figures show."""
+    return int(np.argmin(np.abs(studied("turned").theta_deg - _CASE["at_deg"])))
 
 
 def quantities() -> dict[str, Any]:
     """Return the quantities of the rows; OO' by the right and by the printed sign in (5)."""
-    turned, ground, i = _studied("turned"), _studied("ground"), _index()
+    turned, ground, i = studied("turned"), studied("ground"), index()
     touch, swing = turned.touch, turned.dense()
     radius, alpha = float(touch.radius[i]), float(touch.alpha[i] - touch.theta[i])
     along, root = radius * np.cos(alpha), np.sqrt(touch.roller**2 - (radius * np.sin(alpha)) ** 2)
@@ -286,13 +215,7 @@ def quantities() -> dict[str, Any]:
     }
 
 
-def files() -> dict[str, Callable[[], bytes]]:
-    """Return the makers of the paper's tables and figures."""
-    turned, ground, i = _studied("turned"), _studied("ground"), _index()
-    return {
-        "s4_turning.csv": csv(partial(lobe_columns, turned)),
-        "s4_grinding.csv": csv(partial(lobe_columns, ground)),
-        "s4_fig_1.png": png(partial(draw_follower, turned, i)),
-        "s4_fig_2.png": png(lambda: draw_swing(turned.dense())),
-        "s4_fig_3.png": png(partial(draw_follower, ground, i)),
-    }
+TABLES = {
+    "s4_turning.csv": lambda: lobe_columns(studied("turned")),
+    "s4_grinding.csv": lambda: lobe_columns(studied("ground")),
+}

@@ -8,22 +8,18 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import UM_PER_MM, Floats
 from camtools.base.text import Json, csv_text
 from camtools.cut.path import ToolPath, highest_rpm, highest_step_rpm, ramp_of, step_of
 from camtools.part.common import MachineLimits
-from camtools.plots.style import BLUE, GREY, ORANGE, angle_axis, legend_below, new_figure
 from camtools.sim.machine_file import Machine, machine_text
 from camtools.sim.simulate import Result, simulate
 from camtools.skirt.part.part_file import SkirtPart
@@ -72,12 +68,8 @@ def make_study(
 ) -> PathStudy:
     """Return the comparison of a ring-helix with helices of as many turns and of the same lead.
 
-    Parameters
-    ----------
-    feed_mm : float
-        Section distance and lead of the ring-helix, at most the height range.
-    rpm : float
-        Wanted speed; the ring-helix is turned more slowly where Z cannot follow [r/min].
+    `feed_mm`: section distance and lead of the ring-helix, at most the height range; `rpm`: wanted
+    speed; the ring-helix is turned more slowly where Z cannot follow [r/min].
     """
     middle = round((z_last_mm - z_first_mm) / feed_mm / 2 - _SECTIONS / 2)
     low = z_first_mm + feed_mm * max(0, middle)
@@ -108,10 +100,8 @@ def make_study(
 def study_csv(study: PathStudy, slope: float) -> str:
     """Return the comparison as CSV.
 
-    Parameters
-    ----------
-    slope : float
-        Largest slope of the profile, |da/dz|: times a step it is the edge that the step leaves.
+    `slope`: largest slope of the profile, |da/dz|: times a step it is the edge that the step
+    leaves.
     """
     rows = (*study.rows, study.stepped)
     paths = [one.path for one in rows]
@@ -243,85 +233,3 @@ def cuts_text(cuts: Sequence[PathCut]) -> str:
         for one in cuts
     ]
     return "\n".join(lines) + "\n"
-
-
-_DEG = np.linspace(0, 360, 361)
-_COLOURS = (BLUE, ORANGE, GREY)
-
-
-def _track(axes: Axes, path: ToolPath, low_mm: float, high_mm: float) -> None:
-    """Draw every turn that touches the heights: rings blue, helix turns orange."""
-    names = [("closed ring", BLUE), ("turn of a helix", ORANGE)]
-    for turn in range(int(np.ceil(path.turns))):
-        z = path.height_mm(turn + _DEG / 360)
-        if z[-1] >= low_mm and z[0] <= high_mm:
-            name, colour = names[not (path.kind == "ring-helix" and turn % 2 == 0)]
-            label = "_" if name in axes.get_legend_handles_labels()[1] else name
-            axes.plot(_DEG, z, color=colour, lw=1.8, label=label)
-    angle_axis(axes)
-
-
-def draw_unrolled(name: str, study: PathStudy) -> Figure:
-    """Return the paths on the unrolled skirt, over the heights of the maps."""
-    figure = new_figure(10, 5.2)
-    figure.suptitle(f"{name}: two paths of as many turns, unrolled")
-    panels = figure.subplots(1, 2, sharey=True)
-    low, high = float(study.z_mm[0]), float(study.z_mm[-1])
-    path = study.rows[0].path
-    room = 0.1 * path.feed_mm
-    for axes, row in zip(panels, study.rows, strict=False):
-        _track(axes, row.path, low, high)
-        axes.set(title=f"{row.name}, {row.path.feed_mm:g} mm", ylim=(low - room, high + room))
-        axes.grid(alpha=0.3)
-    straight = ToolPath(path.kind, path.z_first_mm, path.z_last_mm, path.feed_mm)
-    first = 2 * round((low - straight.z_first_mm) / straight.feed_mm) + 1
-    printed = straight.height_mm(first + _DEG / 360)
-    panels[0].plot(_DEG, printed, color=GREY, ls="--", lw=1, label="as printed, without ramps")
-    panels[0].set_ylabel("skirt height, mm")
-    legend_below(figure, panels[0], 3)
-    return figure
-
-
-def draw_scallop(name: str, study: PathStudy, cuts: Sequence[PathCut] = ()) -> Figure:
-    """Return maps of the metal left between the tracks; of cuts also the height of the scallops."""
-    shown = [(f"{row.name}, {row.path.feed_mm:g} mm", row.scallop_um) for row in study.rows]
-    maps = [(f"{title}: worked out", map_um) for title, map_um in shown[:2]]
-    if cuts:
-        first = zip(shown[:2], cuts, strict=False)
-        maps = [
-            (f"{title}: cut on the simulator", one.proud_um) for (title, _), one in first
-        ] + maps
-    n_rows = len(maps) // 2
-    figure = new_figure(10, 5.2 if not cuts else 9)
-    nose = f"nose radius {study.nose_mm:g} mm, {study.rows[0].rpm:g} r/min"
-    figure.suptitle(f"{name}: metal left between the tracks, {nose}")
-    grid = figure.add_gridspec(n_rows + bool(cuts), 2)
-    highest = max(float(map_um.max()) for _, map_um in shown[:2])
-    extent = (0.0, 360.0, float(study.z_mm[0]), float(study.z_mm[-1]))
-    style: dict[str, Any] = {"origin": "lower", "aspect": "auto", "cmap": "viridis"}
-    style |= {"vmin": 0, "vmax": highest}
-    panels = [figure.add_subplot(grid[i // 2, i % 2]) for i in range(len(maps))]
-    for axes, (title, map_um) in zip(panels, maps, strict=True):
-        image = axes.imshow(np.r_[map_um, map_um[:1]].T, extent=extent, **style)
-        angle_axis(axes)
-        axes.set(title=title, ylabel="skirt height, mm" if axes in panels[::2] else "")
-    figure.colorbar(image, ax=panels, label="above the design, µm")
-    if cuts:
-        axes = figure.add_subplot(grid[n_rows, :])
-        for (title, _), one, colour in zip(shown, cuts, _COLOURS, strict=True):
-            for values, dash in ((one.scallop_um, "-"), (one.predicted_um, "--")):
-                closed, label = np.r_[values, values[0]], title if dash == "-" else "_"
-                axes.plot(np.linspace(0, 360, closed.size), closed, dash, color=colour, label=label)
-        axes.set_title("scallop height: cut (lines) and worked out (dashes)")
-        axes.set(ylabel="peak to valley, µm", ylim=(0, None))
-        axes.legend(frameon=False, loc="upper center")
-        angle_axis(axes)
-    return figure
-
-
-def drawers(name: str, study: PathStudy) -> dict[str, Callable[[], Figure]]:
-    """Return the makers of the pictures of the theory by topic."""
-    return {
-        "path_unrolled": partial(draw_unrolled, name, study),
-        "path_scallop": partial(draw_scallop, name, study),
-    }

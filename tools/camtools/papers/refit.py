@@ -10,19 +10,16 @@ The numbers of the paper stand beside ours only for the section it is about, MAT
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
-from matplotlib.figure import Figure
 from scipy.interpolate import PPoly
 
 from camtools.base.quantities import Floats, omega_rad_s
 from camtools.base.text import Columns
-from camtools.papers.declared import draw_table, printed
 from camtools.papers.declared import notes as declared_notes
-from camtools.plots.style import BLUE, GREEN, GREY, ORANGE, around, plane, side_by_side
+from camtools.papers.declared import printed
 from camtools.skirt.geometry.refit import (
     PAPER_JERK_LIMIT_MM_S3,
     Recipe,
@@ -44,7 +41,6 @@ VARIANTS = {
 }
 _PAPER = (0.38, 0.4, 48.0, 800.0)  # ovality, trim [mm], joint [degrees], speed [r/min]
 _PAPER_DIAMETER_MM, _NEAR_MM = 90.929096914, 0.2
-_ROOM_DEG, _ENLARGED = 12.0, 25.0  # beside the joint; of the reduction in the section
 
 
 class Study(NamedTuple):
@@ -158,34 +154,6 @@ def curve_of(joint: Joint, recipe: Recipe) -> PPoly:
     return refit(joint, recipe, ellipse_steps(float(joint.joint_rad)))
 
 
-def draw_section(joint: Joint, title: str) -> Figure:
-    """Return the section all round, its reduction enlarged, and the reduction over a quarter."""
-    figure, (left, right) = side_by_side(2, title, (10.5, 5))
-    phi, a, corner = np.linspace(0, 2 * np.pi, 2881), float(joint.a_mm), float(joint.joint_rad)
-    quarter = np.abs(np.mod(phi + np.pi / 2, np.pi) - np.pi / 2)
-    drawn = joint.reduction(quarter).delta
-    oval = joint.law(quarter, joint.a_mm, joint.ovality_mm).delta
-    circle = joint.arc().reduction(quarter, joint.a_mm).delta
-    left.plot(*around(np.full(phi.size, a), phi), color=GREY, ls=":", label="long half axis")
-    for values, some, colour, name in (
-        (oval, quarter <= corner, BLUE, "oval"),
-        (circle, quarter >= corner, ORANGE, "eccentric circle"),
-    ):
-        for shown, width, dash, label in ((some, 2.0, "-", name), (~some, 0.8, ":", "_")):
-            radius = np.where(shown, a - _ENLARGED * values, np.nan)
-            left.plot(*around(radius, phi), color=colour, lw=width, ls=dash, label=label)
-    for angle in (corner, -corner, np.pi - corner, np.pi + corner):
-        left.plot(*around(np.array([0.0, a]), np.full(2, angle)), color=GREY, lw=0.7)
-    left.legend(frameon=False, loc="center")
-    left.set_title(f"reduction enlarged {_ENLARGED:.0f} times")
-    plane(left)
-    first = phi <= np.pi / 2
-    right.plot(np.degrees(phi[first]), drawn[first] * 1000, color=GREEN)
-    right.axvline(float(np.degrees(corner)), color=GREY, ls=":")
-    right.set(xlabel="angle from the long axis, degrees", ylabel="reduction of the radius, µm")
-    return figure
-
-
 def motion(
     found: Study, recipes: Mapping[str, Recipe], low_deg: float, high_deg: float
 ) -> dict[str, Columns]:
@@ -205,16 +173,3 @@ def motion(
             "u_jerk_mm_s3": (curve(phi, 3) * omega**3, 1),
         }
     return tables
-
-
-def drawers(found: Study) -> dict[str, Callable[[], Figure]]:
-    """Return the makers of the pictures of a study by topic."""
-    title = f"height {found.height_mm:g} mm, {found.spindle_rpm:g} r/min"
-    joint_deg = float(np.degrees(found.joint.joint_rad))
-    near = motion(found, VARIANTS, joint_deg - _ROOM_DEG, joint_deg + _ROOM_DEG)
-    names = [f"{one.s1}, {one.s2}" for one in found.as_paper]
-    bars = {**tables(found)["refit_candidates"], "points_left_out_on_both_sides": (names, "")}
-    return {
-        "refit_motion": partial(draw_table, "corner", title, near),
-        "refit_deletions": partial(draw_table, "deletions", title, {"": bars}),
-    }

@@ -10,15 +10,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from functools import partial
 from math import isfinite
 from typing import Annotated, Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from camtools.base.arguments import Option
 from camtools.base.errors import CamtoolsError
@@ -43,16 +40,13 @@ from camtools.cut.removal import (
     speed_peaks,
     steps_of,
 )
-from camtools.papers.declared import draw_table, fill_panels
 from camtools.papers.declared import notes as declared_notes
-from camtools.plots.style import BLUE, GREY, PALE, around, new_figure, plane
 from camtools.skirt.geometry.skirt_geometry import Geometry, axes_at, make_geometry, section_cut
 from camtools.skirt.part.part_file import SkirtPart
 
 Table = dict[str, tuple[Floats, int]]  # values and decimals by the name of the column
 N_HARMONICS = 12
 _N_SAMPLES = 4096
-_ENLARGED = 0.35  # chip, of the radius
 _MEAN_RPM = (300.0, 800.0, 1500.0, 2500.0)
 _ALPHA_RAD_S2 = (100.0, 500.0, 1000.0, 5000.0)
 _PAPERS = (46.0, 46.1, 10.846348637)  # half axis, blank [mm], area of a quarter [mm2]
@@ -368,46 +362,7 @@ def notes(study: Analysis) -> str:
     return declared_notes("section", vars(study) | {"chip_ratio": ratio}, is_papers=is_papers)
 
 
-def _title(study: Analysis, subject: str) -> str:
-    return f"{study.name}, height {study.height_mm:g} mm: {subject}"
-
-
-def _outline(axes: Axes, study: Analysis, borders_rad: Floats) -> None:
-    """Draw blank and section, the chip enlarged, with borders between steps or parts."""
-    phi = np.linspace(0, study.cut.pattern_rad, 721)
-    factor = _ENLARGED / study.chip_mm[1]
-    inner, foot = (1 - factor * study.cut.depth_mm(at) for at in (phi, borders_rad))
-    axes.plot(*around(np.ones_like(phi), phi), color=GREY)
-    axes.plot(*around(inner, phi), color=BLUE)
-    ring = np.r_[np.ones_like(phi), inner[::-1]]
-    axes.fill(*around(ring, np.r_[phi, phi[::-1]]), color=PALE)
-    ends = np.stack([foot, np.ones_like(foot)])
-    axes.plot(*around(ends, borders_rad[None]), color=BLUE, lw=0.7)
-    plane(axes)
-    times = factor * study.cut.blank_mm
-    axes.set_title(f"chip between blank and part, enlarged {times:.0f} times", fontsize=9.5)
-
-
-def draw_steps(study: Analysis) -> Figure:
-    """Return the equal steps of angle on the section."""
-    figure = new_figure(6, 6)
-    figure.suptitle(_title(study, f"a step every {study.wishes.step_deg:g} degrees"))
-    _outline(figure.subplots(), study, study.steps.phi_rad)
-    return figure
-
-
-def draw_parts(study: Analysis) -> Figure:
-    """Return the parts of equal area on the section: their width, angle and depth."""
-    figure = new_figure(11, 8)
-    figure.suptitle(_title(study, f"{study.parts.phi_rad.size} parts of equal area"))
-    halves: Any = figure.subfigures(1, 2, width_ratios=[1, 1.2])
-    left, right = halves
-    _outline(left.subplots(), study, np.append(0.0, study.parts.phi_rad))
-    fill_panels(right, "parts", {"": tables(study)["equal_parts"]})
-    return figure
-
-
-def _turn(study: Analysis) -> Columns:
+def turn(study: Analysis) -> Columns:
     """Return speed law, motion of U in time, forces and power over a turn."""
     deg, omega, cut = np.linspace(0, 360, 1441), study.omega_rad_s, study.cut
     phi, law = np.radians(deg), speed_law(study, deg)
@@ -433,23 +388,3 @@ def _turn(study: Analysis) -> Columns:
         "uniform_power_w": power,
     }
     return {**law, **{name: (values, 6) for name, values in more.items()}}
-
-
-def drawers(study: Analysis) -> dict[str, Callable[[], Figure]]:
-    """Return the makers of all pictures by topic."""
-    rpm = f"mean {study.rpm:g} r/min"
-    titles = {
-        "area": "what is cut in equal steps of angle",
-        "speed": f"spindle at constant removal rate, {rpm}",
-        "motion": f"U over one turn in time, {rpm}",
-        "forces": f"forces, kc = {study.wishes.kc_n_mm2:g} N/mm²",
-        "harmonics": "waves of U in time",
-    }
-    all_of, turn = tables(study), _turn(study)
-    steps = {name: (values[1:], form) for name, (values, form) in all_of["depth_and_area"].items()}
-    found = {"area": steps, "harmonics": all_of["harmonics"]}
-    named = {
-        topic: partial(draw_table, topic, _title(study, title), {"": found.get(topic, turn)})
-        for topic, title in titles.items()
-    }
-    return {"parts": partial(draw_parts, study), **named}
