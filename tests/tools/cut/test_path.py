@@ -7,12 +7,10 @@ from camtools.base.errors import CamtoolsError
 from camtools.cut.path import LEAST_RAMP, ToolPath, highest_rpm, largest_feed_mm, ramp_of, step_of
 from camtools.papers.paths import make_study, study_csv
 from camtools.part.common import MachineLimits
-from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import generate
 from camtools.skirt.tool.turning import path_of
 from camtools.table.image import pack, unpack
-from tests.tools.cases.cut_cases import geometry_of_part
 from tests.tools.cases.part_cases import PERKINS, parse_part
 
 # turns since the start, height of the ring-helix (0.2 mm), height of a plain helix (0.1 mm)
@@ -99,24 +97,6 @@ def test_spacing_of_the_tracks() -> None:
         tracks = RING.tracks_mm(angle)
         assert set(np.round(np.diff(tracks), 9).tolist()) == spacings
     assert set(np.round(np.diff(PLAIN.tracks_mm(0.25)), 9).tolist()) == {0.1}
-
-
-def test_papers_helix_points_are_ours_within_a_nanometre() -> None:
-    """Blending the rings linearly, as the paper does, is within dZ^2 / 8 max |d2 rho / dz2|."""
-    geometry = geometry_of_part("perkins240")
-    curvature = float(np.abs(geometry.radius_mm(np.linspace(0, 62, 6201), 2)).max())
-    s = np.linspace(0, 1, 121)
-    low = rho(geometry, s, np.full(121, 10.0))
-    high = rho(geometry, s, np.full(121, 10.2))
-    off = (1 - s) * low + s * high - rho(geometry, s, 10.0 + 0.2 * s)
-    assert f"{0.2**2 / 8 * 1.5e-4 * 1e6:.2f}" == "0.75"
-    assert 0 < np.abs(off).max() < 0.2**2 / 8 * curvature < 1e-6
-
-
-def rho(geometry: Geometry, turns: np.ndarray, z_mm: np.ndarray) -> np.ndarray:
-    """Return the radius of the surface."""
-    radius = geometry.radius_mm(z_mm) - geometry.delta(2 * np.pi * turns, z_mm).delta
-    return np.asarray(radius)
 
 
 def with_process(text: str) -> SkirtPart:

@@ -10,6 +10,8 @@ The mean of each height is carried by X, all waves by U.
 ['0.0020', '-0.0020']
 >>> twice.repeats, len(twice.rounds)
 (2, 1)
+>>> nodes_of((0.0, 30.0))[[0, 1, 2, 32, 33, 64]].round(3).tolist()
+[0.0, 0.15, 0.326, 15.0, 15.658, 30.0]
 """
 
 from __future__ import annotations
@@ -37,11 +39,7 @@ Complexes = npt.NDArray[np.complex128]
 
 
 def nodes_of(ends_mm: tuple[float, float]) -> Floats:
-    """Return N_NODES heights of a part, rising, closer at its ends.
-
-    >>> nodes_of((0.0, 30.0))[[0, 1, 2, 32, 33, 64]].round(3).tolist()
-    [0.0, 0.15, 0.326, 15.0, 15.658, 30.0]
-    """
+    """Return N_NODES heights of a part, rising, closer at its ends."""
     share = np.arange(N_NODES) / (N_NODES - 1)
     wave = (1 - np.cos(np.pi * share)) / 2
     even, dense = ((ends_mm[1] - ends_mm[0]) * one[1] for one in (share, wave))
@@ -63,21 +61,14 @@ class Drawing(NamedTuple):
 class Correction:
     """A reduction of the radius, added to that of the drawing.
 
-    Attributes
-    ----------
-    heights_mm : tuple of float
-        Ends of the part.
-    waves_mm : mapping
-        Of each order, 0 being the mean, N_NODES values c over the height: Re(c e^(-j order phi)).
-    rounds : tuple of dict
-        What each round of measuring and correcting added, the first one first.
-    left_mm : mapping
-        As waves_mm: what of the last gauged part the last round left for the next one on purpose.
+    `waves_mm` has of each order, 0 being the mean, N_NODES values c over the height:
+    Re(c e^(-j order phi)); `left_mm` as many, which the last round left of the last gauged part for
+    the next one on purpose.
     """
 
-    heights_mm: tuple[float, float]
+    heights_mm: tuple[float, float]  # ends of the part
     waves_mm: Mapping[int, Complexes]
-    rounds: tuple[Json, ...] = field(default=())
+    rounds: tuple[Json, ...] = ()  # what each round of measuring and correcting added
     left_mm: Mapping[int, Complexes] = field(default_factory=dict)
 
     @property
@@ -110,11 +101,8 @@ class Correction:
     def delta(self, phi_rad: Floats, z_mm: FloatsLike) -> list[Floats]:
         """Return what the waves take off, and three derivatives by the angle [mm, mm/rad^n].
 
-        Parameters
-        ----------
-        phi_rad, z_mm : ndarray
-            Drawing's angle and height, broadcast against each other; fast when all angles of a
-            row share their height: phi one-dimensional, z a scalar or of shape (.., 1).
+        The drawing's angle and the height are broadcast; it is fast when all angles of a row share
+        their height: phi one-dimensional, z a scalar or of shape (.., 1).
         """
         z = np.asarray(z_mm, dtype=np.float64)
         shape = np.broadcast_shapes(phi_rad.shape, z.shape)
@@ -192,13 +180,7 @@ def _um(values_mm: Floats) -> list[float]:
 
 
 def correction_of(document: Json) -> Correction:
-    """Return the correction of a document.
-
-    Raises
-    ------
-    KeyError, TypeError, ValueError
-        It was not made by `Correction.document`.
-    """
+    """Return the correction of a document; KeyError, TypeError or ValueError where it is none."""
     first_mm, last_mm = (float(one) for one in document["heights_mm"])
     waves, left = (_read(document[key]) for key in ("waves", "left"))
     return Correction((first_mm, last_mm), waves, tuple(document["rounds"]), left)

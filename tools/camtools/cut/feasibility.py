@@ -2,10 +2,6 @@
 
 The firmware judges by the same sums at the same places (firmware/feasible/cam_feasible_inner.h).
 
->>> still = in_gap(Motion(8.0, 12.0, 40.0), GapChange(turns=100.0))
->>> f"{still.first:.3f} {still.second:.3f}"
-'12.001 40.003'
-
 Along the feed U and the swing change with the slices of the table, at a speed that jumps where one
 slice ends: a set-point takes the jump, and what that needs comes on top, MATHS.md (61), (63).
 
@@ -43,32 +39,6 @@ class Motion(NamedTuple):
     most: float  # unit
     first: float  # unit/rad: speed over the mean speed
     second: float  # unit/rad^2: acceleration over its square
-
-
-class GapChange(NamedTuple):
-    """The shortest change between two lobes, from a whole lift to none."""
-
-    turns: float  # that the feed takes for it
-    ratio: float = 1.0  # largest speed over mean speed
-    spindle_rad2: float = 0.0  # largest |r r'|
-    n_set_points: int = 1  # of the axis from plan to plan: one takes the bend of all of them
-
-
-def in_gap(motion: Motion, change: GapChange) -> Motion:
-    """Return what the axis needs on the lobes and between them, never less than on them.
-
-    The spindle's own acceleration is taken at its highest speed, a little more than there is.
-    """
-    x = change.ratio / (2 * np.pi * change.turns)
-    more1 = motion.most * x * _STEP1
-    swept = 2 * motion.first * x + change.n_set_points * motion.most * x * change.spindle_rad2
-    more2 = swept * _STEP1 + change.n_set_points * motion.most * x**2 * _STEP2
-    return Motion(motion.most, _largest(motion.first, more1), _largest(motion.second, more2))
-
-
-def _largest(own: float, more: Floats) -> float:
-    """Return the largest sum: the share of its own at the upper end of each interval."""
-    return float((own * _STEP[1:] + _BETWEEN * np.maximum(more[1:], more[:-1])).max())
 
 
 FIELDS = {  # of machine.limits in a part file, by the controller's name of the limit
@@ -111,9 +81,26 @@ class Peaks(NamedTuple):
     swing1_deg: float = 0.0  # degrees/rad
     swing2_deg: float = 0.0  # degrees/rad^2
     u_drift: Drift = Drift()  # mm
-    swing_drift: Drift = Drift()  # degrees
     feed_mm: float = 0.0  # per turn, of Z
     change_mm: float = 0.0  # height of the shortest change between two lobes; 0 without any
+
+
+def _in_gap(motion: Motion, peaks: Peaks, n_set_points: int) -> Motion:
+    """Return what an axis needs on the lobes and in the shortest change between two of them.
+
+    Its lift falls from all to none there. One of the set-points from plan to plan takes the bend of
+    all; the spindle's own acceleration is taken at its highest speed, a little more than there is.
+    """
+    x = peaks.ratio / (2 * np.pi * (peaks.change_mm / peaks.feed_mm))
+    more1 = motion.most * x * _STEP1
+    swept = 2 * motion.first * x + n_set_points * motion.most * x * peaks.spindle_rad2
+    more2 = swept * _STEP1 + n_set_points * motion.most * x**2 * _STEP2
+    return Motion(motion.most, _largest(motion.first, more1), _largest(motion.second, more2))
+
+
+def _largest(own: float, more: Floats) -> float:
+    """Return the largest sum: the share of its own at the upper end of each interval."""
+    return float((own * _STEP[1:] + _BETWEEN * np.maximum(more[1:], more[:-1])).max())
 
 
 class HighestSpeed(NamedTuple):
@@ -135,16 +122,9 @@ def peaks_of(bounds: Bounds, ratio: float = 1.0) -> Peaks:
 
 
 def drift_of(channel: Channel, unit: float, feed_mm: float) -> Drift:
-    """Return what the feed adds to the motion of an axis, at uniform speed.
+    """Return what the feed per turn adds to the motion of an axis, at uniform speed.
 
-    Parameters
-    ----------
-    channel : Channel
-        Over angle and height.
-    unit : float
-        One of the channel's units in those of the result.
-    feed_mm : float
-        Per turn.
+    `unit` is one of the channel's units in those of the result.
     """
     spacing_nm = (channel.z_last_nm - channel.z_first_nm) / (channel.n_slices - 1)
     z_nm = np.linspace(channel.z_first_nm, channel.z_last_nm, channel.n_slices)
@@ -188,8 +168,7 @@ def _motion(
     peaks: Peaks, axis: Motion, drift: Drift, set_point_hz: float, n_set_points: int
 ) -> AxisDemand:
     if peaks.change_mm > 0 and peaks.feed_mm > 0:
-        turns = peaks.change_mm / peaks.feed_mm
-        axis = in_gap(axis, GapChange(turns, peaks.ratio, peaks.spindle_rad2, n_set_points))
+        axis = _in_gap(axis, peaks, n_set_points)
     return AxisDemand(axis.first + drift.step, axis.second + drift.twist, drift.kink * set_point_hz)
 
 
@@ -207,7 +186,7 @@ def swing_motion(peaks: Peaks, limits: MachineLimits) -> AxisDemand:
     """Return what the swing needs, in degrees."""
     rate_hz = limits.tick_hz / _plan_ticks(limits)
     axis = Motion(peaks.swing_deg, peaks.swing1_deg, peaks.swing2_deg)
-    return _motion(peaks, axis, peaks.swing_drift, rate_hz, 1)
+    return _motion(peaks, axis, Drift(), rate_hz, 1)
 
 
 def highest_speed(peaks: Peaks, limits: MachineLimits) -> HighestSpeed:
@@ -285,12 +264,8 @@ def remedy_text(best: HighestSpeed, asked_rpm: float, feed_mm: float | None) -> 
 def check_feasible(peaks: Peaks, limits: MachineLimits, spindle_rpm: float) -> None:
     """Refuse what a machine cannot follow without a table: the axes of an NC program.
 
-    A table is judged by the controller's own rule, `camtools.cut.verdict`.
-
-    Raises
-    ------
-    CamtoolsError
-        One line for each limit exceeded: needed, limit, highest speed that would do.
+    A table is judged by the controller's own rule, `camtools.cut.verdict`. CamtoolsError has one
+    line for each limit exceeded: needed, limit, highest speed that would do.
     """
     remedy = remedy_text(highest_speed(peaks, limits), spindle_rpm, None)
     shape = "lift" if isinstance(limits, SwingLimits) else "ovality"

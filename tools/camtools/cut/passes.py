@@ -37,42 +37,27 @@ PartT = TypeVar("PartT", bound=PassedPart)
 
 
 def checked_passes(part: PartT, tool: Tool, tolerance_nm: float | None) -> list[PartT]:
-    """Return `parts_of_passes`, or refuse what no table of the part could do.
+    """Return the part as each of its passes cuts it, the last one at the end.
 
-    Raises
-    ------
-    CamtoolsError
-        The tolerance is out of range, a feed is beyond the part, or its tracks do not meet.
+    Raises CamtoolsError: the tolerance is out of range, a feed is beyond the part, or its tracks do
+    not meet.
     """
     if tolerance_nm is not None:
         check_tolerance(tolerance_nm)
-    passes = parts_of_passes(part)
-    for one in passes:
-        check_feed(one)
-    check_tracks(tool, passes[-1].process.feed_mm)
-    return passes
-
-
-def parts_of_passes(part: PartT) -> list[PartT]:
-    """Return the part as each of its passes cuts it, the last one at the end."""
-    process, found = part.process, []
+    process, passes = part.process, []
     for one in process.passes or [Pass(allowance_um=0)]:
         own = {
             "feed_mm": one.feed_mm or process.feed_mm,
             "spindle_rpm": one.spindle_rpm or process.spindle_rpm,
         }
-        found.append(part.model_copy(update={"process": process.model_copy(update=own)}))
-    return found
+        passes.append(part.model_copy(update={"process": process.model_copy(update=own)}))
+        check_feed(passes[-1])
+    check_tracks(tool, passes[-1].process.feed_mm)
+    return passes
 
 
 def records_of(passes: Sequence[Pass], parts: Sequence[PassedPart]) -> tuple[PassRecord, ...]:
-    """Return the records of passes in a table, none of a part that is cut in one.
-
-    Parameters
-    ----------
-    parts : sequence of PassedPart
-        The part as each of them cuts it, see `parts_of_passes`.
-    """
+    """Return the records of passes in a table, none of a part that is cut in one."""
     return tuple(
         PassRecord(
             round(one.allowance_um * _NM_PER_UM),
@@ -86,19 +71,9 @@ def records_of(passes: Sequence[Pass], parts: Sequence[PassedPart]) -> tuple[Pas
 def judge_passes(
     parts: Sequence[PartT], table: Table, judge: Callable[[PartT, Table], HighestSpeed]
 ) -> HighestSpeed:
-    """Return the highest speed of the last pass.
+    """Return the highest speed of the last pass; refuse by the name of the first infeasible one.
 
-    Parameters
-    ----------
-    parts : sequence of PassedPart
-        The part as each of its passes cuts it.
-    judge : callable
-        Returns the highest speed of a part with the table at its own speed and feed, or refuses.
-
-    Raises
-    ------
-    CamtoolsError
-        A pass is infeasible; the lines name the first one.
+    `judge` returns the highest speed of a part with the table at its own speed and feed.
     """
     for number, one in enumerate(parts, start=1):
         feed_nm, mrpm = round(one.process.feed_mm * NM_PER_MM), one.process.spindle_rpm * 1000

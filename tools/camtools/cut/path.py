@@ -31,29 +31,17 @@ MOST_STEP = 0.5  # of a turn: a longer step is no step
 class ToolPath:
     """A path along the skirt.
 
-    Attributes
-    ----------
-    kind : str
-        "helix", "ring-helix" or "stepped".
-    z_first_mm, z_last_mm : float
-        Heights where it begins and ends.
-    feed_mm : float
-        Lead of the helix; of the other paths the distance of their sections, but for the last
-        step, which is what is left of the range.
-    ramp : float
-        Share of a helix turn, or of a step, over which Z gathers speed, and again over which it
-        loses it, 0 .. 0.5; 0 is the path as printed. Not of a helix.
-    step : float
-        Share of a turn, at its end, that a step takes, 0 .. 0.5; 0 is a jump, as printed. Of a
-        stepped path only.
+    The feed is the lead of the helix; of the other paths the distance of their sections, but for
+    the last step, which is what is left of the range. `ramp` is the share of a helix turn, or of a
+    step, over which Z gathers speed, and again over which it loses it; 0 is the path as printed.
     """
 
-    kind: str
+    kind: str  # "helix", "ring-helix" or "stepped"
     z_first_mm: float
     z_last_mm: float
     feed_mm: float
-    ramp: float = 0.0
-    step: float = 0.0
+    ramp: float = 0.0  # 0 .. 0.5, not of a helix
+    step: float = 0.0  # share of a turn, at its end, that a step takes, 0 .. 0.5; 0 is a jump
 
     @property
     def feeds(self) -> float:
@@ -105,17 +93,10 @@ class ToolPath:
         return self.height_mm(angle + np.arange(n, dtype=np.float64))
 
     def scallop_mm(self, angle: float, z_mm: Floats, nose_mm: float) -> Floats:
-        """Return how far the tool leaves the surface proud at an angle and heights.
+        """Return how far the tool leaves the surface proud at an angle [turns, 0 .. 1] and heights.
 
-        Parameters
-        ----------
-        angle : float
-            Spindle angle in turns, 0 .. 1.
-        z_mm : ndarray, shape (n,)
-            Heights within the path.
-        nose_mm : float
-            Radius of the tool's nose; the height is d^2 / (2 nose) at a distance d from the
-            nearest track, d^4 / (8 nose^3) less than the circle's.
+        The height is d^2 / (2 nose) at a distance d from the nearest track, d^4 / (8 nose^3) less
+        than that of the nose's circle.
         """
         tracks = self.tracks_mm(angle)
         right = np.clip(np.searchsorted(tracks, z_mm), 1, max(1, tracks.size - 1))
@@ -130,11 +111,7 @@ def ramp_of(feed_mm: float, spindle_rpm: float, limits: MachineLimits) -> float:
 
     At least LEAST_RAMP (firmware/motion/cam_motion.h).
     Z's speed is feed n / (1 - r), its acceleration feed n^2 / (r (1 - r)), n in turns per second.
-
-    Raises
-    ------
-    CamtoolsError
-        No ramp keeps both limits; the message has the highest speed of the spindle.
+    CamtoolsError has the highest speed of the spindle where no ramp keeps both limits.
     """
     per_s = spindle_rpm / 60
     speed, acceleration = limits.z_speed_mm_s, limits.z_acceleration_mm_s2
@@ -163,10 +140,7 @@ def highest_step_rpm(feed_mm: float, limits: MachineLimits) -> float:
 def step_of(feed_mm: float, spindle_rpm: float, limits: MachineLimits) -> tuple[float, float]:
     """Return the quickest step of a stepped path: its share of a turn and its ramp, MATHS.md (100).
 
-    Raises
-    ------
-    CamtoolsError
-        It would take more than half a turn; the message has the highest speed of the spindle.
+    CamtoolsError has the highest speed of the spindle where it would take more than half a turn.
     """
     v, step_s = _step(feed_mm, limits)
     share = step_s * spindle_rpm / 60

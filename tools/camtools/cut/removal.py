@@ -27,21 +27,14 @@ _DENSE = 20_001
 
 @dataclass(frozen=True)
 class SectionCut:
-    """A section, turned out of a blank.
+    """A section, turned out of a blank; looked at over a pattern of it.
 
-    Attributes
-    ----------
-    delta : callable
-        Radius reduction and derivatives at angles [rad] from the long axis.
-    a_mm, blank_mm : float
-        Long half axis here, radius of the blank.
-    pattern_rad : float
-        What is looked at: a quarter turn of a two-fold, mirrored section, else the whole turn.
+    That is a quarter turn of a two-fold, mirrored section, else the whole turn.
     """
 
-    delta: Callable[[Floats], SectionValues]
-    a_mm: float
-    blank_mm: float
+    delta: Callable[[Floats], SectionValues]  # reduction of the radius at angles from the long axis
+    a_mm: float  # long half axis
+    blank_mm: float  # radius of the blank
     pattern_rad: float = QUARTER_RAD
 
     @property

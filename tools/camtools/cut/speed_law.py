@@ -95,10 +95,7 @@ class Law:
     def set_points(self, lag_rad: float) -> Floats:
         """Return what a speed loop must be told, over the mean speed, MATHS.md (80).
 
-        Parameters
-        ----------
-        lag_rad : float
-            Mean speed over the bandwidth of the loop [rad].
+        The lag is the mean speed over the bandwidth of the loop.
         """
         phi = grid_rad(self.load)
         r = self.ratio(phi)
@@ -189,10 +186,7 @@ def _check_uniform(load: Load, limits: SpeedLimits, mean_rad_s: float) -> None:
 def largest_partial(load: Load, limits: SpeedLimits, mean_rad_s: float) -> Law:
     """Return the partial modulation of the largest share within the limits.
 
-    Raises
-    ------
-    InfeasibleError
-        Uniform speed breaks a limit already.
+    Raises InfeasibleError where uniform speed breaks a limit already.
     """
     _check_uniform(load, limits, mean_rad_s)
     if _keeps(full(load), limits, mean_rad_s):
@@ -220,22 +214,24 @@ class _Program:
         rows = load.area_mm2.size
         one, zero = np.ones((rows, 1)), np.zeros((rows, 1))
         rate = area2[:, None] * self.value
-        blocks = [
-            (np.hstack([rate, zero, -one]), np.zeros(rows)),
-            (np.hstack([-rate, one, zero]), np.zeros(rows)),
-            (np.hstack([slope, zero, zero]), np.full(rows, alpha)),
-            (np.hstack([-slope, zero, zero]), np.full(rows, alpha)),
-            (np.hstack([motion, zero, zero]), np.full(rows, most)),
-            (np.hstack([-motion, zero, zero]), np.full(rows, most)),
-            (np.hstack([self.value, zero, zero]), self._highest(limits)),
-            (np.hstack([-self.value, zero, zero]), np.full(rows, -(MIN_RATIO**2))),
+        # Factors of the control points, of lo and of hi; bound.
+        blocks: list[tuple[Floats, Floats, Floats, Floats | float]] = [
+            (rate, zero, -one, 0.0),
+            (-rate, one, zero, 0.0),
+            (slope, zero, zero, alpha),
+            (-slope, zero, zero, alpha),
+            (motion, zero, zero, most),
+            (-motion, zero, zero, most),
+            (self.value, zero, zero, self._highest(limits)),
+            (-self.value, zero, zero, -(MIN_RATIO**2)),
         ]
         self.slope, self.limits = slope, limits
-        a = np.vstack([np.hstack([block, np.zeros((rows, n_s))]) for block, _ in blocks])
-        bends = np.hstack([self.second, np.zeros((n_s, 2)), -np.eye(n_s)])
-        back = np.hstack([-self.second, np.zeros((n_s, 2)), -np.eye(n_s)])
-        self.a = np.vstack([a, bends, back])
-        self.b = np.concatenate([*(bound for _, bound in blocks), np.zeros(2 * n_s)])
+        rest = np.zeros((rows, n_s))
+        a = [np.hstack([of_c, of_lo, of_hi, rest]) for of_c, of_lo, of_hi, _ in blocks]
+        a += [np.hstack([s * self.second, np.zeros((n_s, 2)), -np.eye(n_s)]) for s in (1, -1)]
+        self.a = np.vstack(a)
+        bounds = [np.broadcast_to(bound, rows) for _, _, _, bound in blocks]
+        self.b = np.concatenate([*bounds, np.zeros(2 * n_s)])
         self.cost = np.zeros(self.n)
         self.cost[n_c : n_c + 2] = -1, 1
         self.cost[n_c + 2 :] = _SMOOTHNESS
@@ -266,13 +262,7 @@ class _Program:
         return np.pad(rows, ((0, 0), (0, self.n - rows.shape[1]))), bounds
 
     def solve(self, square: Floats) -> Floats | None:
-        """Return b on the grid, nothing when no law keeps the limits.
-
-        Parameters
-        ----------
-        square : ndarray
-            b of the solution before.
-        """
+        """Return b on the grid from that before, nothing when no law keeps the limits."""
         a, b = self.a, self.b
         if np.isfinite(self.limits.bandwidth_rad_s):
             rows, bounds = self._loop(square)
@@ -309,15 +299,7 @@ def _basis(load: Load) -> tuple[Floats, Floats, Floats]:
 def optimise(load: Load, limits: SpeedLimits, mean_rad_s: float) -> Law:
     """Return the law of least ripple of the removal rate within the limits.
 
-    Parameters
-    ----------
-    mean_rad_s : float
-        Mean speed of a turn [rad/s], kept exactly.
-
-    Raises
-    ------
-    InfeasibleError
-        Uniform speed breaks a limit already.
+    The mean speed of a turn is kept exactly. Raises InfeasibleError as `largest_partial`.
     """
     fallback = largest_partial(load, limits, mean_rad_s)
     if fallback.share == 1:

@@ -45,7 +45,8 @@ class _LawTables:
         self.pattern = np.array([law.load.pattern_rad for law in laws])
         share = np.arange(_GRID + 1) / _GRID
         self.ratio = np.array([law.ratio(law.load.pattern_rad * share) for law in laws])
-        self.area = np.array([_closed(law.load.area_mm2, share) for law in laws])
+        closed = [np.append(law.load.area_mm2, law.load.area_mm2[0]) for law in laws]
+        self.area = np.array([np.interp(share, np.linspace(0, 1, a.size), a) for a in closed])
         self.rows = np.arange(len(laws))
 
     def at(self, table: Floats, phi_rad: Floats) -> Floats:
@@ -54,11 +55,6 @@ class _LawTables:
         i = np.minimum(place.astype(np.int64), _GRID - 1)
         w = place - i
         return np.asarray((1 - w) * table[self.rows, i] + w * table[self.rows, i + 1])
-
-
-def _closed(area_mm2: Floats, share: Floats) -> Floats:
-    closed = np.append(area_mm2, area_mm2[0])
-    return np.asarray(np.interp(share, np.linspace(0, 1, closed.size), closed), dtype=np.float64)
 
 
 class _PlayedSpindle:
@@ -86,8 +82,6 @@ class _PlayedSpindle:
 def played_ripple(laws: Sequence[Law], mean_rad_s: float, loop: SpindleLoop) -> Floats:
     """Return (largest - least) / mean of the removal rate of each law, as a spindle plays it.
 
-    Notes
-    -----
     The spindle's own ripple may have any phase, so all of it is added.
     """
     tables, spindle = _LawTables(laws), _PlayedSpindle(len(laws), mean_rad_s, loop)

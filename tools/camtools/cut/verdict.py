@@ -140,13 +140,6 @@ def judge_of(table: Table, limits: MachineLimits) -> Judge:
     return Judge(pack(table), limits.tick_hz, parameters_of(limits))
 
 
-def highest_of(judge: Judge) -> HighestSpeed:
-    """Return the highest speed that the controller takes, and the limit that decides."""
-    mrpm = judge.highest_mrpm()
-    beyond = judge.exceeded(mrpm + 1)
-    return HighestSpeed(mrpm / 1000, _FIELDS[beyond[0].name] if beyond else "spindle_rpm")
-
-
 def _line(demand: Demand, remedy: str) -> str:
     one = _shown(demand)
     limit = f"{one.limit:.9g} {one.unit}: the part needs {one.needed:.9g} {one.unit}; {remedy}"
@@ -164,20 +157,15 @@ def check_table(
 ) -> HighestSpeed:
     """Return the highest speed of a table, or refuse what the controller would refuse.
 
-    Parameters
-    ----------
-    best : HighestSpeed, optional
-        Highest speed asked for that would do, where it is not the highest mean speed.
-    asked_rpm : float, optional
-        Speed of the part file, where it is not the mean speed.
-
-    Raises
-    ------
-    RefusedError
-        One line for each limit exceeded: needed, limit, highest speed that would do.
+    `best` is the highest speed asked for that would do, `asked_rpm` the speed of the part file,
+    where they are no mean speeds. RefusedError has one line for each limit exceeded: needed, limit,
+    highest speed that would do.
     """
     judge = judge_of(table, limits)
-    best = best or highest_of(judge)
+    if best is None:
+        mrpm = judge.highest_mrpm()
+        beyond = judge.exceeded(mrpm + 1)
+        best = HighestSpeed(mrpm / 1000, _FIELDS[beyond[0].name] if beyond else "spindle_rpm")
     asked_rpm = table.spindle_mrpm / 1000 if asked_rpm is None else asked_rpm
     found = judge.exceeded(table.spindle_mrpm)
     if asked_rpm > limits.spindle_rpm and all(one.name != "spindle_speed" for one in found):
