@@ -14,6 +14,7 @@ from camtools.lobe.motion import make_lobes
 from camtools.lobe.part import MAX_LOBES, LobePart
 from camtools.pipeline.load import load, parse, parse_for
 from camtools.skirt.part.part_file import SkirtPart
+from tests.tools.cases.lobe_cases import cam as cam_of
 from tests.tools.cases.part_cases import PERKINS, ROOT, parse_part
 
 PARTS = ROOT / "tools" / "parts"
@@ -35,13 +36,6 @@ def lines_of(text: str) -> list[str]:
     with pytest.raises(CamtoolsError) as info:
         parse(text.encode(), "c.toml")
     return info.value.lines
-
-
-def cam_of(text: str) -> LobePart:
-    """Return the cam of a text."""
-    part = parse(text.encode(), "c.toml").part
-    assert isinstance(part, LobePart)
-    return part
 
 
 def test_cam_has_its_defaults() -> None:
@@ -135,23 +129,18 @@ def test_bad_field_is_named(text: str, field: str, remedy: str) -> None:
     assert remedy in first.split("; ", 1)[1], first
 
 
-def test_lobes_stand_apart() -> None:
-    """Lobes are listed upwards with a gap in which U changes over."""
-    second = GOOD[GOOD.index("[[cam.lobe]]") : GOOD.index("[process]")]
-    text = GOOD.replace("[process]", second.replace("[0, 12]", "[12.1, 20]") + "[process]")
-    assert any("cam.lobe" in line and "apart" in line for line in lines_of(text))
-    assert len(cam_of(text.replace("12.1", "13")).cam.lobe) == 2
+def with_lobes(*places_mm: list[float]) -> str:
+    """Return the good file with lobes at other places."""
+    lobe = GOOD[GOOD.index("[[cam.lobe]]") : GOOD.index("[process]")]
+    return GOOD.replace(lobe, "".join(lobe.replace("[0, 12]", str(one)) for one in places_mm))
 
 
 @pytest.mark.parametrize(("end", "start"), [(1, 1.2), (3, 3.2), (12.1, 12.3), (20.7, 20.9)])
 def test_gap_is_compared_in_nanometres(end: float, start: float) -> None:
     """1.2 - 1 is less than 0.2 in binary; a gap of 0.2 mm is one, a micrometre less is told."""
-    second = GOOD[GOOD.index("[[cam.lobe]]") : GOOD.index("[process]")]
-    text = GOOD.replace("[0, 12]", f"[0, {end}]")
-    text = text.replace("[process]", second.replace("[0, 12]", f"[{start}, 30]") + "[process]")
-    assert len(cam_of(text).cam.lobe) == 2
-    near = start - 0.001
-    assert lines_of(text.replace(f"[{start},", f"[{near:.4f},")) == [
+    assert len(cam_of(with_lobes([0, end], [start, 30])).cam.lobe) == 2
+    near = round(start - 0.001, 4)
+    assert lines_of(with_lobes([0, end], [near, 30])) == [
         f"c.toml: cam.lobe.1.z_mm = [{near:g}, 30.0]: a lobe from {near:g} mm follows one that "
         f"ends at {end:g} mm: the gap must be at least 0.2 mm; list the lobes upwards, apart from "
         "each other"
@@ -160,18 +149,12 @@ def test_gap_is_compared_in_nanometres(end: float, start: float) -> None:
 
 def test_part_file_takes_the_lobes_that_a_table_holds() -> None:
     """64 lobes of one profile are read and keep their places; one more is refused as read."""
-    lobe = GOOD[GOOD.index("[[cam.lobe]]") : GOOD.index("[process]")]
-    rest = GOOD.replace(lobe, "")
-
-    def with_lobes(n: int) -> str:
-        places = (lobe.replace("[0, 12]", f"[{10 * i}, {10 * i + 3}]") for i in range(n))
-        return rest.replace("[process]", "".join(places) + "[process]")
-
-    places = places_of(make_lobes(cam_of(with_lobes(64))))
+    places_mm = [[10 * i, 10 * i + 3] for i in range(MAX_LOBES + 1)]
+    places = places_of(make_lobes(cam_of(with_lobes(*places_mm[:-1]))))
     assert [one.z_first_nm for one in places] == [10_000_000 * i for i in range(MAX_LOBES)]
     assert {one.pattern for one in places} == {0}
     told = "has 65 lobes, a part file at most 64; make tables of fewer lobes each"
-    assert lines_of(with_lobes(65)) == [f"c.toml: cam.lobe: {told}"]
+    assert lines_of(with_lobes(*places_mm)) == [f"c.toml: cam.lobe: {told}"]
 
 
 @pytest.mark.parametrize(("text", "field"), [(GOOD, "roller"), (DISC, "wheel")])
@@ -231,12 +214,16 @@ def test_spline_stays_between_the_given_lifts() -> None:
     )
     for degrees, values, found, given in cases:
         text = f'law = "list"\nangle_deg = {degrees}\nlift_mm = {values}\n'
-        part = cam_of(with_law(text))
-        with pytest.raises(GeometryError) as info:
-            make_lift(part.cam, part.cam.lobe[0], LOBE)
-        [line] = info.value.lines
+        line = refused_lift(cam_of(with_law(text)))
         assert line.startswith(f"{LOBE}.lift_mm: between the points the lift comes to {found}")
         assert given in line and "; give more points there" in line
+
+
+def refused_lift(part: LobePart) -> str:
+    """Return the message that refuses the lift of the first lobe."""
+    with pytest.raises(GeometryError) as info:
+        make_lift(part.cam, part.cam.lobe[0], LOBE)
+    return info.value.lines[0]
 
 
 def test_points_come_from_a_file_too(tmp_path: Path) -> None:
@@ -259,32 +246,23 @@ def test_points_come_from_a_file_too(tmp_path: Path) -> None:
         ("angle_deg,lift_mm\n0,1\n", "has 1 points"),
     ):
         table.write_text(text)
-        with pytest.raises(GeometryError) as info:
-            make_lift(part.cam, part.cam.lobe[0], LOBE)
-        assert info.value.lines[0].startswith(f"{LOBE}.csv: lift.csv: ")
-        assert problem in info.value.lines[0]
+        line = refused_lift(part)
+        assert line.startswith(f"{LOBE}.csv: lift.csv: ") and problem in line
     table.unlink()
-    with pytest.raises(GeometryError, match="No such file"):
-        make_lift(part.cam, part.cam.lobe[0], LOBE)
+    assert "No such file" in refused_lift(part)
 
 
 def test_points_come_from_files_only(tmp_path: Path) -> None:
     """A pipe is not waited for, a file without end not read; a spreadsheet's mark is no matter."""
     table = tmp_path / "lift.csv"
     part = cam_of(with_law(f'law = "list"\ncsv = "{table}"\n'))
-
-    def problem() -> str:
-        with pytest.raises(GeometryError) as info:
-            make_lift(part.cam, part.cam.lobe[0], LOBE)
-        return info.value.lines[0]
-
     os.mkfifo(table)
-    assert problem().startswith(f"{LOBE}.csv: lift.csv: cannot be read: not a file; give a text")
+    assert refused_lift(part).startswith(f"{LOBE}.csv: lift.csv: cannot be read: not a file; give")
     table.unlink()
     table.write_bytes(b"0" * 1_000_001)
-    assert "larger than 1000000 bytes; " in problem()
+    assert "larger than 1000000 bytes; " in refused_lift(part)
     table.write_bytes(b"angle_deg,lift_mm\n\xff\n")
-    assert "not UTF-8 text; " in problem()
+    assert "not UTF-8 text; " in refused_lift(part)
     rows = "".join(f"{angle},1\n" for angle in range(0, 360, 30))
     table.write_text("angle_deg,lift_mm\n" + rows, encoding="utf-8-sig")
     law = make_lift(part.cam, part.cam.lobe[0], LOBE)

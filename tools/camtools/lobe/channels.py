@@ -8,11 +8,6 @@ speed rises and falls along straight lines below it, MATHS.md (36): no slower th
 >>> law = surface_speed(ds_dphi, 20.0, 6.0, SpindleLimits(1e6, 1e3))
 >>> bool(np.abs(law * ds_dphi / 120 - 1).max() < 1e-4)
 True
-
->>> from camtools.lobe.motion import example_lobe, make_lobes
->>> made = choose_lift(make_lobes(example_lobe()), 10.0)
->>> made.channel.log2_knots, made.error <= 10.0
-(8, True)
 """
 
 from __future__ import annotations
@@ -73,19 +68,10 @@ class SpindleLimits(NamedTuple):
 def surface_speed(
     ds_dphi: Floats, base_mm: float, base_rad_s: float, limits: SpindleLimits
 ) -> Floats:
-    """Return the spindle's speed [rad/s] at N_GRID angles of a turn.
+    """Return the spindle's speed [rad/s] at N_GRID angles of a turn, within the limits everywhere.
 
-    Parameters
-    ----------
-    ds_dphi : ndarray, shape (N_GRID,)
-        Travel of the contact along the profile [mm/rad], above 0.
-    base_rad_s : float
-        Speed of the spindle on the base circle.
-    limits : SpindleLimits
-        Speed and acceleration are kept everywhere.
+    `ds_dphi` is the travel of the contact along the profile [mm/rad], above 0, at those angles.
 
-    Notes
-    -----
     The spindle accelerates by its torque, and by what its speed loop makes of a set-point between 0
     and its highest speed, MATHS.md (80). The largest function below a given one with bounded slope
     is found in one pass in each direction, twice round. Averages over a few places keep the bound
@@ -191,19 +177,6 @@ def places_of(lobes: list[ShaftLobe], direction: int = 1) -> tuple[LobePlace, ..
     )
 
 
-def _off(function: Function, lobe: ShaftLobe, alone: Channel) -> float:
-    """Return the largest difference in units of a channel of one lobe, on a dense grid."""
-    n = alone.knots.shape[1]
-    phi = ((np.arange(n)[:, None] + PLACES).ravel() / n) * 2 * np.pi
-    got = evaluate_grid(alone, np.array([float(alone.z_first_nm)]), PLACES).value[0]
-    return float(np.abs(got - function(lobe, phi)[0]).max())
-
-
-def _turned(channel: Channel) -> float:
-    """Return what rounding the phase of a lobe to 2^-32 turn moves a value by."""
-    return raw_bounds(channel).first * channel.lsb / knot_interval(channel) * 2 * np.pi / 2**33
-
-
 def _measured(
     kind: int, function: Function, lobes: list[ShaftLobe], log2_knots: int
 ) -> MadeChannel | None:
@@ -217,10 +190,18 @@ def _measured(
         channel = quantise(kind, knots, 0, range_of(lobes))
     except TooLargeError:
         return None
-    alone = (replace(channel, knots=channel.knots[[i, i]]) for i in range(len(patterns)))
-    largest = max(_off(function, *one) for one in zip(patterns, alone, strict=True))
+    n = channel.knots.shape[1]
+    dense = ((np.arange(n)[:, None] + PLACES).ravel() / n) * 2 * np.pi
+    largest = 0.0
+    for i, lobe in enumerate(patterns):
+        alone = replace(channel, knots=channel.knots[[i, i]])
+        got = evaluate_grid(alone, np.array([float(alone.z_first_nm)]), PLACES).value[0]
+        largest = max(largest, float(np.abs(got - function(lobe, dense)[0]).max()))
     error = GRID_MARGIN * largest + ROUNDING_LSB * channel.lsb
-    return MadeChannel(channel, error + (_turned(channel) if has_patterns(lobes) else 0.0))
+    if has_patterns(lobes):  # what rounding the phase of a lobe to 2^-32 turn moves a value by
+        slope = raw_bounds(channel).first * channel.lsb / knot_interval(channel)
+        error += slope * 2 * np.pi / 2**33
+    return MadeChannel(channel, error)
 
 
 def _too_large(kind: int, n_patterns: int, log2_knots: int) -> GeometryError:
@@ -277,6 +258,7 @@ def _lift(lobe: ShaftLobe, phi_rad: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _angle(lobe: ShaftLobe, phi_rad: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return the angle of the contact in units of a table."""
     path, unit = lobe.at(phi_rad), ANGLE_TURN / (2 * np.pi)
     return path.angle * unit, path.angle1 * unit, path.angle2 * unit
 
@@ -284,10 +266,7 @@ def _angle(lobe: ShaftLobe, phi_rad: Floats) -> tuple[Floats, Floats, Floats]:
 def choose_lift(lobes: list[ShaftLobe], tolerance_nm: float) -> MadeChannel:
     """Return the smallest u channel within a tolerance; error in nm.
 
-    Raises
-    ------
-    CamtoolsError
-        Out of reach; the message has the best that is possible.
+    Raises CamtoolsError with the best that is possible, where it is out of reach.
     """
     made = _smallest(KIND_U, _lift, lobes, tolerance_nm)
     if made.error > tolerance_nm:
@@ -301,12 +280,7 @@ def choose_angle(lobes: list[ShaftLobe], *, is_swung: bool) -> MadeChannel:
     """Return the smallest channel of swing or contact within 1e-4 degrees; error in degrees.
 
     The contact of a wheel is not played but reported: where the law's acceleration steps, the best
-    channel is taken.
-
-    Raises
-    ------
-    CamtoolsError
-        Out of reach; the message has the best that is possible.
+    channel is taken. Raises CamtoolsError with the best that is possible, where it is too bad.
     """
     kind = KIND_SWING if is_swung else KIND_CONTACT
     made = _smallest(kind, _angle, lobes, ANGLE_TOLERANCE_DEG * _UNIT_PER_DEG)
@@ -325,19 +299,10 @@ def centre_channel(lobes: list[ShaftLobe]) -> Channel:
 
 
 def speed_channel(lobes: list[ShaftLobe], laws: list[Floats], mean_rad_s: float) -> MadeChannel:
-    """Return the channel of speed ratios; error of the ratio.
+    """Return the channel of speed ratios to the mean; error of the ratio.
 
-    Parameters
-    ----------
-    laws : list of ndarray, shape (N_GRID,)
-        Speed of the spindle over the angle of each pattern [rad/s].
-    mean_rad_s : float
-        What the ratios refer to.
-
-    Raises
-    ------
-    GeometryError
-        Ratios beyond what a table holds.
+    `laws` are the speed of the spindle [rad/s] at N_GRID angles, one for each pattern. Raises
+    GeometryError where ratios are beyond what a table holds.
     """
     low, high = (float(f(np.stack(laws))) / mean_rad_s for f in (np.min, np.max))
     if low < MIN_RATIO / RATIO_ONE or high > MAX_RATIO / RATIO_ONE:

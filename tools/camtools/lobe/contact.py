@@ -4,26 +4,16 @@ The frame is fixed to the lobe; angles run as the follower runs round it. A tool
 swings about the roller's centre, and a wheel that grinds the same lobe, are followers of different
 radius: the same equations give both.
 
+>>> from camtools.lobe.lift import Disc
 >>> law = Disc(35.0, 5.0)
 >>> touch = contact(law, 20.0, 10.0, np.radians([30.0]))
 >>> path = follow(touch, 200.0)
 >>> f"{path.lift[0]:.8f} {np.degrees(path.phi[0]):.7f} {path.ds_dphi[0]:.7f}"
 '9.15763756 33.3952211 25.4638646'
 
-The face stands across the direction alpha and touches the lobe where its normal has that
+A flat face stands across the direction alpha and touches the lobe where its normal has that
 direction. A tool that swings about a centre, and a wheel, touch it there as well: they are round
-followers of the same contacts (`camtools.lobe.contact`).
-
->>> from camtools.lobe.lift import Poly345
->>> law = Poly345(8.0, float(np.radians(70.0)))
->>> touch = flat_contact(law, 40.0, 10.0, np.radians([0.0, 30.0]))
->>> [f"{mm:.6f}" for mm in touch.radius]
-['48.000000', '46.571828']
-
->>> from camtools.lobe.lift import Poly345
->>> worst = shape_of(Poly345(8.0, float(np.radians(70.0))), 20.0, 10.0)
->>> f"{worst.least_radius_mm:.6f} at {worst.least_radius_deg:.0f}, {worst.largest_swing_deg:.6f}"
-'10.679909 at 15, 19.967381'
+followers of the same contacts.
 """
 
 from __future__ import annotations
@@ -35,9 +25,7 @@ import numpy as np
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
-from camtools.lobe.lift import Disc, LiftLaw
-
-__all__ = ["Contact", "Disc", "Follower", "contact", "follow", "solved_at"]
+from camtools.lobe.lift import LiftLaw
 
 _NEWTON_STEPS = 60
 _ANGLE_ERROR_RAD = 1e-13
@@ -68,19 +56,7 @@ class Contact(NamedTuple):
 
 
 def contact(law: LiftLaw, base_mm: float, roller_mm: float, theta_rad: Floats) -> Contact:
-    """Return the contacts of a lobe with its roller.
-
-    Parameters
-    ----------
-    base_mm, roller_mm : float
-        Radii of base circle and roller.
-    theta_rad : ndarray
-        Directions of the follower's line [rad].
-
-    Notes
-    -----
-    Source: MATHS.md (30), (31).
-    """
+    """Return the contacts of a lobe with its roller, by its direction, MATHS.md (30), (31)."""
     lift, p1, p2, p3 = law.evaluate(theta_rad)
     p = base_mm + roller_mm + lift
     square = p**2 + p1**2
@@ -113,18 +89,9 @@ class Follower(NamedTuple):
 
 
 def follow(touch: Contact, radius_mm: float) -> Follower:
-    """Return the path of a follower of another radius, in contact at the same places.
+    """Return the path of a follower of another radius, in contact at the same places as the roller.
 
-    Parameters
-    ----------
-    touch : Contact
-        Of the lobe with its own roller.
-    radius_mm : float
-        Of the wheel, or of the roller itself: then phi is theta and the angle is gamma.
-
-    Notes
-    -----
-    Source: MATHS.md (33) .. (35).
+    Of the roller's own radius phi is theta and the angle is gamma. Source: MATHS.md (33) .. (35).
     """
     t, more = touch, radius_mm - touch.roller
     sin, cos = np.sin(t.gamma), np.cos(t.gamma)
@@ -146,7 +113,8 @@ def follow(touch: Contact, radius_mm: float) -> Follower:
     tan = t.foot / along
     d1 = centre * tan
     # centre - (base + radius) without cancellation for a large wheel
-    lift = (t.lift * (2 * (t.base + t.roller) + t.lift) + 2 * more * _sagged(t)) / (
+    sagged = t.lift - 2 * t.p * np.sin(t.gamma / 2) ** 2  # p cos(gamma) - (base + roller)
+    lift = (t.lift * (2 * (t.base + t.roller) + t.lift) + 2 * more * sagged) / (
         centre + t.base + radius_mm
     )
     return Follower(
@@ -155,26 +123,13 @@ def follow(touch: Contact, radius_mm: float) -> Follower:
     )
 
 
-def _sagged(t: Contact) -> Floats:
-    """Return p cos(gamma) - (base + roller) [mm]."""
-    return np.asarray(t.lift - 2 * t.p * np.sin(t.gamma / 2) ** 2, dtype=np.float64)
-
-
 def solved_at(
     touch_at: Callable[[Floats], tuple[Contact, Follower]], phi_rad: Floats
 ) -> tuple[Contact, Follower]:
     """Return contacts and path of a follower at given lobe angles.
 
-    Parameters
-    ----------
-    touch_at : callable
-        Contacts and path at directions of the lobe's own follower [rad].
-    phi_rad : ndarray, shape (n,)
-        Angles of the lobe [rad]; dphi/dtheta must be above 0 all round (`camtools.lobe.contact`).
-
-    Notes
-    -----
-    phi(theta) is inverted by Newton's method inside a bracket, to 1e-13 rad.
+    `touch_at` gives them at directions of the lobe's own follower [rad]; dphi/dtheta must be above
+    0 all round. phi(theta) is inverted by Newton's method inside a bracket, to 1e-13 rad.
     """
     low, high = phi_rad - np.pi / 2, phi_rad + np.pi / 2
     theta = phi_rad.copy()
@@ -190,19 +145,10 @@ def solved_at(
 
 
 def flat_contact(law: LiftLaw, base_mm: float, roller_mm: float, alpha_rad: Floats) -> Contact:
-    """Return the contacts of a lobe with its flat face.
+    """Return the contacts of a lobe with its flat face, across the directions alpha, MATHS.md (93).
 
-    Parameters
-    ----------
-    base_mm, roller_mm : float
-        Radius of the base circle, and of the circle on which the tip of a swung tool runs: p and
-        gamma are those of its centre.
-    alpha_rad : ndarray
-        Directions of the follower's line, across which its face stands [rad].
-
-    Notes
-    -----
-    Source: MATHS.md (93). theta is the direction of that centre; derivatives are by alpha.
+    On the circle of radius `roller_mm` runs the tip of a swung tool; theta is the direction of its
+    centre, p and gamma are those of it, derivatives are by alpha.
     """
     lift, s1, s2, s3 = law.evaluate(alpha_rad)
     s = base_mm + lift
@@ -221,16 +167,9 @@ def flat_contact(law: LiftLaw, base_mm: float, roller_mm: float, alpha_rad: Floa
 
 
 def follow_flat(law: LiftLaw, touch: Contact, radius_mm: float) -> Follower:
-    """Return the path of a round follower, in contact at the same places.
+    """Return the path of a round follower, in contact at the same places, MATHS.md (94).
 
-    Parameters
-    ----------
-    radius_mm : float
-        Of the wheel, or of the circle on which the tip of the tool runs.
-
-    Notes
-    -----
-    Source: MATHS.md (94).
+    `radius_mm` is that of the wheel, or of the circle on which the tip of the tool runs.
     """
     t, (_, s1, s2, s3) = touch, law.evaluate(touch.theta - touch.gamma)
     along = t.reach + radius_mm
@@ -291,81 +230,47 @@ def shape_of(law: LiftLaw, base_mm: float, roller_mm: float, *, is_flat: bool = 
     )
 
 
-def check_follower(touch: Contact, field: str, *, is_flat: bool) -> None:
-    """Refuse a lift that its follower cannot have on any profile."""
-    (_check_face if is_flat else check_roller)(touch, field)
+def check_follower(touch: Contact, field: str, *, is_flat: bool = False) -> None:
+    """Refuse a lift that its follower, touching all round, cannot have on any profile.
 
-
-def _check_face(touch: Contact, field: str) -> None:
-    """Refuse a lift that a flat face would have on edges only, MATHS.md (93)."""
-    worst = int(touch.ds.argmin())
-    if touch.ds[worst] <= 0:
-        at = f"at {np.degrees(touch.theta[worst]):.4g} degrees of the lobe"
-        problem = (
-            f"undercut {at}: base radius, lift and its second derivative are "
-            f"{touch.ds[worst]:.6g} mm together, the radius of curvature under a flat face"
-        )
-        remedy = "give a larger base circle, or less lift over more degrees"
-        raise GeometryError(f"{field}.lift_mm", problem, remedy)
-
-
-def check_roller(touch: Contact, field: str) -> None:
-    """Refuse a lift that the roller cannot follow on any profile.
-
-    Parameters
-    ----------
-    touch : Contact
-        All round.
-    field : str
-        Dotted path of the lobe, for error messages.
-
-    Raises
-    ------
-    GeometryError
-        The roller's centre reaches the axis, or the profile is undercut: its radius of curvature
-        falls to 0 where it is convex, MATHS.md (39).
+    Raises GeometryError, which names the lobe by `field`: the roller's centre reaches the axis, or
+    the radius of curvature falls to 0 where the profile is convex, MATHS.md (39), (93).
     """
-    lowest = int(touch.lift.argmin())
-    if touch.lift[lowest] <= -touch.base:
+    lowest, worst = int(touch.lift.argmin()), int(touch.ds.argmin())
+    if not is_flat and touch.lift[lowest] <= -touch.base:
         problem = f"the spline falls to {touch.lift[lowest]:.6g} mm"
         raise GeometryError(f"{field}.lift_mm", problem, "give more points")
-    worst = int(touch.ds.argmin())
-    if touch.ds[worst] <= 0:
-        at = f"at {np.degrees(touch.theta[worst]):.4g} degrees of the lobe"
-        centre_mm = np.hypot(touch.p, touch.p1)[worst] / (1 - touch.gamma1[worst])
-        problem = (
-            f"undercut {at}: the path of the roller's centre has a radius of curvature of "
-            f"{centre_mm:.6g} mm there, the roller {touch.roller:g} mm"
+    if touch.ds[worst] > 0:
+        return
+    problem = f"undercut at {np.degrees(touch.theta[worst]):.4g} degrees of the lobe: "
+    remedy = "a larger base circle, or less lift over more degrees"
+    if is_flat:
+        problem += (
+            f"base radius, lift and its second derivative are {touch.ds[worst]:.6g} mm together, "
+            "the radius of curvature under a flat face"
         )
-        remedy = "give a smaller roller, a larger base circle, or less lift over more degrees"
-        raise GeometryError(f"{field}.lift_mm", problem, remedy)
+    else:
+        centre_mm = np.hypot(touch.p, touch.p1)[worst] / (1 - touch.gamma1[worst])
+        problem += (
+            f"the path of the roller's centre has a radius of curvature of {centre_mm:.6g} mm "
+            f"there, the roller {touch.roller:g} mm"
+        )
+        remedy = f"a smaller roller, {remedy}"
+    raise GeometryError(f"{field}.lift_mm", problem, f"give {remedy}")
 
 
 def check_wheel(touch: Contact, wheel_mm: float, field: str) -> None:
-    """Refuse a lobe that a wheel cannot grind.
+    """Refuse a lobe that a wheel of this radius cannot grind; `touch` all round, not undercut.
 
-    Parameters
-    ----------
-    touch : Contact
-        All round, not undercut.
-    wheel_mm : float
-        Radius of the wheel.
-    field : str
-        Dotted path of the lobe, for error messages.
-
-    Raises
-    ------
-    GeometryError
-        A hollow flank is more curved than the wheel, the lobe would have to turn back, or the
-        wheel would cut elsewhere.
+    Raises GeometryError, which names the lobe by `field`: a hollow flank is more curved than the
+    wheel, the lobe would have to turn back, or the wheel would cut elsewhere.
     """
     curved = int(touch.curvature.argmin())
     hollow_mm = float(-1 / touch.curvature[curved]) if touch.curvature[curved] < 0 else np.inf
     if hollow_mm <= wheel_mm:
-        at = f"at {np.degrees(touch.theta[curved]):.4g} degrees"
         problem = (
-            f"the flank of {field} is hollow with a radius of {hollow_mm:.6g} mm {at}: "
-            "the wheel does not reach it"
+            f"the flank of {field} is hollow with a radius of {hollow_mm:.6g} mm at "
+            f"{np.degrees(touch.theta[curved]):.4g} degrees: the wheel does not reach it"
         )
         remedy = f"give a wheel below {hollow_mm:.4g} mm, or a lift with less acceleration"
         raise GeometryError(f"cam.wheel_radius_mm = {wheel_mm:g}", problem, remedy)

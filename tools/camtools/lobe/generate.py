@@ -80,17 +80,10 @@ class GeneratedLobes:
 
 
 def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> GeneratedLobes:
-    """Return the smallest table of a camshaft that keeps the tolerances.
+    """Return the smallest table of a camshaft whose lift keeps a tolerance, 10 nm by default.
 
-    Parameters
-    ----------
-    tolerance_nm : float, optional
-        Largest error of the lift [nm], 10 by default; angles are within 1e-4 degrees.
-
-    Raises
-    ------
-    CamtoolsError
-        The shape is impossible, the tolerance is out of reach, or the machine is too weak.
+    Angles are within 1e-4 degrees. Raises CamtoolsError: the shape is impossible, the tolerance is
+    out of reach, or the machine is too weak.
     """
     tolerance_nm = DEFAULT_TOLERANCE_NM if tolerance_nm is None else tolerance_nm
     check_tolerance(tolerance_nm)
@@ -260,16 +253,16 @@ def _before_table(peaks: Peaks) -> TablePeaks:
     )
 
 
+def peaks_along(path: Follower, ratio: Floats) -> Peaks:
+    """Return the peaks of U and of the spindle on a path, over the mean speed of its turn."""
+    alpha = acceleration_of(ratio)
+    u2_mm = _peak(path.d2 * ratio**2 + path.d1 * alpha)
+    return Peaks(2 * _peak(path.lift), _peak(path.d1 * ratio), u2_mm, _peak(ratio), _peak(alpha))
+
+
 def _peaks(part: LobePart, path: Follower, ratio: Floats, fed: Peaks) -> Peaks:
     """Return the peaks of a pattern over the mean speed of its own turn."""
-    alpha = acceleration_of(ratio)
-    peaks = fed._replace(
-        u_stroke_mm=2 * _peak(path.lift),
-        u1_mm=_peak(path.d1 * ratio),
-        u2_mm=_peak(path.d2 * ratio**2 + path.d1 * alpha),
-        ratio=_peak(ratio),
-        spindle_rad2=_peak(alpha),
-    )
+    peaks = peaks_along(path, ratio)._replace(feed_mm=fed.feed_mm, change_mm=fed.change_mm)
     if part.process.operation != "turning":
         return peaks
     # the controller knows the peaks of the swing and of the speed, not what they do together

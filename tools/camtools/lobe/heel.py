@@ -44,16 +44,9 @@ def needed_clearance_deg(
 ) -> Floats:
     """Return the least clearance angle of every place of a closed contour [degrees], at least 0.
 
-    Parameters
-    ----------
-    places_mm : ndarray, shape (n,)
-        Places of the contour round the axis, as complex numbers, counter-clockwise.
-    outward : ndarray, shape (n,)
-        Its normals there, of length 1: to them the tool stands parallel.
-    heel_mm : float
-        Length of the flank; places within it count.
-    direction : int
-        1: the tool runs counter-clockwise round the work; -1: clockwise.
+    `places_mm`, counter-clockwise round the axis, and `outward`, their normals of length 1 to which
+    the tool stands parallel, are complex numbers of shape (n,). Places within the length of the
+    flank count. `direction` is 1 where the tool runs counter-clockwise round the work, or -1.
     """
     needed = np.zeros(places_mm.size)
     came_from = -1j * direction * outward
@@ -68,13 +61,7 @@ def needed_clearance_deg(
 
 
 def nearest_heel(lobes: list[ShaftLobe], heel_mm: float, direction: int) -> LobeHeel:
-    """Return the largest clearance angle that the lobes of a shaft need, and where.
-
-    Parameters
-    ----------
-    direction : int
-        1: the tool runs round the shaft in the sense of rising angles; -1: the other way.
-    """
+    """Return the largest clearance angle that the lobes of a shaft need, and where."""
     firsts = {lobe.profile: i for i, lobe in reversed(list(enumerate(lobes)))}
     return max(
         (_of_lobe(i, lobes[i], heel_mm, direction) for i in firsts.values()),
@@ -96,10 +83,7 @@ def _of_lobe(i: int, lobe: ShaftLobe, heel_mm: float, direction: int) -> LobeHee
 def check_lobe_heel(lobes: list[ShaftLobe], tool: SwungTool, direction: int) -> LobeHeel:
     """Return where the flank comes nearest to a lobe, or refuse a tool whose heel rubs.
 
-    Raises
-    ------
-    GeometryError
-        With the place, the least clearance angle and the longest flank that do.
+    Raises GeometryError with the place, the least clearance angle and the longest flank that do.
     """
     found = nearest_heel(lobes, tool.heel_mm, direction)
     if found.needed_deg < tool.clearance_deg:

@@ -1,11 +1,9 @@
 """Lobes and camshafts as a kind of part, and the exact motion of U along them.
 
 >>> from camtools.lobe.motion import example_lobe
->>> shape = exact_lobes(example_lobe())
+>>> shape = KIND.exact(example_lobe())
 >>> f"{shape.turn_at(6.0, 8).radius_mm.max():.3f}", shape.heights_mm
 ('28.000', (0.0, 12.0))
-
->>> from camtools.lobe.motion import example_lobe
 >>> KIND.at_speed(example_lobe(), 30.0).process.spindle_rpm
 30.0
 """
@@ -22,7 +20,7 @@ from camtools.base.quantities import NM_PER_MM, Floats
 from camtools.base.text import Json
 from camtools.lobe.channels import has_patterns, range_of
 from camtools.lobe.generate import GeneratedLobes, generate_lobes
-from camtools.lobe.motion import ShaftLobe, lobes_of, smoothing_takes_um
+from camtools.lobe.motion import ShaftLobe, lobes_of, profiles_of, smoothing_takes_um
 from camtools.lobe.part import MAX_RPM, MIN_RPM, LobePart
 from camtools.lobe.summary import LobeOutcome, emit_lobe_text, make_lobe_summary
 from camtools.part.common import SwingLimits
@@ -51,7 +49,6 @@ class ExactLobes(Exact):
     def __init__(self, lobes: list[ShaftLobe]) -> None:
         self.heights_mm = lobes[0].z_mm[0], lobes[-1].z_mm[1]
         self._lobes = lobes
-        self._rises: dict[int, float] = {}
 
     def lobe_at(self, z_mm: float) -> ShaftLobe:
         """Return the lobe at a height, between two of them the nearer one."""
@@ -81,21 +78,17 @@ class ExactLobes(Exact):
     def profile(self) -> ProfileOver:
         """See `Exact.profile`: the highest and the lowest radius of each lobe."""
         z_mm, highest = [], []
+        nose_mm = [
+            float(lobe.contacts(even_angles(720))[0].radius.max())
+            for lobe in profiles_of(self._lobes)
+        ]
         for lobe in self._lobes:
-            low, high = lobe.z_mm
-            rise = self._rise_mm(lobe)
+            (low, high), nose = lobe.z_mm, nose_mm[lobe.profile]
             z_mm += [low - _EDGE_MM, low, high, high + _EDGE_MM]
-            highest += [lobe.base_mm, lobe.base_mm + rise, lobe.base_mm + rise, lobe.base_mm]
+            highest += [lobe.base_mm, nose, nose, lobe.base_mm]
         base = np.full(len(z_mm), self._lobes[0].base_mm)
         curves = HeightCurve("noses", np.array(highest)), HeightCurve("base circle", base)
         return ProfileOver(np.array(z_mm), curves)
-
-    def _rise_mm(self, lobe: ShaftLobe) -> float:
-        """Return by how much the nose of a lobe stands above its base circle [mm]."""
-        if lobe.profile not in self._rises:
-            touch, _ = lobe.contacts(even_angles(720) + lobe.phase_rad)
-            self._rises[lobe.profile] = float(touch.radius.max()) - lobe.base_mm
-        return self._rises[lobe.profile]
 
     def ratio_at(self, speed: Channel, phi_rad: Floats, z_mm: float) -> SpeedRatio:
         """See `Exact.ratio_at`: of the lobe at that height."""
@@ -103,17 +96,6 @@ class ExactLobes(Exact):
         if speed.has_patterns and has_patterns(self._lobes):
             return ratio_of(speed, phi_rad - lobe.phase_rad, float(lobe.profile))
         return ratio_of(speed, phi_rad, float(range_of(self._lobes)[0]))
-
-
-def exact_lobes(part: LobePart) -> ExactLobes:
-    """Return the exact shape of a camshaft.
-
-    Raises
-    ------
-    CamtoolsError
-        The numbers make no lobes.
-    """
-    return ExactLobes(lobes_of(part))
 
 
 if TYPE_CHECKING:
@@ -147,22 +129,13 @@ class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
     rank = 1
     commands = ("mktables", "run", "analyse", "mkgcode")
     model = LobePart
-
-    def make(self, part: LobePart, tolerance_nm: float | None = None) -> GeneratedLobes:
-        """See `Kind.make`."""
-        return generate_lobes(part, tolerance_nm)
+    make = staticmethod(generate_lobes)
+    summary = staticmethod(make_lobe_summary)
+    text = staticmethod(emit_lobe_text)
 
     def exact(self, part: LobePart) -> Exact:
         """See `Kind.exact`."""
-        return exact_lobes(part)
-
-    def summary(self, made: GeneratedLobes) -> Json:
-        """See `Kind.summary`."""
-        return make_lobe_summary(made)
-
-    def text(self, summary: Json) -> str:
-        """See `Kind.text`."""
-        return emit_lobe_text(summary)
+        return ExactLobes(lobes_of(part))
 
     def plots(self, made: GeneratedLobes) -> dict[str, bytes]:
         """See `Kind.plots`."""
@@ -171,13 +144,7 @@ class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
         return draw_lobes(made)
 
     def at_speed(self, part: LobePart, rpm: float | None) -> LobePart:
-        """Return the part for another speed on the base circle.
-
-        Raises
-        ------
-        CamtoolsError
-            Out of the range of a part file.
-        """
+        """Return the part for another speed on the base circle, which a part file must allow."""
         if rpm is None:
             return part
         if not MIN_RPM <= rpm <= MAX_RPM:

@@ -1,6 +1,6 @@
 """Laws of lift: how far a lobe lifts the centre of its roller, over the follower's angle.
 
-A new law is one class with `evaluate`; nothing else has to know it.
+A new law is one class with `evaluate`.
 
 >>> law = Poly345(8.0, np.radians(70.0))
 >>> [f"{mm:.7f}" for mm in law.evaluate(np.radians([-60.0, 0.0, 80.0])).lift]
@@ -27,15 +27,7 @@ from camtools.lobe.listed_lift import (
 )
 from camtools.lobe.lobe_keys import RISES, Lobe, is_turn
 from camtools.lobe.part import Camshaft
-from camtools.lobe.rise_laws import (
-    Cycloidal,
-    Harmonic,
-    ModifiedSine,
-    ModifiedTrapezoid,
-    Polydyne,
-    Quintic,
-    RiseLaw,
-)
+from camtools.lobe.rise_laws import RiseLaw
 from camtools.part.model import SAME_MM
 from camtools.table.points import PointedTurn, quintics_of
 
@@ -129,22 +121,14 @@ class Disc:
 
 @dataclass(frozen=True, eq=False)
 class Listed:
-    """Points joined by a periodic curve of quintics.
+    """Points joined by a periodic curve of quintics: lift [mm] over the angle [rad].
 
-    Attributes
-    ----------
-    spline : BSpline or PPoly
-        Lift [mm] over the angle [rad], periodic: a spline of four continuous derivatives, or the
-        pieces through given velocities and accelerations.
-    smoothing : Smoothing or None
-        What the part file had done to the points.
-    needed : Smoothing or None
-        What would rid the points of their noise, where nothing was done about much of it.
+    It is a spline of four continuous derivatives, or pieces through velocities and accelerations.
     """
 
     spline: BSpline | PPoly
-    smoothing: Smoothing | None = None
-    needed: Smoothing | None = None
+    smoothing: Smoothing | None = None  # what the part file had done to the points
+    needed: Smoothing | None = None  # what would rid them of much noise about which it did nothing
 
     def evaluate(self, theta_rad: Floats) -> Lift:
         """See `LiftLaw.evaluate`."""
@@ -168,51 +152,26 @@ def curve_of(law: Listed) -> PPoly:
 
 
 def make_lift(cam: Camshaft, lobe: Lobe, field: str) -> LiftLaw:
-    """Return the law of a lobe.
-
-    Parameters
-    ----------
-    field : str
-        Dotted path of the lobe, for error messages.
-
-    Raises
-    ------
-    GeometryError
-        The points are no good.
-    """
+    """Return the law of a lobe; refuse bad points, the lobe named by its dotted path `field`."""
     if lobe.law in RISES:
         return _risen(lobe, field)
     if lobe.law == "disc":
         assert lobe.disc_radius_mm is not None
         assert lobe.offset_mm is not None
         if cam.follower == "flat":  # the support function of a disc is e cos alpha above its radius
-            return Risen(Harmonic(), Harmonic(), 2 * lobe.offset_mm, np.pi, 0.0, np.pi)
+            half = RiseLaw("harmonic")
+            return Risen(half, half, 2 * lobe.offset_mm, np.pi, 0.0, np.pi)
         return Disc(lobe.disc_radius_mm + cam.roller_radius_mm, lobe.offset_mm)
     return _listed(lobe, field)
 
 
-_PLAIN: dict[str, RiseLaw] = {
-    "poly345": Quintic(),
-    "cycloidal": Cycloidal(),
-    "modified-sine": ModifiedSine(),
-    "modified-trapezoid": ModifiedTrapezoid(),
-    "harmonic": Harmonic(),
-}
-
-
 def _rise(lobe: Lobe, angle_rad: float, field: str) -> RiseLaw:
-    """Return the law of one flank.
-
-    Raises
-    ------
-    GeometryError
-        A polydyne rise that would have to fall on its way: the follower is too soft.
-    """
+    """Return the law of one flank; refuse a polydyne rise that would have to fall on its way."""
     if lobe.law != "polydyne":
-        return _PLAIN[lobe.law]
+        return RiseLaw(lobe.law)
     assert lobe.design_rpm is not None
     assert lobe.natural_hz is not None
-    law = Polydyne((lobe.design_rpm / 60 / lobe.natural_hz / angle_rad) ** 2)
+    law = RiseLaw("polydyne", (lobe.design_rpm / 60 / lobe.natural_hz / angle_rad) ** 2)
     if float(law.evaluate(np.linspace(0, 1, 2001)).d1.min()) < -1e-9:
         problem = (
             f"at {lobe.design_rpm:g} r/min a follower of {lobe.natural_hz:g} Hz would need a lift "
@@ -253,13 +212,7 @@ def _listed(lobe: Lobe, field: str) -> LiftLaw:
 
 
 def _curve_through(points: PointedTurn, band_um: float | None, field: str) -> Listed:
-    """Return the curve of a list, smoothed where a band is given.
-
-    Raises
-    ------
-    GeometryError
-        A band for points with velocities and accelerations.
-    """
+    """Return the curve of a list, smoothed where a band is given."""
     if band_um is None:
         through = pieces_of(points) if points.v.size else periodic_spline(points.x_deg, points.y_mm)
         return Listed(through, needed=band_for(points))

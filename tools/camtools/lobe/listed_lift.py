@@ -1,11 +1,5 @@
 r"""A lift as a list of points: read from the part file or another one, and smoothed within a band.
 
->>> angle_deg, lift_mm = parse_points(
-...     "angle_deg,lift_mm\n" + "".join(f"{45 * i},{i % 4}\n" for i in range(8)), "a.csv"
-... )
->>> lift_mm.tolist()
-[0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0]
-
 >>> angle_deg = np.arange(0.0, 360.0)
 >>> lift_mm = np.round(4 - 4 * np.cos(np.radians(angle_deg)), 3)
 >>> found = smooth_list(angle_deg, lift_mm, 0.5)
@@ -49,15 +43,8 @@ _MAX_ROWS = 10_000
 def parse_points(text: str, file: str, turns: int = 1) -> tuple[Floats, Floats]:
     """Return angles [degrees of the cam] and lifts [mm] of a CSV text.
 
-    Parameters
-    ----------
-    turns : int
-        Turns of the text's angle for one of the cam, 1 or 2.
-
-    Raises
-    ------
-    InputError
-        With the line: wrong header, no two numbers, angles that do not rise, lifts out of range.
+    Its angle turns once or twice for one of the cam. Raises InputError with the line: wrong header,
+    no two numbers, angles that do not rise, lifts out of range.
     """
     lines = text.splitlines()
     if not lines or lines[0].strip() != CSV_HEADER:
@@ -96,22 +83,11 @@ def _row(
     return angle, lift_mm
 
 
-def _units_of(lobe: Lobe) -> Units:
-    """Return the units of a lobe's file that the part file names."""
-    inch_mm = MM_PER_INCH if lobe.lift_unit == "inch" else None
-    turns = lobe.turns_listed
-    return Units(turns, lobe.largest_lift_mm or inch_mm, CRANK_HINT[turns])
-
-
 def _points_of_file(text: str, file: str, lobe: Lobe) -> PointedTurn:
-    """Return the points of a text: with our own header, or of another system.
-
-    Raises
-    ------
-    InputError
-        See `parse_points` here and in camtools.table.points; several heights, or no lifts.
-    """
-    units, most_mm = _units_of(lobe), lobe.largest_lift_mm or MAX_LIFT_MM
+    """Return the points of a text: with our own header, or of another system."""
+    inch_mm = MM_PER_INCH if lobe.lift_unit == "inch" else None
+    turns, most_mm = lobe.turns_listed, lobe.largest_lift_mm or MAX_LIFT_MM
+    units = Units(turns, lobe.largest_lift_mm or inch_mm, CRANK_HINT[turns])
     if text.lstrip()[: len(CSV_HEADER)] == CSV_HEADER and units.value_mm is None:
         angle_deg, lift_mm = parse_points(text, file, units.turns)
         return PointedTurn(angle_deg, lift_mm, *np.zeros((2, 0)))
@@ -140,17 +116,8 @@ def opened(points: PointedTurn) -> PointedTurn:
 def points_of(lobe: Lobe, field: str) -> PointedTurn:
     """Return the points of a listed lobe, from the part file or from its file.
 
-    Without velocity and acceleration those columns are empty.
-
-    Parameters
-    ----------
-    field : str
-        Dotted path of the lobe, for error messages.
-
-    Raises
-    ------
-    GeometryError
-        The file is no good.
+    Without velocity and acceleration those columns are empty. Raises GeometryError, which names the
+    lobe by `field`, where the file is no good.
     """
     if lobe.csv is None:
         assert lobe.angle_deg is not None
@@ -190,12 +157,9 @@ class Smoothing(NamedTuple):
 
 
 def periodic_spline(angle_deg: Floats, lift_mm: Floats) -> BSpline:
-    """Return the periodic quintic spline through points of one turn.
+    """Return the periodic quintic spline through points whose angles span a turn at most.
 
-    Parameters
-    ----------
-    angle_deg, lift_mm : ndarray, shape (n,)
-        Rising angles that span at most a turn; where they span it, both ends have the same lift.
+    Where they span it, both ends have the same lift.
     """
     n = lift_mm.size - is_turn(angle_deg[-1] - angle_deg[0])
     # the end is made from the beginning: written out, both differ in the last digits
@@ -205,14 +169,9 @@ def periodic_spline(angle_deg: Floats, lift_mm: Floats) -> BSpline:
 
 
 def smooth_list(angle_deg: Floats, lift_mm: Floats, band_um: float) -> Smoothing:
-    """Return a list with the least third derivative within a band; points of lift 0 stay 0.
+    """Return a list with the least third derivative within a band to either side of its lifts.
 
-    Parameters
-    ----------
-    angle_deg, lift_mm : ndarray, shape (n,)
-        Points of one turn without a repeated end.
-    band_um : float
-        How far a lift may move to either side.
+    Points of lift 0 stay 0; the end of the turn is not repeated.
     """
     held = lift_mm == 0
     found_mm = smoothed(angle_deg, lift_mm, band_um / UM_PER_MM, period=360.0, held=held)

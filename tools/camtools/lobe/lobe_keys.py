@@ -134,9 +134,7 @@ class Lobe(TomlTable):
         "another system](TABLES.md#export-and-import)",
     )
     lift_unit: Annotated[Literal["mm", "inch"], _LIST] = Field(
-        "mm",
-        validate_default=False,
-        description="of the lifts of a csv whose header names none",
+        "mm", validate_default=False, description="of the lifts of a csv whose header names none"
     )
     largest_lift_mm: Annotated[LiftMm | None, _LIST] = Field(
         None, description="the lifts of the csv are shares 0 .. 1 of it"

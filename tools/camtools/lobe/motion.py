@@ -1,11 +1,6 @@
 """Lobes at their angles of the shaft, and what follows them.
 
->>> from camtools.lobe.lift import Poly345
->>> smoothing_of(Poly345(8.0, 1.2)), taken_um(Poly345(8.0, 1.2))
-({}, 0.0)
-
->>> part = example_lobe()
->>> [lobe] = make_lobes(part)
+>>> [lobe] = make_lobes(example_lobe())
 >>> f"{lobe.at(np.zeros(1)).lift[0]:.1f}"
 '8.0'
 """
@@ -61,24 +56,16 @@ def _facts(smoothing: Smoothing) -> Json:
 
 def smoothing_of(law: LiftLaw) -> Json:
     """Return the residuals and peaks of a smoothed list, or of one that should be smoothed."""
-    found: Json = {}
-    if isinstance(law, Listed) and law.smoothing is not None:
-        found["smoothing"] = _facts(law.smoothing)
-    if isinstance(law, Listed) and law.needed is not None:
-        found["noise"] = _facts(law.needed)
-    return found
-
-
-def taken_um(law: LiftLaw) -> float:
-    """Return how far smoothing moves the lift at most."""
-    if isinstance(law, Listed) and law.smoothing is not None:
-        return law.smoothing.largest_um
-    return 0.0
+    if not isinstance(law, Listed):
+        return {}
+    found = {"smoothing": law.smoothing, "noise": law.needed}
+    return {name: _facts(one) for name, one in found.items() if one is not None}
 
 
 def smoothing_takes_um(laws: list[LiftLaw]) -> float:
     """Return how far smoothing moves the lift of any lobe at most."""
-    return max(taken_um(law) for law in laws)
+    smoothings = (law.smoothing for law in laws if isinstance(law, Listed))
+    return max((one.largest_um for one in smoothings if one is not None), default=0.0)
 
 
 def noise_hint(laws: list[LiftLaw], form_error_um: float) -> str:
@@ -114,24 +101,16 @@ def _changes(one: Json) -> list[PeakChange]:
 
 @dataclass(frozen=True, eq=False)
 class ShaftLobe:
-    """One lobe on its shaft, with what follows it.
-
-    Attributes
-    ----------
-    base_mm, roller_mm, follower_mm : float
-        Radii of the base circle, of the roller that defines the lift, and of what touches the cam.
-    profile : int
-        Lobes of the same number have the same law: 0 .. , in the order in which they appear.
-    """
+    """One lobe on its shaft, with what follows it."""
 
     law: LiftLaw  # of the lobe itself
-    base_mm: float
-    roller_mm: float
-    follower_mm: float
+    base_mm: float  # radius of the base circle
+    roller_mm: float  # of the roller that defines the lift
+    follower_mm: float  # of what touches the cam
     phase_rad: float  # spindle angle at which the lobe's own angle is 0
     z_mm: tuple[float, float]  # where the lobe begins and ends
     shape: Shape  # its extremes
-    profile: int = 0
+    profile: int = 0  # the same for lobes of the same law: 0 .. in the order of appearance
     is_flat: bool = False  # the lift is that of a flat face, not of a roller
 
     def contacts(self, phi_rad: Floats) -> tuple[Contact, Follower]:
@@ -152,13 +131,7 @@ class ShaftLobe:
 
 
 def make_lobes(part: LobePart) -> list[ShaftLobe]:
-    """Return the lobes of a camshaft, upwards.
-
-    Raises
-    ------
-    GeometryError
-        Points are no good, a lobe is undercut, or the wheel cannot reach a flank.
-    """
+    """Return the lobes of a camshaft, upwards; refuse what cannot be made, see `_shaped`."""
     lobes: list[ShaftLobe] = []
     profiles: dict[str, ShaftLobe] = {}
     for i, lobe in enumerate(part.cam.lobe):
@@ -182,7 +155,7 @@ def _shaped(part: LobePart, lobe: Lobe, field: str) -> ShaftLobe:
     base_mm, roller_mm = part.cam.base_radius_mm, part.cam.roller_radius_mm
     is_flat = part.cam.follower == "flat"
     law = make_lift(part.cam, lobe, field)
-    check_share(f"{field}.smooth_um", taken_um(law), part.process.form_error_um)
+    check_share(f"{field}.smooth_um", smoothing_takes_um([law]), part.process.form_error_um)
     touch = all_round(law, base_mm, roller_mm, is_flat=is_flat)
     check_follower(touch, field, is_flat=is_flat)
     if part.process.operation != "turning" and not is_flat:

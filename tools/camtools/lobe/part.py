@@ -60,10 +60,8 @@ class Camshaft(TomlTable):
                     f"a lobe from {upper.z_mm[0]:g} mm follows one that ends at "
                     f"{lower.z_mm[1]:g} mm: the gap must be at least {MIN_GAP_MM} mm"
                 )
-                context = {"field": f"{i}.z_mm", "value": upper.z_mm}
-                raise wrong(
-                    "gap", problem, "list the lobes upwards, apart from each other", **context
-                )
+                remedy = "list the lobes upwards, apart from each other"
+                raise wrong("gap", problem, remedy, field=f"{i}.z_mm", value=upper.z_mm)
         return value
 
     @field_validator("lobe")
@@ -117,8 +115,8 @@ class LobeProcess(Process):
         foreign = ("feed_mm", "depth_mm") if self.is_plunge else own
         for name in foreign:
             if name in self.model_fields_set:
-                problem = f'has no meaning for operation = "{self.operation}"'
                 context = {"field": name, "value": getattr(self, name)}
+                problem = f'has no meaning for operation = "{self.operation}"'
                 raise wrong("plunge", problem, "remove it", **context)
         for name in needed:
             if self.is_plunge and getattr(self, name) is None:
@@ -147,26 +145,22 @@ class LobePart(TomlTable):
 
     @model_validator(mode="after")
     def _check_tool(self) -> Self:
-        operation = self.process.operation
-        if "tool" in self.model_fields_set and operation != "turning":
-            context = {"field": "tool", "value": None}
-            problem = f'has no meaning for operation = "{operation}"'
-            raise wrong("tool", problem, "remove it, or turn the part", **context)
+        if "tool" in self.model_fields_set and self.process.operation != "turning":
+            problem = f'has no meaning for operation = "{self.process.operation}"'
+            raise wrong("tool", problem, "remove it, or turn the part", field="tool", value=None)
         return self
 
     @model_validator(mode="after")
     def _check_wheel(self) -> Self:
-        wheel_mm, operation = self.cam.wheel_radius_mm, self.process.operation
-        if operation != "turning" and wheel_mm is None:
-            context = {"field": "cam.wheel_radius_mm", "value": None}
-            raise wrong("wheel", f'is missing for operation = "{operation}"', "add it", **context)
         width_mm, process = self.cam.wheel_width_mm, self.process
+        of = f'for operation = "{process.operation}"'
+        if process.operation != "turning" and self.cam.wheel_radius_mm is None:
+            field = "cam.wheel_radius_mm"
+            raise wrong("wheel", f"is missing {of}", "add it", field=field, value=None)
         if process.is_plunge != (width_mm is not None):
             problem = "is missing" if process.is_plunge else "has no meaning"
-            remedy = "add it" if process.is_plunge else "remove it"
-            field = {"field": "cam.wheel_width_mm"}
-            told = f'{problem} for operation = "{operation}"'
-            raise wrong("wheel", told, remedy, **field, value=width_mm)
+            remedy, field = "add it" if process.is_plunge else "remove it", "cam.wheel_width_mm"
+            raise wrong("wheel", f"{problem} {of}", remedy, field=field, value=width_mm)
         return self
 
     @model_validator(mode="after")

@@ -118,13 +118,7 @@ def middles_nm(lobes: list[ShaftLobe]) -> list[int]:
 
 
 def check_width(part: LobePart) -> None:
-    """Refuse a wheel that does not cover a lobe, or touches the next one.
-
-    Raises
-    ------
-    GeometryError
-        With lobe, width, and what would do.
-    """
+    """Refuse a wheel that does not cover a lobe, or touches the next one."""
     width = part.cam.wheel_width_mm
     assert width is not None
     places, field = [lobe.z_mm for lobe in part.cam.lobe], f"cam.wheel_width_mm = {width:g}"
@@ -153,13 +147,7 @@ def _is_gentle(size_mm: float, turns: int, feed_mm: float, spacing_mm: float) ->
 
 
 def plan_of(part: LobePart, lobes: list[ShaftLobe]) -> Plan:
-    """Return the plan of a part whose wheel fits.
-
-    Raises
-    ------
-    CamtoolsError
-        More turns than a table holds, or lobes too far apart for it.
-    """
+    """Return the plan of a part; refuse a bad wheel, too many turns, lobes too far apart."""
     check_width(part)
     process, n = part.process, len(lobes)
     assert process.infeed_um is not None and process.stock_um is not None
@@ -183,10 +171,8 @@ def plan_of(part: LobePart, lobes: list[ShaftLobe]) -> Plan:
             raise CamtoolsError([f"process.infeed_um = {process.infeed_um:g}: {problem}; {remedy}"])
         knots = min(_KNOTS, room)
         spacing = feed / knots
-        is_off, is_moved = (
-            _is_gentle(clear, off, feed, spacing),
-            _is_gentle(pitch, move, feed, spacing),
-        )
+        is_off = _is_gentle(clear, off, feed, spacing)
+        is_moved = _is_gentle(pitch, move, feed, spacing)
         if is_off and is_moved:
             feed_nm = int(feed * NM_PER_MM) // knots * knots
             return plan._replace(feed_nm=feed_nm, knots=knots)

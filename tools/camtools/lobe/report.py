@@ -43,11 +43,6 @@ def _modelled(outcome: LobeOutcome) -> str:
     return f"{tool} that takes off what it sweeps; forces, wear and bending are not modelled."
 
 
-def _heights_mm(outcome: LobeOutcome) -> tuple[float, float]:
-    lobes = outcome.generated.lobes
-    return min(lobe.z_mm[0] for lobe in lobes), max(lobe.z_mm[1] for lobe in lobes)
-
-
 def _subject(outcome: LobeOutcome) -> Subject:
     """Return what of a sheet applies: the middle of each lobe, along its normals."""
     return Subject(
@@ -69,7 +64,7 @@ def _subject(outcome: LobeOutcome) -> Subject:
 _VIEWS: tuple[View[LobeOutcome], ...] = (
     fault_view(
         "U must leave the work first, beyond the nose of the cam, and no axis may move towards the "
-        "axis after the dashed line. X follows more slowly; the spindle runs down by itself.",
+        "axis after the dashed line. X follows more slowly; the spindle runs down by itself."
     ),
     surface_view(
         "profile",
@@ -145,7 +140,7 @@ _VIEWS: tuple[View[LobeOutcome], ...] = (
 REPORT = KindReport(
     what="cam",
     angle=ANGLE,
-    heights_mm=_heights_mm,
+    heights_mm=lambda cut: (cut.generated.lobes[0].z_mm[0], cut.generated.lobes[-1].z_mm[1]),
     rows=ROWS,
     views=_VIEWS,
     subject=_subject,

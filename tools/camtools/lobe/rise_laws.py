@@ -1,25 +1,27 @@
 """Rises from the base circle to the nose, over 0 .. 1: the flanks of lobes.
 
-A new rise is one class with `evaluate`, which has the derivatives up to the third. Peaks Cv of the
+A new rise is one function in `_RISES`, which gives the derivatives up to the third. Peaks Cv of the
 speed and Ca of the acceleration are those of the handbooks (Norton; Rothbart).
 
 | rise | Cv | Ca | continuous at both ends |
 |---|---|---|---|
-| `Quintic` (3-4-5) | 1.875 | 5.774 | acceleration; the jerk steps |
-| `Cycloidal` | 2 | 6.283 | acceleration; the jerk steps |
-| `ModifiedSine` | 1.760 | 5.528 | acceleration; the jerk steps |
-| `ModifiedTrapezoid` | 2 | 4.888 | acceleration; the jerk steps |
-| `Harmonic` | 1.571 | 4.935 | speed; the acceleration steps |
-| `Polydyne` | 2.461 | 9.372 | acceleration; the jerk steps; of the driven mass alone |
+| poly345 | 1.875 | 5.774 | acceleration; the jerk steps |
+| cycloidal | 2 | 6.283 | acceleration; the jerk steps |
+| modified-sine | 1.760 | 5.528 | acceleration; the jerk steps |
+| modified-trapezoid | 2 | 4.888 | acceleration; the jerk steps |
+| harmonic | 1.571 | 4.935 | speed; the acceleration steps |
+| polydyne | 2.461 | 9.372 | acceleration; the jerk steps; of the driven mass alone |
 
->>> [f"{float(y[0]):.6f}" for y in Cycloidal().evaluate(np.array([0.25]))]
+>>> [f"{float(y[0]):.6f}" for y in RiseLaw("cycloidal").evaluate(np.array([0.25]))]
 ['0.090845', '1.000000', '6.283185', '0.000000']
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -36,41 +38,19 @@ class Rise(NamedTuple):
     d3: Floats
 
 
-class RiseLaw(Protocol):
-    """A rise from 0 at 0 to 1 at 1, at rest at both ends."""
-
-    def evaluate(self, x: Floats) -> Rise:
-        """Return rise and derivatives at shares 0 .. 1."""
-
-
-@dataclass(frozen=True)
-class Quintic:
-    """The 3-4-5 polynomial. Source: MATHS.md (37)."""
-
-    def evaluate(self, x: Floats) -> Rise:
-        """See `RiseLaw.evaluate`."""
-        return _polynomial(x, Polynomial([0, 0, 0, 10, -15, 6]))
+def _cycloidal(x: Floats) -> Rise:
+    turn = 2 * np.pi * x
+    sin, cos = np.sin(turn), np.cos(turn)
+    return Rise(x - sin / (2 * np.pi), 1 - cos, 2 * np.pi * sin, 4 * np.pi**2 * cos)
 
 
-@dataclass(frozen=True)
-class Cycloidal:
-    """The acceleration is one wave of a sine. Source: MATHS.md (89)."""
-
-    def evaluate(self, x: Floats) -> Rise:
-        """See `RiseLaw.evaluate`."""
-        turn = 2 * np.pi * x
-        sin, cos = np.sin(turn), np.cos(turn)
-        return Rise(x - sin / (2 * np.pi), 1 - cos, 2 * np.pi * sin, 4 * np.pi**2 * cos)
+def _harmonic(x: Floats) -> Rise:
+    sin, cos = np.sin(np.pi * x), np.cos(np.pi * x)
+    return Rise((1 - cos) / 2, np.pi / 2 * sin, np.pi**2 / 2 * cos, -(np.pi**3) / 2 * sin)
 
 
-@dataclass(frozen=True)
-class Harmonic:
-    """Half a wave of a cosine: the acceleration steps where the rise begins and ends."""
-
-    def evaluate(self, x: Floats) -> Rise:
-        """See `RiseLaw.evaluate`. Source: MATHS.md (89)."""
-        sin, cos = np.sin(np.pi * x), np.cos(np.pi * x)
-        return Rise((1 - cos) / 2, np.pi / 2 * sin, np.pi**2 / 2 * cos, -(np.pi**3) / 2 * sin)
+def _polynomial(x: Floats, law: Polynomial) -> Rise:
+    return Rise(law(x), law.deriv(1)(x), law.deriv(2)(x), law.deriv(3)(x))
 
 
 class _Wave(NamedTuple):
@@ -107,58 +87,42 @@ def _integrated(x: Floats, waves: tuple[_Wave, ...]) -> Rise:
 
 
 _FAST, _SLOW = 4 * np.pi, 4 * np.pi / 3
-
-
-@dataclass(frozen=True)
-class ModifiedSine:
-    """A quarter of a fast wave, half of a slow one, a quarter of the fast one: MATHS.md (90)."""
-
-    def evaluate(self, x: Floats) -> Rise:
-        """See `RiseLaw.evaluate`."""
-        waves = (
-            _Wave(0.125, 0, 1, _FAST, 0),
-            _Wave(0.875, 0, 1, _SLOW, np.pi / 3),
-            _Wave(1.0, 0, 1, _FAST, 0),
-        )
-        return _integrated(x, waves)
-
-
-@dataclass(frozen=True)
-class ModifiedTrapezoid:
-    """A trapezoid of acceleration whose flanks are eighths of a sine: MATHS.md (91)."""
-
-    def evaluate(self, x: Floats) -> Rise:
-        """See `RiseLaw.evaluate`."""
-        waves = (
-            _Wave(0.125, 0, 1, _FAST, 0),
-            _Wave(0.375, 1, 0, _FAST, 0),
-            _Wave(0.625, 0, 1, _FAST, -np.pi),
-            _Wave(0.875, -1, 0, _FAST, 0),
-            _Wave(1.0, 0, 1, _FAST, 0),
-        )
-        return _integrated(x, waves)
-
-
+_MODIFIED_SINE = (
+    _Wave(0.125, 0, 1, _FAST, 0),
+    _Wave(0.875, 0, 1, _SLOW, np.pi / 3),
+    _Wave(1.0, 0, 1, _FAST, 0),
+)
+_MODIFIED_TRAPEZOID = (
+    _Wave(0.125, 0, 1, _FAST, 0),
+    _Wave(0.375, 1, 0, _FAST, 0),
+    _Wave(0.625, 0, 1, _FAST, -np.pi),
+    _Wave(0.875, -1, 0, _FAST, 0),
+    _Wave(1.0, 0, 1, _FAST, 0),
+)
+_RISES: dict[str, Callable[[Floats], Rise]] = {  # MATHS.md (37), (89) .. (91)
+    "poly345": partial(_polynomial, law=Polynomial([0, 0, 0, 10, -15, 6])),
+    "cycloidal": _cycloidal,
+    "harmonic": _harmonic,
+    "modified-sine": partial(_integrated, waves=_MODIFIED_SINE),
+    "modified-trapezoid": partial(_integrated, waves=_MODIFIED_TRAPEZOID),
+}
 _DRIVEN = Polynomial([0, 0, 0, 0, 0, 126, -420, 540, -315, 70])
 
 
 @dataclass(frozen=True)
-class Polydyne:
-    """The lift that lets an elastic follower move by a polynomial: MATHS.md (92).
+class RiseLaw:
+    """A rise from 0 at 0 to 1 at 1, at rest at both ends.
 
-    Attributes
-    ----------
-    deflection : float
-        Lift that deflects the follower over the acceleration of its mass, in the square of the
-        angle of the rise: (speed of the cam / natural frequency / angle of the rise)^2.
+    A polydyne rise lets an elastic follower move by a polynomial, MATHS.md (92). `deflection` is
+    the lift that deflects the follower over the acceleration of its mass, in the square of the
+    angle of the rise: (speed of the cam / natural frequency / angle of the rise)^2.
     """
 
-    deflection: float
+    name: str
+    deflection: float = 0.0
 
     def evaluate(self, x: Floats) -> Rise:
-        """See `RiseLaw.evaluate`."""
-        return _polynomial(x, _DRIVEN + self.deflection * _DRIVEN.deriv(2))
-
-
-def _polynomial(x: Floats, law: Polynomial) -> Rise:
-    return Rise(law(x), law.deriv(1)(x), law.deriv(2)(x), law.deriv(3)(x))
+        """Return rise and derivatives at shares 0 .. 1."""
+        if self.name == "polydyne":
+            return _polynomial(x, _DRIVEN + self.deflection * _DRIVEN.deriv(2))
+        return _RISES[self.name](x)

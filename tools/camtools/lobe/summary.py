@@ -4,9 +4,6 @@
 >>> from camtools.lobe.motion import example_lobe
 >>> emit_lobe_text(make_lobe_summary(generate_lobes(example_lobe()))).splitlines()[0]
 'example: table of 55648 bytes, for turning'
-
->>> _degrees(0.00012)
-'0.0001°'
 """
 
 from __future__ import annotations
@@ -20,14 +17,6 @@ from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345, Risen, curve_of
 from camtools.lobe.motion import ShaftLobe, smoothing_of, smoothing_takes_um, smoothing_texts
 from camtools.lobe.plunge import left_by_wear_um
-from camtools.lobe.rise_laws import (
-    Cycloidal,
-    Harmonic,
-    ModifiedSine,
-    ModifiedTrapezoid,
-    Polydyne,
-    Quintic,
-)
 from camtools.part.smoothing import share_text
 from camtools.report.learning_text import learned
 from camtools.report.text import (
@@ -58,35 +47,35 @@ def _lobe(lobe: ShaftLobe) -> Json:
     }
 
 
-def make_lobe_summary(result: GeneratedLobes) -> Json:
+def make_lobe_summary(made: GeneratedLobes) -> Json:
     """Return everything that is known about the table of a camshaft; no dates, no paths."""
-    table, process = result.table, result.part.process
-    return about_image(table, result.tolerance_nm) | {
-        "part": {"name": table.part_name, "kind": "cam", "source": result.part.part.source},
+    table, process = made.table, made.part.process
+    return about_image(table, made.tolerance_nm) | {
+        "part": {"name": table.part_name, "kind": "cam", "source": made.part.part.source},
         "process": {
             "operation": process.operation,
             "speed": process.speed,
             "spindle_rpm": float(process.spindle_rpm),
-            "mean_spindle_rpm": result.mean_rpm,
+            "mean_spindle_rpm": made.mean_rpm,
             "feed_mm": table.feed_nm / NM_PER_MM,
             "depth_mm": table.depth_nm / NM_PER_MM,
             "direction": process.direction,
             "form_error_um": process.form_error_um,
-            "smoothing_takes_um": smoothing_takes_um(result.laws),
+            "smoothing_takes_um": smoothing_takes_um(made.laws),
         },
-        **_tool(result),
-        **_plunge(result),
+        **_tool(made),
+        **_plunge(made),
         "channels": {_NAMES[one.kind]: describe_channel(one) for one in table.channels},
         "error": {
-            "u_nm": result.lift.error,
-            "angle_deg": result.angle.error,
-            "speed_ratio": result.speed.error if result.speed else 0.0,
+            "u_nm": made.lift.error,
+            "angle_deg": made.angle.error,
+            "speed_ratio": made.speed.error if made.speed else 0.0,
         },
         "feasibility": feasibility_of(
-            result.peaks, result.part.machine.limits, result.mean_rpm, result.highest_speed
+            made.peaks, made.part.machine.limits, made.mean_rpm, made.highest_speed
         ),
-        "lobes": [_lobe(lobe) for lobe in result.lobes],
-        "design": design_of_lobes(result),
+        "lobes": [_lobe(lobe) for lobe in made.lobes],
+        "design": design_of_lobes(made),
     }
 
 
@@ -127,7 +116,14 @@ def _law(law: LiftLaw) -> Json:
     if isinstance(law, Poly345):
         return {"law": "poly345", "lift_mm": law.lift_mm, "half_angle_rad": law.half_angle_rad}
     if isinstance(law, Risen):
-        return _flanks(law)
+        angles = ("lift_mm", "rise_rad", "dwell_rad", "fall_rad")
+        soft = {
+            f"{name}_deflection": one.deflection
+            for name, one in (("rise", law.rise), ("fall", law.fall))
+            if one.name == "polydyne"
+        }
+        numbers = {name: getattr(law, name) for name in angles}
+        return {"law": "flanks", "shape": law.rise.name} | numbers | soft
     if isinstance(law, Disc):
         return {"law": "disc", "reach_mm": law.reach_mm, "offset_mm": law.offset_mm}
     assert isinstance(law, Listed)
@@ -137,29 +133,6 @@ def _law(law: LiftLaw) -> Json:
         "breaks_rad": curve.x.tolist(),
         "coefficients": curve.c.T.ravel().tolist(),
     }
-
-
-def _flanks(law: Risen) -> Json:
-    names = {
-        Quintic: "poly345",
-        Cycloidal: "cycloidal",
-        ModifiedSine: "modified-sine",
-        ModifiedTrapezoid: "modified-trapezoid",
-        Harmonic: "harmonic",
-        Polydyne: "polydyne",
-    }
-    numbers = {
-        "lift_mm": law.lift_mm,
-        "rise_rad": law.rise_rad,
-        "dwell_rad": law.dwell_rad,
-        "fall_rad": law.fall_rad,
-    }
-    soft = {
-        f"{name}_deflection": one.deflection
-        for name, one in (("rise", law.rise), ("fall", law.fall))
-        if isinstance(one, Polydyne)
-    }
-    return {"law": "flanks", "shape": names[type(law.rise)]} | numbers | soft
 
 
 def design_of_lobes(result: GeneratedLobes) -> Json:
@@ -213,7 +186,7 @@ def emit_lobe_text(summary: Json) -> str:
             f"mm, required {tool['needed_clearance_deg']:.2f}"
         )
     if "plunge" in summary:
-        lines += plunge_lines(summary["plunge"])
+        lines += _plunge_lines(summary["plunge"])
     allowed_um, taken_um = process["form_error_um"], process["smoothing_takes_um"]
     for i, lobe in enumerate(summary["lobes"]):
         texts = smoothing_texts(lobe, allowed_um)
@@ -226,7 +199,7 @@ def emit_lobe_text(summary: Json) -> str:
     return "\n".join(lines) + "\n"
 
 
-def plunge_lines(found: Json) -> list[str]:
+def _plunge_lines(found: Json) -> list[str]:
     """Return the plunge cut in words."""
     return [
         f"  plunge: {found['infeed_um']:g} um per turn over {found['infeed_turns']} turns and one "
@@ -250,15 +223,9 @@ def _lobe_text(i: int, lobe: Json) -> str:
 
 @dataclass(frozen=True, eq=False)
 class LobeOutcome(Cut[GeneratedLobes]):
-    """All that is known about the cut of lobes.
+    """All that is known about the cut of lobes."""
 
-    Attributes
-    ----------
-    swing_deg : ndarray or None
-        True swing of the tool in every tick of the trace; None for a wheel.
-    """
-
-    swing_deg: Floats | None = None
+    swing_deg: Floats | None = None  # true swing in every tick of the trace; None for a wheel
 
     @property
     def is_turned(self) -> bool:
@@ -266,24 +233,19 @@ class LobeOutcome(Cut[GeneratedLobes]):
         return self.generated.part.process.operation == "turning"
 
 
-def _degrees(value: float) -> str:
-    return f"{value:.1g}°" if abs(value) < 1 else f"{value:.2f}°"
-
-
 def _lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
     """Return the error of each lobe, where there are several."""
     found = outcome.summary["cam"]
     if len(found["lobes"]) < 2:
         return []
-    return [
-        ReportRow(
-            f"lobe {i}",
-            f"{lobe['z_first_mm']:g} .. {lobe['z_last_mm']:g} mm: "
-            + ("not cut" if "max_um" not in lobe else f"max {length_text(lobe['max_um'])}, ")
-            + ("" if "max_um" not in lobe else f"rms {length_text(lobe['rms_um'])}"),
-        )
-        for i, lobe in enumerate(found["lobes"])
-    ]
+    rows = []
+    for i, lobe in enumerate(found["lobes"]):
+        text = "not cut"
+        if "max_um" in lobe:
+            text = f"max {length_text(lobe['max_um'])}, rms {length_text(lobe['rms_um'])}"
+        place = f"{lobe['z_first_mm']:g} .. {lobe['z_last_mm']:g} mm"
+        rows.append(ReportRow(f"lobe {i}", f"{place}: {text}"))
+    return rows
 
 
 def _speed_rows(outcome: LobeOutcome) -> list[ReportRow]:
@@ -308,11 +270,8 @@ def _rake_rows(outcome: LobeOutcome) -> list[ReportRow]:
     rake = found["rake_deg"]
     largest = max(abs(rake["min"]), abs(rake["max"]))
     bare = f"{rake['without_swing_min']:.2f} .. {rake['without_swing_max']:.2f}°"
-    return [
-        ReportRow(
-            "effective rake", f"constant within {_degrees(largest)}; without the swing {bare}"
-        )
-    ]
+    within = f"{largest:.1g}" if largest < 1 else f"{largest:.2f}"
+    return [ReportRow("effective rake", f"constant within {within}°; without the swing {bare}")]
 
 
 def _plunge_rows(outcome: LobeOutcome) -> list[ReportRow]:

@@ -165,13 +165,7 @@ def _notes(job: ProgramJob, path: ToolPath, shares: Shares) -> list[str]:
 
 
 def full_program(job: ProgramJob) -> Iterator[bytes]:
-    """Return the program in pieces, made one by one.
-
-    Raises
-    ------
-    CamtoolsError
-        The machine cannot follow: limits, numbers, highest speed that would do.
-    """
+    """Return the program in pieces, made one by one; refuse what the machine cannot follow."""
     path = path_of(job.part, job.z_first_mm, job.z_last_mm, _check(job))
     return _pieces(job, path, shares_of(job))
 

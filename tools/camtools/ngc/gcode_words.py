@@ -61,15 +61,7 @@ def envelope(path: ToolPath, turns: Floats) -> Floats:
 
 
 def blocks(words: Sequence[Word], values: Floats) -> bytes:
-    """Return many blocks of the same words.
-
-    Parameters
-    ----------
-    words : sequence of Word
-        m words.
-    values : ndarray, shape (n, m)
-        Numbers of n blocks.
-    """
+    """Return n blocks of the same m words; `values` of shape (n, m)."""
     line = " ".join(f"{letter}%.{decimals}f" for letter, decimals in words) + "\n"
     exact = np.empty_like(values)
     for i, (_, decimals) in enumerate(words):

@@ -21,10 +21,11 @@ import numpy as np
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats, omega_rad_s
-from camtools.cut.feasibility import Peaks, check_feasible
+from camtools.cut.feasibility import check_feasible
 from camtools.cut.path import ToolPath
 from camtools.lobe.channels import N_GRID, SpindleLimits, acceleration_of, mean_of, surface_speed
 from camtools.lobe.contact import Follower
+from camtools.lobe.generate import peaks_along
 from camtools.lobe.motion import ShaftLobe, make_lobes
 from camtools.lobe.part import LobePart
 from camtools.ngc.gcode_words import (
@@ -87,14 +88,8 @@ def _speed(job: LobeJob, path: Follower) -> Floats:
 def _check(job: LobeJob, path: Follower, speed: Floats) -> None:
     """Refuse what the machine cannot follow, with the numbers; see `check_feasible`."""
     mean = mean_of(speed)
-    ratio, bend = speed / mean, acceleration_of(speed) / mean**2
-    peaks = Peaks(
-        2 * float(path.lift.max()),
-        float(np.abs(path.d1 * ratio).max()),
-        float(np.abs(path.d2 * ratio**2 + path.d1 * bend).max()),
-        float(ratio.max()),
-        float(np.abs(bend).max()),
-    )
+    ratio = speed / mean
+    peaks, bend = peaks_along(path, ratio), acceleration_of(ratio)
     if job.is_swung:
         peaks = peaks._replace(
             swing_deg=float(np.degrees(np.abs(path.angle).max())),
@@ -117,10 +112,7 @@ def _density(job: LobeJob, lobe: ShaftLobe, path: Follower, speed: Floats) -> Fl
 def turn_of(job: LobeJob, lobe: ShaftLobe) -> Turn:
     """Return the blocks of a turn of a lobe.
 
-    Raises
-    ------
-    CamtoolsError
-        The machine cannot follow, or a chord error needs more than 20000 blocks.
+    Raises CamtoolsError: the machine cannot follow, or a chord error needs more than 20000 blocks.
     """
     grid = np.arange(N_GRID + 1) / N_GRID
     path = lobe.at(_TURN_RAD * grid[:-1])
@@ -162,13 +154,7 @@ def _at_borders(
 
 
 def lobe_program(job: LobeJob) -> Iterator[bytes]:
-    """Return the program in pieces, made one by one.
-
-    Raises
-    ------
-    CamtoolsError
-        A lobe is impossible, the machine cannot follow, or see `turn_of`.
-    """
+    """Return the program in pieces, made one by one; errors as `make_lobes` and `turn_of`."""
     if job.part.process.is_plunge:
         problem = 'process.operation = "plunge-grinding": a program feeds Z over each lobe'
         raise CamtoolsError([f'{problem}; give "grinding"'])

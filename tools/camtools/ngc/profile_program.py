@@ -65,19 +65,8 @@ def segments(
 ) -> Segments:
     """Return the fewest points on the profile whose polygon keeps a chord error.
 
-    Spacing goes with the curvature, MATHS.md (45).
-
-    Parameters
-    ----------
-    chord_mm : float
-        Largest distance from the profile in X.
-    middle_mm : float
-        How far X is below the long half axis.
-
-    Raises
-    ------
-    GeometryError
-        More than 5000 segments would be needed.
+    Spacing goes with the curvature, MATHS.md (45). X is below the long half axis by `middle_mm`.
+    Raises GeometryError where more than 5000 segments would be needed.
     """
     dense = np.linspace(z_first_mm, z_last_mm, _DENSE)
     density = np.sqrt(np.maximum(np.abs(geometry.radius_mm(dense, 2)), _FLATTEST) / (8 * chord_mm))
@@ -143,13 +132,7 @@ def _notes(job: ProgramJob, found: Segments) -> list[str]:
 
 
 def profile_program(job: ProgramJob) -> Iterator[bytes]:
-    """Return the program in pieces.
-
-    Raises
-    ------
-    GeometryError
-        The path is no helix, or see `segments`.
-    """
+    """Return the program in pieces; refuse a path that is no helix, else as `segments`."""
     if job.part.process.path != "helix":
         problem = "a CNC cannot stop Z for some turns of its spindle with G33"
         raise GeometryError("process.path", problem, 'give --axes cxzu, or path = "helix"')
