@@ -53,20 +53,12 @@ def _ramp(x: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Blend:
-    """A curve that goes over from one curve into another.
-
-    Attributes
-    ----------
-    before, behind : Curve
-        They have the same radius at the joint.
-    joint_rad, half_rad : float
-        Middle of the window and half its width.
-    """
+    """A curve that goes over from one curve into another of the same radius at the joint."""
 
     before: Curve
     behind: Curve
-    joint_rad: float
-    half_rad: float
+    joint_rad: float  # middle of the window
+    half_rad: float  # half its width
 
     @property
     def reach(self) -> Reach:

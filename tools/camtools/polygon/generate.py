@@ -78,28 +78,20 @@ def growth_of(section: PolygonSection, drawing: Outline) -> float:
 def outline_of(section: PolygonSection) -> Outline:
     """Return the section of the first height as the part file draws it.
 
-    Raises
-    ------
-    GeometryError
-        The numbers make no polygon.
+    Raises GeometryError: the numbers make no polygon.
     """
     phase, radii = float(np.radians(section.phase_deg)), section.corner_radius_mm or 0.0
     if section.form == "p3g":
-        assert section.mean_diameter_mm is not None
-        assert section.eccentricity_mm is not None
+        assert section.mean_diameter_mm and section.eccentricity_mm
         return p3g(section.mean_diameter_mm, section.eccentricity_mm, phase)
     if section.form == "p4c":
-        assert section.outer_diameter_mm is not None
-        assert section.inner_diameter_mm is not None
-        assert section.eccentricity_mm is not None
+        assert section.outer_diameter_mm and section.inner_diameter_mm and section.eccentricity_mm
         diameters = section.outer_diameter_mm, section.inner_diameter_mm
         return p4c(*diameters, section.eccentricity_mm, phase)
     if section.form == "regular":
-        assert section.sides is not None
-        assert section.across_flats_mm is not None
-        assert not isinstance(radii, list)
+        assert section.sides and section.across_flats_mm and not isinstance(radii, list)
         return regular(section.sides, section.across_flats_mm, radii, phase)
-    assert section.corners_mm is not None
+    assert section.corners_mm
     many = radii if isinstance(radii, list) else [radii] * len(section.corners_mm)
     return cornered(section.corners_mm, many, phase)
 
@@ -107,10 +99,7 @@ def outline_of(section: PolygonSection) -> Outline:
 def factors_of(part: PolygonPart, outer_mm: float) -> tuple[float, float]:
     """Return the size of the sections where the tool begins and ends, MATHS.md (118).
 
-    Raises
-    ------
-    CamtoolsError
-        Nothing is left of one of them.
+    Raises CamtoolsError: nothing is left of one of them.
     """
     section = part.polygon
     first, last = (1 + section.taper * (z - section.z_mm[0]) / outer_mm for z in part.heights_mm)
@@ -163,10 +152,7 @@ def choose_channel(
 ) -> tuple[Channel, Accuracy]:
     """Return the smallest u channel within a tolerance: over height a polygon is straight.
 
-    Raises
-    ------
-    CamtoolsError
-        No table follows the outline so closely.
+    Raises CamtoolsError: no table follows the outline so closely.
     """
     n_slices = int(slice_counts(geometry)[0])
     z_nm = np.linspace(geometry.z_first_mm, geometry.z_last_mm, 3) * NM_PER_MM
@@ -228,16 +214,9 @@ def _unreachable(tolerance_nm: float, best: Accuracy | None, cut: Blended) -> Ca
 def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> GeneratedPolygon:
     """Return the smallest table of a polygon that keeps the tolerance.
 
-    Parameters
-    ----------
-    tolerance_nm : float, optional
-        Largest error of u and of x anywhere [nm] against the blended outline; by default 1, or
-        the 3 or 10 that a long stroke allows.
-
-    Raises
-    ------
-    CamtoolsError
-        The numbers make no polygon, the tolerance is out of reach, or the machine is too weak.
+    `tolerance_nm`: largest error of u and of x anywhere [nm] against the blended outline; by
+    default 1, or the 3 or 10 that a long stroke allows. Raises CamtoolsError: the numbers make no
+    polygon, the tolerance is out of reach, or the machine is too weak.
     """
     passes = checked_passes(part, part.tool, tolerance_nm)
     drawing, cut, geometry, design = shapes_of(part)

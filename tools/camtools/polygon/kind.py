@@ -1,7 +1,7 @@
 """Polygon shafts as a kind of part.
 
 >>> from camtools.polygon.part import example_polygon
->>> turn = exact_polygon(example_polygon()).turn_at(10.0, 6)
+>>> turn = KIND.exact(example_polygon()).turn_at(10.0, 6)
 >>> f"{turn.nominal_mm:.3f} {turn.radius_mm.min():.3f}"
 '13.300 11.700'
 """
@@ -51,20 +51,6 @@ class ExactPolygon(ExactGeometry):
         )
 
 
-def exact_polygon(part: PolygonPart) -> ExactPolygon:
-    """Return the exact shape of a polygon.
-
-    Raises
-    ------
-    CamtoolsError
-        The numbers make no polygon.
-    """
-    _, _, geometry, design = shapes_of(part)
-    tip = tip_geometry(geometry, part.tool)
-    middle_mm = middle_nm(tip, part.process.u_zero) / NM_PER_MM
-    return ExactPolygon(replace(geometry, drawn=design), tip, middle_mm)
-
-
 class PolygonKind(Kind[PolygonPart, GeneratedPolygon, PolygonCut]):
     """Shafts whose section is a polygon of the standards, or one with rounded corners."""
 
@@ -73,22 +59,16 @@ class PolygonKind(Kind[PolygonPart, GeneratedPolygon, PolygonCut]):
     rank = 2
     commands = ("mktables", "run")
     model = PolygonPart
-
-    def make(self, part: PolygonPart, tolerance_nm: float | None = None) -> GeneratedPolygon:
-        """See `Kind.make`."""
-        return generate_polygon(part, tolerance_nm)
+    make = staticmethod(generate_polygon)
+    summary = staticmethod(make_polygon_summary)
+    text = staticmethod(emit_polygon_text)
 
     def exact(self, part: PolygonPart) -> Exact:
         """See `Kind.exact`."""
-        return exact_polygon(part)
-
-    def summary(self, made: GeneratedPolygon) -> Json:
-        """See `Kind.summary`."""
-        return make_polygon_summary(made)
-
-    def text(self, summary: Json) -> str:
-        """See `Kind.text`."""
-        return emit_polygon_text(summary)
+        _, _, geometry, design = shapes_of(part)
+        tip = tip_geometry(geometry, part.tool)
+        middle_mm = middle_nm(tip, part.process.u_zero) / NM_PER_MM
+        return ExactPolygon(replace(geometry, drawn=design), tip, middle_mm)
 
     def plots(self, made: GeneratedPolygon) -> dict[str, bytes]:
         """See `Kind.plots`."""

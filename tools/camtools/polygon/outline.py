@@ -6,18 +6,8 @@ A new curve is one class with `polar` and `reach`; nothing else has to know it.
 >>> [f"{mm:.6f}" for mm in line.polar(np.radians([-30.0, 0.0, 60.0])).r]
 ['11.547005', '10.000000', '20.000000']
 
->>> from camtools.polygon.outline import CornerArc
->>> circle = Outline((0.0,), (CornerArc(0.0, 0.0, 5.0),), 1)
->>> circle.polar(np.array([0.1, 3.0])).r.tolist()
-[5.0, 5.0]
-
 All sections are similar: the radius at a height is that of the first height times a factor that
 grows linearly, 1 without a taper, MATHS.md (118).
-
->>> from camtools.polygon.shapes import p4c
->>> prism = prism_of(p4c(35.0, 30.0, 5.0, 0.0), 17.5, (0.0, 10.0), (1.0, 1.0))
->>> prism.log2_repeat, f"{float(prism.delta(np.pi / 4, 5.0).delta):.9f}"
-(2, '2.500000000')
 """
 
 from __future__ import annotations
@@ -216,21 +206,11 @@ class OutlineJoint(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """A closed outline.
-
-    Attributes
-    ----------
-    starts_rad : tuple of float
-        Where each curve begins, rising, within one turn; the last one ends where the first begins.
-    """
+    """A closed outline: curves that begin at rising angles within one turn."""
 
     starts_rad: tuple[float, ...]
     curves: tuple[Curve, ...]  # as many
     repeat: int  # how many times the outline repeats per turn
-
-    def ends_rad(self) -> tuple[float, ...]:
-        """Return where each curve ends."""
-        return (*self.starts_rad[1:], self.starts_rad[0] + TURN_RAD)
 
     def _piece(self, phi: Floats) -> Ints:
         first = self.starts_rad[0]
@@ -252,8 +232,7 @@ class Outline:
 
     def joints(self) -> Iterator[OutlineJoint]:
         """Yield where curves meet; a curve that goes on smoothly all around has no joint."""
-        ends = self.ends_rad()
-        widths = [end - start for start, end in zip(self.starts_rad, ends, strict=True)]
+        widths = np.diff([*self.starts_rad, self.starts_rad[0] + TURN_RAD]).tolist()
         for i, start in enumerate(self.starts_rad):
             before, behind = self.curves[i - 1], self.curves[i]
             if before is behind:
@@ -365,14 +344,9 @@ def prism_of(
     heights_mm: tuple[float, float],
     factors: tuple[float, float],
 ) -> PolySurface:
-    """Return the surface of an outline.
+    """Return the surface of an outline, its sections at both heights larger by the factors.
 
-    Parameters
-    ----------
-    largest_mm : float
-        Radius from which the reduction counts.
-    factors : tuple of float
-        Size of the sections at both heights over that of the outline.
+    The reduction of the radius counts from `largest_mm`.
     """
     joints = np.mod(np.array(outline.starts_rad), TURN_RAD)
     borders = np.unique(np.concatenate([[0.0, TURN_RAD], joints]))

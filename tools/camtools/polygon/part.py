@@ -2,48 +2,19 @@
 
 Where the numbers come from, and how far they are confirmed: tools/docs/POLYGONS.md.
 
->>> P3G[25.0].outer_mm, P4C[35.0].inner_mm
-(26.6, 30.0)
-
 >>> PolygonSection(form="p3g", z_mm=[0, 30], size_mm=25).eccentricity_mm
 0.8
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, Tag, field_validator, model_validator
 
 from camtools.part.common import FormTolerances, Machine, PartInfo, Tool
 from camtools.part.model import LIST_OR_ONE, HeightMm, Only, TomlTable, rising, wrong
 from camtools.part.passes import SectionProcess
-
-
-class P3GSize(NamedTuple):
-    """Nominal size of DIN 32711."""
-
-    mean_mm: float  # d1, the mean diameter, which a calliper finds in every direction
-    eccentricity_mm: float  # e1
-
-    @property
-    def outer_mm(self) -> float:
-        """Return d2, the diameter of the outer circle."""
-        return round(self.mean_mm + 2 * self.eccentricity_mm, 6)
-
-    @property
-    def inner_mm(self) -> float:
-        """Return d3, the diameter of the inner circle."""
-        return round(self.mean_mm - 2 * self.eccentricity_mm, 6)
-
-
-class P4CSize(NamedTuple):
-    """Nominal size of DIN 32712."""
-
-    outer_mm: float  # d1, the circle to which the corners are ground
-    inner_mm: float  # d2, the inner circle, across the flats
-    eccentricity_mm: float  # e
-
 
 _P3G_SIZES = (
     *((14, 0.44), (16, 0.5), (18, 0.56), (20, 0.63), (22, 0.7), (25, 0.8), (28, 0.9), (30, 1.0)),
@@ -56,9 +27,14 @@ _P4C_SIZES = (
     *((50, 43, 6), (55, 48, 6), (60, 53, 6), (65, 58, 6), (70, 60, 6), (75, 65, 6)),
     *((80, 70, 8), (85, 75, 8), (90, 80, 8), (95, 85, 8), (100, 90, 8)),
 )
-P3G = {float(mean): P3GSize(float(mean), float(e)) for mean, e in _P3G_SIZES}
-P4C = {float(one[0]): P4CSize(*(float(mm) for mm in one)) for one in _P4C_SIZES}
-
+# Of DIN 32711 the mean diameter d1 and e1; of DIN 32712 d1 of the corners, d2 across the flats, e.
+P3G = {float(d1): (float(d1), float(e1)) for d1, e1 in _P3G_SIZES}
+P4C = {float(d1): (float(d1), float(d2), float(e)) for d1, d2, e in _P4C_SIZES}
+_SIZES: dict[str, dict[float, tuple[float, ...]]] = {"p3g": {**P3G}, "p4c": {**P4C}}
+_SIZED = {
+    "p3g": ("mean_diameter_mm", "eccentricity_mm"),
+    "p4c": ("outer_diameter_mm", "inner_diameter_mm", "eccentricity_mm"),
+}
 
 MAX_SIDES = 16
 DiameterMm = Annotated[float, Field(ge=1, le=4000)]
@@ -76,15 +52,6 @@ _P3G, _P4C, _BOTH, _REGULAR, _CORNERS = (
     Only("form", forms, forms, ", or size_mm" if forms[0] in ("p3g", "p4c") else "")
     for forms in (("p3g",), ("p4c",), ("p3g", "p4c"), ("regular",), ("corners",))
 )
-
-
-def _of_size(form: str, size_mm: float) -> dict[str, float]:
-    """Return the keys that a nominal size of a standard stands for."""
-    if form == "p3g":
-        mean, eccentricity = P3G[size_mm]
-        return {"mean_diameter_mm": mean, "eccentricity_mm": eccentricity}
-    outer, inner, eccentricity = P4C[size_mm]
-    return {"outer_diameter_mm": outer, "inner_diameter_mm": inner, "eccentricity_mm": eccentricity}
 
 
 class PolygonSection(TomlTable):
@@ -157,16 +124,17 @@ class PolygonSection(TomlTable):
         if not isinstance(tree, dict):
             return tree
         form, size = tree.get("form"), tree.get("size_mm")
-        sizes_of = {"p3g": tuple(P3G), "p4c": tuple(P4C)}
-        known = sizes_of.get(form if isinstance(form, str) else "")
-        if known is None or isinstance(size, bool) or not isinstance(size, int | float):
+        if not isinstance(form, str) or form not in _SIZES:
+            return tree
+        known, keys = _SIZES[form], _SIZED[form]
+        if isinstance(size, bool) or not isinstance(size, int | float):
             return tree
         if float(size) not in known:
             sizes = ", ".join(f"{one:g}" for one in known)
-            remedy = f"use one of {sizes}, or give {' and '.join(_of_size(str(form), min(known)))}"
+            remedy = f"use one of {sizes}, or give {' and '.join(keys)}"
             problem = f"no nominal size of {form}"
             raise wrong("size", problem, remedy, field="size_mm", value=size)
-        given = _of_size(str(form), float(size))
+        given = dict(zip(keys, known[float(size)], strict=True))
         for key in given:
             if key in tree:
                 problem = f"contradicts size_mm = {size:g}, which means {given[key]:g}"

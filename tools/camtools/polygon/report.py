@@ -131,7 +131,7 @@ def _subject(cut: PolygonCut) -> Subject:
 _VIEWS: tuple[View[PolygonCut], ...] = (
     fault_view(
         "U must leave the work first, within a few milliseconds, and the tool tip must not move "
-        "towards the axis (below 0) after the dashed line.",
+        "towards the axis (below 0) after the dashed line."
     ),
     surface_view(
         "section",
@@ -158,8 +158,7 @@ _VIEWS: tuple[View[PolygonCut], ...] = (
         _extent,
     ),
     height_view(
-        "The band should be narrow and even from end to end: all sections are alike.",
-        _extent,
+        "The band should be narrow and even from end to end: all sections are alike.", _extent
     ),
     motion_view(
         "The measured points must lie on the curve of the table in position and velocity; the "

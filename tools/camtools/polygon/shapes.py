@@ -26,10 +26,7 @@ _STEEPEST_RAD = float(np.radians(80.0))
 def p3g(mean_diameter_mm: float, eccentricity_mm: float, phase_rad: float) -> Outline:
     """Return the outline of DIN 32711, a corner at the phase; MATHS.md (115).
 
-    Raises
-    ------
-    GeometryError
-        So eccentric that the sides would be hollow.
+    Raises GeometryError: so eccentric that the sides would be hollow.
     """
     middle = phase_rad + np.pi / _SIDES_P3G
     flank = Flank(mean_diameter_mm / 2, eccentricity_mm, _SIDES_P3G, middle)
@@ -66,10 +63,7 @@ def _no_crossing(radius_mm: float) -> GeometryError:
 def p4c(outer_mm: float, inner_mm: float, eccentricity_mm: float, phase_rad: float) -> Outline:
     """Return the outline of DIN 32712, a corner's arc at the phase; MATHS.md (116).
 
-    Raises
-    ------
-    GeometryError
-        The circle does not cut the flanks.
+    Raises GeometryError: the circle does not cut the flanks.
     """
     if inner_mm >= outer_mm:
         problem = f"{inner_mm:g} is not below outer_diameter_mm, {outer_mm:g}"
@@ -93,12 +87,8 @@ def p4c(outer_mm: float, inner_mm: float, eccentricity_mm: float, phase_rad: flo
 def regular(sides: int, across_flats_mm: float, corner_mm: float, phase_rad: float) -> Outline:
     """Return a regular polygon, a corner at the phase.
 
-    Parameters
-    ----------
-    across_flats_mm : float
-        Twice the distance of the sides from the axis.
-    corner_mm : float
-        Radius of the corners, 0 where they are sharp.
+    `across_flats_mm`: twice the distance of the sides from the axis; `corner_mm`: radius of the
+    corners, 0 where they are sharp.
     """
     out = across_flats_mm / 2 / np.cos(np.pi / sides)
     angles = phase_rad + TURN_RAD * np.arange(sides) / sides
@@ -115,10 +105,8 @@ def cornered(
 ) -> Outline:
     """Return a convex polygon of given corners [mm], turned by the phase.
 
-    Raises
-    ------
-    GeometryError
-        Not convex, not counter-clockwise, too steep, or the axis lies outside; radii too large.
+    Raises GeometryError: not convex, not counter-clockwise, too steep, or the axis lies outside;
+    radii too large.
     """
     given, radii = np.asarray(corners_mm, dtype=np.float64), np.asarray(corner_mm, dtype=float)
     cos, sin = np.cos(phase_rad), np.sin(phase_rad)
