@@ -68,8 +68,8 @@ def make_study(
 ) -> PathStudy:
     """Return the comparison of a ring-helix with helices of as many turns and of the same lead.
 
-    `feed_mm`: section distance and lead of the ring-helix, at most the height range; `rpm`: wanted
-    speed; the ring-helix is turned more slowly where Z cannot follow [r/min].
+    The feed is section distance and lead of the ring-helix, at most the height range; that is
+    turned more slowly where Z cannot follow.
     """
     middle = round((z_last_mm - z_first_mm) / feed_mm / 2 - _SECTIONS / 2)
     low = z_first_mm + feed_mm * max(0, middle)
@@ -98,11 +98,7 @@ def make_study(
 
 
 def study_csv(study: PathStudy, slope: float) -> str:
-    """Return the comparison as CSV.
-
-    `slope`: largest slope of the profile, |da/dz|: times a step it is the edge that the step
-    leaves.
-    """
+    """Return the comparison as CSV; the largest slope of the profile times a step is its edge."""
     rows = (*study.rows, study.stepped)
     paths = [one.path for one in rows]
     edges = [slope * one.feed_mm * UM_PER_MM if one.kind == "stepped" else 0.0 for one in paths]

@@ -76,10 +76,7 @@ def growth_of(section: PolygonSection, drawing: Outline) -> float:
 
 
 def outline_of(section: PolygonSection) -> Outline:
-    """Return the section of the first height as the part file draws it.
-
-    Raises GeometryError: the numbers make no polygon.
-    """
+    """Return the section of the first height as the part file draws it, or refuse its numbers."""
     phase, radii = float(np.radians(section.phase_deg)), section.corner_radius_mm or 0.0
     if section.form == "p3g":
         assert section.mean_diameter_mm and section.eccentricity_mm
@@ -97,10 +94,7 @@ def outline_of(section: PolygonSection) -> Outline:
 
 
 def factors_of(part: PolygonPart, outer_mm: float) -> tuple[float, float]:
-    """Return the size of the sections where the tool begins and ends, MATHS.md (118).
-
-    Raises CamtoolsError: nothing is left of one of them.
-    """
+    """Return the size of the sections where the tool begins and ends, above 0, MATHS.md (118)."""
     section = part.polygon
     first, last = (1 + section.taper * (z - section.z_mm[0]) / outer_mm for z in part.heights_mm)
     if min(first, last) <= 0:
@@ -150,10 +144,7 @@ def _over_height(slope: float, first: float, heights_mm: tuple[float, float]) ->
 def choose_channel(
     geometry: Geometry, tolerance_nm: float, cut: Blended
 ) -> tuple[Channel, Accuracy]:
-    """Return the smallest u channel within a tolerance: over height a polygon is straight.
-
-    Raises CamtoolsError: no table follows the outline so closely.
-    """
+    """Return the smallest u channel within a tolerance: over height a polygon is straight."""
     n_slices = int(slice_counts(geometry)[0])
     z_nm = np.linspace(geometry.z_first_mm, geometry.z_last_mm, 3) * NM_PER_MM
     best: Accuracy | None = None
@@ -212,11 +203,10 @@ def _unreachable(tolerance_nm: float, best: Accuracy | None, cut: Blended) -> Ca
 
 
 def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> GeneratedPolygon:
-    """Return the smallest table of a polygon that keeps the tolerance.
+    """Return the smallest table of a polygon whose u and x keep a tolerance to the blended outline.
 
-    `tolerance_nm`: largest error of u and of x anywhere [nm] against the blended outline; by
-    default 1, or the 3 or 10 that a long stroke allows. Raises CamtoolsError: the numbers make no
-    polygon, the tolerance is out of reach, or the machine is too weak.
+    By default it is 1 nm, or the 3 or 10 that a long stroke allows. Raises CamtoolsError: the
+    numbers make no polygon, the tolerance is out of reach, or the machine is too weak.
     """
     passes = checked_passes(part, part.tool, tolerance_nm)
     drawing, cut, geometry, design = shapes_of(part)

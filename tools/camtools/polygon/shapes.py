@@ -24,10 +24,7 @@ _STEEPEST_RAD = float(np.radians(80.0))
 
 
 def p3g(mean_diameter_mm: float, eccentricity_mm: float, phase_rad: float) -> Outline:
-    """Return the outline of DIN 32711, a corner at the phase; MATHS.md (115).
-
-    Raises GeometryError: so eccentric that the sides would be hollow.
-    """
+    """Return the outline of DIN 32711, a corner at the phase, MATHS.md (115); its sides convex."""
     middle = phase_rad + np.pi / _SIDES_P3G
     flank = Flank(mean_diameter_mm / 2, eccentricity_mm, _SIDES_P3G, middle)
     if not flank.is_convex:
@@ -61,10 +58,7 @@ def _no_crossing(radius_mm: float) -> GeometryError:
 
 
 def p4c(outer_mm: float, inner_mm: float, eccentricity_mm: float, phase_rad: float) -> Outline:
-    """Return the outline of DIN 32712, a corner's arc at the phase; MATHS.md (116).
-
-    Raises GeometryError: the circle does not cut the flanks.
-    """
+    """Return the outline of DIN 32712, a corner's arc at the phase, MATHS.md (116)."""
     if inner_mm >= outer_mm:
         problem = f"{inner_mm:g} is not below outer_diameter_mm, {outer_mm:g}"
         raise GeometryError("polygon.inner_diameter_mm", problem, "give the inner circle")
@@ -85,11 +79,7 @@ def p4c(outer_mm: float, inner_mm: float, eccentricity_mm: float, phase_rad: flo
 
 
 def regular(sides: int, across_flats_mm: float, corner_mm: float, phase_rad: float) -> Outline:
-    """Return a regular polygon, a corner at the phase.
-
-    `across_flats_mm`: twice the distance of the sides from the axis; `corner_mm`: radius of the
-    corners, 0 where they are sharp.
-    """
+    """Return a regular polygon, a corner at the phase; a corner of radius 0 is sharp."""
     out = across_flats_mm / 2 / np.cos(np.pi / sides)
     angles = phase_rad + TURN_RAD * np.arange(sides) / sides
     corners = out * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
@@ -105,8 +95,8 @@ def cornered(
 ) -> Outline:
     """Return a convex polygon of given corners [mm], turned by the phase.
 
-    Raises GeometryError: not convex, not counter-clockwise, too steep, or the axis lies outside;
-    radii too large.
+    Raises GeometryError where it is not convex, not counter-clockwise or too steep, where the axis
+    lies outside or radii are too large.
     """
     given, radii = np.asarray(corners_mm, dtype=np.float64), np.asarray(corner_mm, dtype=float)
     cos, sin = np.cos(phase_rad), np.sin(phase_rad)
