@@ -116,8 +116,11 @@ static uint32_t observed_q32(const cam_spindle_t *s, const cam_spindle_config_t 
                              const cam_sense_t *in)
 {
     const uint32_t centred_q32 = measured_q32(s, cfg);
+    if (cfg->stamp_clocks == 0u) {
+        return centred_q32;
+    }
     const uint32_t age = in->clock - in->encoder.edge_clock;
-    if (age + cfg->tick_clocks >= cfg->stamp_clocks) { // always without stamps, where that is 0
+    if (age + cfg->tick_clocks >= cfg->stamp_clocks) {
         return centred_q32;
     }
     const int32_t speed_q32 = (int32_t)(s->speed_q64 >> 32);
