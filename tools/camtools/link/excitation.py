@@ -1,4 +1,10 @@
-"""U excited by a wave, and what the controller records of it."""
+"""U excited by a wave, and what the controller records of it.
+
+>>> check_excitation(1, 15, 0)
+Traceback (most recent call last):
+    ...
+camtools.base.errors.CamtoolsError: fade_ticks 15: give 16 .. 65535
+"""
 
 from __future__ import annotations
 

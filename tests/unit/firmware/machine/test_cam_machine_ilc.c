@@ -128,6 +128,10 @@ static void test_only_what_changes_is_handed_over(void)
     TEST_ASSERT_GREATER_THAN_UINT32(0, generations(2000));
     TEST_ASSERT_EQUAL_INT32(640, offered()->k1_q16);
     TEST_ASSERT_EQUAL_UINT32(0, generations(100));
+    TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_k1, 0));
+    const uint32_t last = m->generation;
+    cam_machine_poll(m);
+    TEST_ASSERT_GREATER_THAN_UINT32(last, m->generation);
     TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_k2, -320));
     TEST_ASSERT_GREATER_THAN_UINT32(0, generations(2000));
     TEST_ASSERT_EQUAL_INT32(-320, offered()->k2_q16);

@@ -117,6 +117,9 @@ static void test_a_value_out_of_range_is_answered_with_the_range(void)
     hal_host.slow.n_room = 1;
     cam_can_poll(&f.can);
     TEST_ASSERT_EQUAL_UINT32(get, last_answer().command);
+    hal_host.slow.n_room = 100;
+    (void)fixture_can_command(&f, commit, 0, 0);
+    expect_answer(cam_err_params_begin, 0, stage, cam_param_lead_ns, 5);
 }
 
 static void test_unknown_commands_have_an_error_of_their_own(void)

@@ -143,6 +143,15 @@ static void test_long_messages_of_every_form(void)
     TEST_ASSERT_EQUAL_UINT8(0, bytes[8]);
 }
 
+/// Also where not even its first bytes would fit.
+static void test_a_message_that_is_too_long_touches_no_memory(void)
+{
+    static const uint8_t empty[8];
+    t.capacity = 4;
+    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_first(9));
+    TEST_ASSERT_EQUAL_UINT8_ARRAY(empty, bytes, sizeof empty);
+}
+
 static void test_wrong_sequence_breaks(void)
 {
     for (uint32_t wrong = 0; wrong < 16u; wrong++) {

@@ -196,6 +196,38 @@ static void test_session_by_hand_replays_bit_for_bit(void)
     expect_replay();
 }
 
+static void test_ticks_of_a_turn_in_the_cut_are_collected_for_learning(void)
+{
+    enum { ticks_per_turn = 60 * tick_hz / 2500 };
+    prepare();
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    cam_turn_t turn;
+    const cam_turn_bin_t *bin = NULL;
+    for (int i = 0; i < 4 && bin == NULL; i++) {
+        bin = cam_turn_bins_take(&g_cam.bins, &turn); // learning begins with the first call
+        (void)cam_turn_bins_release(&g_cam.bins);
+        fixture_rig_ticks(&rig, ticks_per_turn);
+    }
+    TEST_ASSERT_NOT_NULL(bin);
+    int32_t n = 0;
+    for (uint32_t i = 0; i < cam_turn_bins_n; i++) {
+        n += bin[i].n;
+    }
+    TEST_ASSERT_GREATER_THAN_INT32(0, n);
+}
+
+static void test_session_of_a_force_drive_replays_bit_for_bit(void)
+{
+    prepare();
+    hal_host.slow.force.quantum_un = 20000;
+    set(cam_param_servo_crossover_hz, 400);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    fixture_rig_ticks(&rig, 700);
+    hal_host.slow.force.quantum_un = 0;
+    TEST_ASSERT_TRUE(g_cam.force.is_on);
+    expect_replay();
+}
+
 static hal_axis_t far_axis; ///< axis whose position far_isr() replaces
 static int32_t far_nm;
 

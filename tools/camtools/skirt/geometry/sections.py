@@ -55,7 +55,7 @@ G = 2a - 2b [mm].
 
 
 def ellipse(phi_rad: FloatsLike, radius_mm: FloatsLike, ovality_mm: FloatsLike) -> SectionValues:
-    """Return the exact ellipse in the form without cancellation, MATHS.md (2)."""
+    """Return the exact ellipse without cancellation, MATHS.md (2), (5)."""
     phi, a, g = np.asarray(phi_rad), np.asarray(radius_mm), np.asarray(ovality_mm)
     b = a - g / 2
     k = (g / 2) * (a + b) / b**2
