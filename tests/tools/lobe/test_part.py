@@ -150,7 +150,7 @@ def test_gap_is_compared_in_nanometres(end: float, start: float) -> None:
 
 def test_part_file_takes_the_lobes_that_a_table_holds() -> None:
     """64 lobes of one profile are read and keep their places; one more is refused as read."""
-    places_mm = [[10 * i, 10 * i + 3] for i in range(MAX_LOBES + 1)]
+    places_mm: list[list[float]] = [[10 * i, 10 * i + 3] for i in range(MAX_LOBES + 1)]
     places = places_of(make_lobes(cam_of(with_lobes(*places_mm[:-1]))))
     assert [one.z_first_nm for one in places] == [10_000_000 * i for i in range(MAX_LOBES)]
     assert {one.pattern for one in places} == {0}

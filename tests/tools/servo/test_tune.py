@@ -18,6 +18,7 @@ from camtools.cli.tune import main
 from camtools.link.controller import Link
 from camtools.link.messages import NUMBERS
 from camtools.link.refusal_text import ask_done
+from camtools.plots import style
 from camtools.tune import plots
 from camtools.tune.excited import Measured, measure, simulated_u
 from camtools.tune.judgement import judge
@@ -497,7 +498,7 @@ def test_figures_are_those_of_the_formula() -> None:
 def test_picture_has_the_points(monkeypatch: pytest.MonkeyPatch) -> None:
     """Level, phase and Nyquist; without a record there are none."""
     seen: list[Figure] = []
-    monkeypatch.setattr(plots.style, "png_of", seen.append)
+    monkeypatch.setattr(style, "png_of", seen.append)
     plant = Plant(mass_kg=1.5, amplifier_hz=1500.0, delay_s=25e-6, step_hz=20000.0)
     judged = judge(Loop(250.0, 20.0, 4000.0, 10.0, 4000.0, 0.5, 0.5), plant)
     one = double(3000.0)
