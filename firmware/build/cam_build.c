@@ -284,7 +284,7 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sens
 /// [nm / 1024 per tick or plan] limit of speeds and accelerations, so that their sum fits a word
 #define MOST_Q10 (INT64_C(1) << 29)
 
-static cam_motion_limits_t limits_of(int64_t speed_q10, int64_t acceleration_q10)
+static cam_motion_limits_t within_word(int64_t speed_q10, int64_t acceleration_q10)
 {
     return (cam_motion_limits_t){
         .speed_q10 = (int32_t)cam_clamp_i64(speed_q10, 1, MOST_Q10),
@@ -295,15 +295,15 @@ static cam_motion_limits_t limits_of(int64_t speed_q10, int64_t acceleration_q10
 static cam_motion_limits_t per_tick(int32_t speed_um_per_s, int32_t acceleration_mm_per_s2,
                                     uint32_t tick_hz)
 {
-    return limits_of(
+    return within_word(
         cam_units_scale(speed_um_per_s, 1024000, tick_hz),
         cam_units_scale(acceleration_mm_per_s2, 1024000000, (int64_t)tick_hz * tick_hz));
 }
 
 static cam_motion_limits_t per_plan(cam_motion_limits_t limits, int32_t plan_ticks)
 {
-    return limits_of((int64_t)limits.speed_q10 * plan_ticks,
-                     (int64_t)limits.acceleration_q10 * plan_ticks * plan_ticks);
+    return within_word((int64_t)limits.speed_q10 * plan_ticks,
+                       (int64_t)limits.acceleration_q10 * plan_ticks * plan_ticks);
 }
 
 /// @return limits with their jerk window; its sum of n values limits the acceleration to 2^30 / n

@@ -64,7 +64,7 @@ static cam_isotp_event_t begin_long(cam_isotp_t *t, const hal_can_frame_t *frame
     t->is_receiving = !t->is_too_long;
     ask_for_block(t);
     if (t->is_receiving) {
-        const uint32_t at = brief != 0u ? 2u : 6u; // first byte after the length
+        const uint32_t at = brief != 0u ? UINT32_C(2) : UINT32_C(6); // first byte after the length
         append(t, &d[at], frame_bytes - at);
     }
     return cam_isotp_nothing;
