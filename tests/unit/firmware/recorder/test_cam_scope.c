@@ -91,7 +91,9 @@ static void test_memory_bounds_the_rows_and_is_never_left(void)
 {
     for (uint32_t n_wave = 0; n_wave <= n_memory; n_wave++) {
         setUp();
+        scope.use = cam_scope_box;
         cam_scope_reserve(&scope, n_wave);
+        TEST_ASSERT_EQUAL_INT(cam_scope_nobody, scope.use);
         plan.signals = scope.set.signals; // three
         plan.rows = n_wave % 2u == 0u ? 0 : 1000000;
         if ((n_memory - n_wave) / 3u == 0u) {

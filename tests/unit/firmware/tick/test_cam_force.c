@@ -76,6 +76,20 @@ static uint32_t until_fault(uint32_t mask, uint32_t n)
     return n + 1u;
 }
 
+/// A U at rest at its set-point, with a loop that has just begun, needs no force at all.
+static void test_only_an_identification_pushes(void)
+{
+    is_on = true;
+    TEST_ASSERT_EQUAL_HEX32(0, tick(0));
+    TEST_ASSERT_EQUAL_INT32(0, r.force_q6);
+    setUp();
+    is_on = true;
+    m.state = cam_state_identifying;
+    m.u_push_q6 = 1;
+    TEST_ASSERT_EQUAL_HEX32(0, tick(0));
+    TEST_ASSERT_EQUAL_INT32(1, r.force_q6);
+}
+
 static void let_settle(void)
 {
     is_on = true;
