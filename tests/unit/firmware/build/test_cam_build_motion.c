@@ -77,6 +77,7 @@ static void test_limits_are_those_of_the_parameters_per_step(void)
             const uint32_t log2 = cam_gains_log2_window(&params, (hal_axis_t)axis, hz);
             TEST_ASSERT_EQUAL_UINT32(log2, leave->log2_window);
             TEST_ASSERT_EQUAL_UINT32(log2, approach->log2_window);
+            TEST_ASSERT_EQUAL_UINT32(log2, config.play.jog.limits[axis].log2_window);
         }
         expect_near(speed_q10(params.u_speed_um_per_s), config.guard.u.speed_q10);
         expect_near(acceleration_q10(params.u_acceleration_mm_per_s2),

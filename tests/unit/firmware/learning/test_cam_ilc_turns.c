@@ -199,8 +199,11 @@ static void test_the_guard_brings_the_best_back_four_times(void)
 {
     settle();
     s.reason = cam_ilc_lobes;
+    t.drive.k1_q16 = 1234;
+    t.best_square = UINT64_MAX; // none so far
     play();
     const int32_t best_q16 = t.best.k1_q16;
+    TEST_ASSERT_EQUAL_INT32(1234, best_q16);
     TEST_ASSERT_NOT_EQUAL(t.drive.k1_q16, best_q16);
     error_nm = 1490.0;
     play();
