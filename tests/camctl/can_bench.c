@@ -4,10 +4,10 @@
 // presses the emergency stop (data 1) or releases it, bench_button likewise the button acknowledge;
 // bench_drive and bench_bus fail a drive and the bus of the drives, and bench_key turns the key
 // switch, which is on at the start and turned anew for each commander. From bench_force on the port
-// has an output of force; U still follows its set-points. Its word may be a secret: then the
-// controller demands the button, and the secret unlocks it. On a busy
-// computer virtual time falls behind the clock; it never runs faster to catch up, since no tool
-// could follow it then. Ends with its input.
+// has an output of force; U still follows its set-points. The first word is how many times faster
+// than the clock virtual time passes; a second one is a secret: then the controller demands the
+// button, and the secret unlocks it. On a busy computer virtual time falls behind; it never runs
+// faster to catch up, since no tool could follow it then. Ends with its input.
 #include "cam_machine.h" // cam_machine_blackbox
 #include "fixture_can.h"
 #include "hal_host.h"
@@ -15,6 +15,7 @@
 #include "sim_live.h"   // sim_pace_tick
 #include <errno.h>      // errno
 #include <poll.h>       // poll
+#include <stdlib.h>     // strtod
 #include <string.h>     // memcpy
 #include <unistd.h>     // read, write
 
@@ -121,8 +122,11 @@ int main(int n_words, char **words)
 {
     const fixture_part_t part = fixture_part_short();
     fixture_can_init(&f, &part, tick_hz);
-    if (n_words > 1) {
-        demand(words[1]);
+    if (n_words < 2) {
+        return 2;
+    }
+    if (n_words > 2) {
+        demand(words[2]);
     }
     start();
     cam_machine_blackbox(&f.rig.machine);
@@ -132,7 +136,7 @@ int main(int n_words, char **words)
     f.rig.lathe.home[hal_axis_u] = (ideal_home_t){.side = 1, .edge_nm = 100000};
     (void)fixture_rig_set(&f.rig, cam_param_lead_ns, 1000000000 / tick_hz);
     sim_pace_t pace;
-    sim_pace_init(&pace, tick_hz, 1.0);
+    sim_pace_init(&pace, tick_hz, strtod(words[1], NULL));
     for (uint32_t i = 0;; i++) {
         if (i % look_ticks == 0u && !listen()) {
             return 0;

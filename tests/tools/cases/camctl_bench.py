@@ -20,7 +20,7 @@ from camtools.link.controller import PERIOD_S, Link, Status
 from camtools.link.messages import COMMAND, Refused, command_bytes
 from camtools.link.refusal_text import ask_done
 from camtools.link.rights import SharedSession, sender_of
-from checks.patience import limit_s, until
+from checks.patience import limit_s, slowness, until
 from tests.tools.cases.camsim_cases import BUILD
 
 BENCH = BUILD / "tests" / "camctl" / "can_bench"
@@ -28,6 +28,7 @@ FRAME = struct.Struct("<IB3x64s")
 CLASSIC_BYTES = 8
 Act = Callable[[], object]
 Refusal = Callable[..., str]
+PACE = min(1.0, 3.0 / slowness())  # virtual time by the clock: signs of life must not come late
 SECRET = "of this machine alone"
 ESTOP_ID, BUTTON_ID, KEY_ID, FORCE_ID, DRIVE_ID, BUS_ID = range(0x10000, 0x10006)
 FAULTS = {"estop": ESTOP_ID, "drive": DRIVE_ID, "bus": BUS_ID}
@@ -90,7 +91,7 @@ class Bench:
         self.drop: Callable[[can.Message], bool] = lambda frame: False
         self._bus = can.Bus(interface="virtual", channel=channel)
         self._process = subprocess.Popen(
-            [str(BENCH), *([secret] if secret else [])],
+            [str(BENCH), str(PACE), *([secret] if secret else [])],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
