@@ -48,19 +48,8 @@ class _Times:
         self._longest_s: float | None = config.getoption("--quick")
         self._cache = cache
         self._known_s: dict[str, float] = cache.get(_TIMES, {})
-        self._shortest_s: dict[str, float] = {}  # of a file
-        for test, took_s in self._known_s.items():
-            file = test.partition("::")[0]
-            self._shortest_s[file] = min(took_s, self._shortest_s.get(file, took_s))
         self._took_s: dict[str, float] = defaultdict(float)
         self._hears_all = not hasattr(config, "workerinput")
-
-    def pytest_ignore_collect(self, collection_path: Path, config: pytest.Config) -> bool | None:
-        """Import no file all of whose tests took longer."""
-        file = collection_path.relative_to(config.rootpath).as_posix()
-        if self._longest_s is None or self._shortest_s.get(file, 0.0) <= self._longest_s:
-            return None  # others may decide
-        return True
 
     def pytest_collection_modifyitems(
         self, config: pytest.Config, items: list[pytest.Item]
