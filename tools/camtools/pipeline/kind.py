@@ -163,9 +163,9 @@ class Kind(ABC, Generic[PartT, MadeT, CutT]):
     def mean_rpm(self, made: MadeT, rpm: float | None) -> float:
         """Return the mean speed of the cut [r/min] when this speed, or none, is asked for."""
 
-    @abstractmethod
     def speed_words(self, rpm: float | None) -> list[str]:
         """Return camsim's options for the speed that is asked for."""
+        return [] if rpm is None else ["--rpm", repr(rpm)]
 
     @abstractmethod
     def turns(self, made: MadeT, feed_mm: float) -> float:

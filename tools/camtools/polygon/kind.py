@@ -84,10 +84,6 @@ class PolygonKind(Kind[PolygonPart, GeneratedPolygon, PolygonCut]):
         """See `Kind.mean_rpm`."""
         return rpm or made.part.process.spindle_rpm
 
-    def speed_words(self, rpm: float | None) -> list[str]:
-        """See `Kind.speed_words`."""
-        return [] if rpm is None else ["--rpm", repr(rpm)]
-
     def turns(self, made: GeneratedPolygon, feed_mm: float) -> float:
         """See `Kind.turns`."""
         return made.part.height_mm / feed_mm

@@ -91,10 +91,6 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
         """See `Kind.mean_rpm`."""
         return rpm or made.part.process.spindle_rpm
 
-    def speed_words(self, rpm: float | None) -> list[str]:
-        """See `Kind.speed_words`."""
-        return [] if rpm is None else ["--rpm", repr(rpm)]
-
     def turns(self, made: GeneratedSkirt, feed_mm: float) -> float:
         """See `Kind.turns`."""
         ends = made.table.z_first_nm / NM_PER_MM, made.table.z_last_nm / NM_PER_MM
