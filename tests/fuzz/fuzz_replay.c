@@ -1,72 +1,149 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs a target on files, without libFuzzer: every normal build keeps what was found this way.
+// Runs a target without libFuzzer: on files, or on every input of some folders and on variants of
+// it. What they all lead to is compared with what was recorded, so that no change of what the
+// firmware does goes unnoticed.
+//
+//     fuzz_TARGET FILE ..                           run these, and print the digest of each
+//     fuzz_TARGET RECORD NAME N_VARIANTS FOLDER ..  compare with the line NAME of a record
+#include "fuzz_digest.h"
 #include "fuzz_expect.h"
 #include "fuzz_mutate.h"
-#include <dirent.h> // opendir
+#include <dirent.h>  // opendir
+#include <stdbool.h> // bool
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { most_bytes = 1 << 20, most_path = 4096 };
+enum { most_bytes = 1 << 20, most_variant = 8192, most_path = 4096, n_changes = 4 };
 
+typedef struct {
+    uint8_t bytes[most_bytes];
+    size_t n;
+} input_t;
+
+/// The sum of all digests does not depend on the order of the files in a folder.
+static uint64_t total;
+static uint32_t n_inputs;
+
+/// Some bytes get other values; which ones depends on all of them.
 size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t max_size)
 {
-    (void)data;
     (void)max_size;
+    uint32_t dice = 1;
+    for (size_t i = 0; i < size; i++) {
+        dice = dice * 1664525u + 1013904223u + data[i];
+    }
+    for (uint32_t i = 0; i < (uint32_t)n_changes && size > 0u; i++) {
+        dice = dice * 1664525u + 1013904223u;
+        data[(dice >> 8) % size] = (uint8_t)(dice >> 24);
+    }
     return size;
 }
 
-static int run_file(const char *path)
+__attribute__((weak)) size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size,
+                                                     unsigned seed)
 {
-    static uint8_t bytes[most_bytes];
+    (void)seed;
+    return LLVMFuzzerMutate(data, size, max_size);
+}
+
+static bool is_read(input_t *input, const char *path)
+{
     FILE *file = fopen(path, "rb");
     if (file == NULL) {
         (void)printf("%s: cannot be opened; give files or folders of inputs\n", path);
-        return -1;
+        return false;
     }
-    const size_t n = fread(bytes, 1, sizeof bytes, file);
+    input->n = fread(input->bytes, 1, sizeof input->bytes, file);
     (void)fclose(file);
-    (void)printf("%s\n", path); // before it is run: a crash is that of the last line
-    (void)fflush(stdout);
-    // A copy of its own length, so that a sanitizer sees what reads beyond it.
-    uint8_t *const copy = malloc(n > 0u ? n : 1u);
-    if (copy == NULL) {
-        return -1;
-    }
-    memcpy(copy, bytes, n);
-    (void)LLVMFuzzerTestOneInput(copy, n);
-    free(copy);
-    return 1;
+    return true;
 }
 
-/// @return number of inputs that were run, or -1
-static int run(const char *path)
+/// Run an input in a copy of its own length, so that a sanitizer sees what reads beyond it.
+static uint64_t run(const input_t *input)
 {
-    DIR *folder = opendir(path);
-    if (folder == NULL) {
-        return run_file(path);
+    uint8_t *const copy = malloc(input->n > 0u ? input->n : 1u);
+    FUZZ_EXPECT(copy != NULL, "no memory");
+    memcpy(copy, input->bytes, input->n);
+    fuzz_digest_begin();
+    (void)LLVMFuzzerTestOneInput(copy, input->n);
+    free(copy);
+    n_inputs++;
+    total += fuzz_digest();
+    return fuzz_digest();
+}
+
+/// Each variant differs from the one before.
+static void run_variants(input_t *input, uint32_t n)
+{
+    for (uint32_t i = 1; i <= n && input->n <= (size_t)most_variant; i++) {
+        input->n = LLVMFuzzerCustomMutator(input->bytes, input->n, most_variant, i);
+        (void)run(input);
     }
-    int n = 0;
-    for (struct dirent *entry = readdir(folder); entry != NULL && n >= 0; entry = readdir(folder)) {
+}
+
+/// Run all inputs of a folder. @return whether there are any
+static bool is_run(const char *path, uint32_t n_variants)
+{
+    static input_t input;
+    DIR *folder = opendir(path);
+    const uint32_t n_before = n_inputs;
+    struct dirent *entry = NULL;
+    while (folder != NULL && (entry = readdir(folder)) != NULL) {
         char inner[most_path];
         (void)snprintf(inner, sizeof inner, "%s/%s", path, entry->d_name);
-        const int done = entry->d_name[0] == '.' ? 0 : run_file(inner);
-        n = done < 0 ? -1 : n + done;
+        if (entry->d_name[0] != '.' && is_read(&input, inner)) {
+            (void)printf("%s\n", inner); // before it is run: a crash is that of the last line
+            (void)fflush(stdout);
+            (void)run(&input);
+            run_variants(&input, n_variants);
+        }
     }
-    (void)closedir(folder);
-    return n;
+    return folder != NULL && closedir(folder) == 0 && n_inputs > n_before;
+}
+
+/// @return whether a file of lines "NAME DIGEST" has that of all inputs
+static bool is_recorded(const char *path, const char *name)
+{
+    char line[128], now[128];
+    (void)snprintf(now, sizeof now, "%s %016llx\n", name, (unsigned long long)total);
+    FILE *file = fopen(path, "r");
+    bool is_same = false;
+    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
+        is_same = is_same || strcmp(line, now) == 0;
+    }
+    if (file != NULL) {
+        (void)fclose(file);
+    }
+    if (!is_same) {
+        (void)printf("%s does not have the line\n%s"
+                     "The firmware acts otherwise than when it was recorded. If that is meant, "
+                     "record this line.\n",
+                     path, now);
+    }
+    return is_same;
 }
 
 int main(int argc, char **argv)
 {
-    int n = 0;
+    static input_t input;
+    char *end = NULL;
+    const unsigned long n_variants = argc > 4 ? strtoul(argv[3], &end, 10) : 0u;
+    if (end != NULL && *end == '\0') {
+        for (int i = 4; i < argc; i++) {
+            if (!is_run(argv[i], (uint32_t)n_variants)) {
+                (void)printf("%s: no folder of inputs\n", argv[i]);
+                return 2;
+            }
+        }
+        (void)printf("%u inputs\n", (unsigned)n_inputs);
+        return is_recorded(argv[1], argv[2]) ? 0 : 1;
+    }
     for (int i = 1; i < argc; i++) {
-        const int done = run(argv[i]);
-        if (done < 0) {
+        if (!is_read(&input, argv[i])) {
             return 2;
         }
-        n += done;
+        (void)printf("%s: %016llx\n", argv[i], (unsigned long long)run(&input));
     }
-    (void)printf("%d inputs\n", n);
-    return n > 0 ? 0 : 2;
+    return argc > 1 ? 0 : 2;
 }

@@ -82,13 +82,15 @@ bool fuzz_rig_is_traced(void)
 
 #define VISIT(name, member, low, high)                                                             \
     FUZZ_EXPECT((int64_t)(member) >= (low) && (int64_t)(member) <= (high), name " is %lld",        \
-                (long long)(member));
+                (long long)(member));                                                              \
+    fuzz_note((int64_t)(member));
 #include "ranges_walk.h"
+
+static uint32_t walked; // generation
 
 /// The configuration changes rarely: each generation of it is checked once.
 static void walk(void)
 {
-    static uint32_t walked;
     cam_config_t *const first = &g_cam.config.half[0];
     cam_config_t *const in_use =
         atomic_load(&g_cam.config.in_use) == first ? first : &g_cam.config.half[1];
@@ -112,12 +114,29 @@ static void trace(void)
     }
 }
 
+/// What the tick says outside, and what its stages say to one another.
+static void note(void)
+{
+    const cam_tick_record_t *r = fuzz_rig_record();
+    fuzz_note(r->want.faults);
+    fuzz_note(r->want.u_due_q6);
+    fuzz_note(r->force_q6);
+    fuzz_note(hal_host.out.outputs);
+    fuzz_note(hal_host.out.spindle_mrpm);
+    for (uint32_t i = 0; i < (uint32_t)hal_n_axes; i++) {
+        fuzz_note(hal_host.out.axis[i].pos_nm);
+        fuzz_note(hal_host.out.axis[i].vel_q10);
+        fuzz_note(hal_host.out.axis[i].acc_q10);
+    }
+}
+
 void fuzz_rig_tick(void)
 {
     ideal_machine_move(&fuzz_rig.lathe);
     hal_host_tick();
     trace();
     walk();
+    note();
     fuzz_rig.judge.x_shift_nm =
         cam_offsets_shift_nm(&fuzz_rig.machine.offsets, &fuzz_rig.machine.params, hal_axis_x);
     fuzz_judge_tick(&fuzz_rig.judge, &fuzz_rig.machine.params, fuzz_rig.machine.version,
@@ -270,6 +289,8 @@ void fuzz_rig_start(fuzz_start_t start)
     memcpy(&g_cam, &c->core, sizeof g_cam);
     memcpy(&hal_host, &c->host, sizeof hal_host);
     memcpy(&fuzz_rig, &c->rig, sizeof fuzz_rig);
+    walked = UINT32_MAX; // what an input leads to depends on no input before it
+    fuzz_digest_begin();
 }
 
 cam_err_t fuzz_rig_select(const void *image, size_t size)

@@ -321,7 +321,7 @@ static void put_texts(void)
 static void put_noise(const char *target)
 {
     fixture_random_t random = {1};
-    for (uint32_t i = 0; i < 4u; i++) {
+    for (uint32_t i = 0; i < 8u; i++) {
         char name[16];
         uint8_t bytes[1000];
         for (size_t j = 0; j < sizeof bytes; j++) {

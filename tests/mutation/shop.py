@@ -17,7 +17,7 @@ INVALID = ("not compiled", "same code")
 SCENARIOS = "host_sim/libcamsim.so"  # stands for the scenarios among the programs of the tests
 _OPTIONS = ("CMAKE_C_COMPILER=gcc", "CMAKE_BUILD_TYPE=Debug", "CMAKE_C_FLAGS_DEBUG=-O1")
 _CONFIGURE = ["cmake", "-S.", "-Bbuild/host", "-GNinja", "-DCAM_TEST_OPTIONS=-O0"]
-_CTEST = ["ctest", "--test-dir", "build/host", "-L", "^firmware$", "--show-only=json-v1"]
+_CTEST = ["ctest", "--test-dir", "build/host", "-L", "^(firmware|fuzz)$", "--show-only=json-v1"]
 _PYTEST = [sys.executable, "-m", "pytest", "-c", "tools/pyproject.toml", "--rootdir=.", "-q", "-x"]
 _QUIET = ["-p", "no:cacheprovider", "-m", "not long"]  # as tools/test runs the scenarios
 _SPARE = 5  # a mutant may compute for so many times as long as the firmware does
@@ -57,10 +57,11 @@ class Shop:
             self._restore()
         options = [f"-D{option}" for option in _OPTIONS]
         subprocess.run([*_CONFIGURE, *options], cwd=folder, stdout=DEVNULL, check=True)
-        if not self._is_built("firmware_tests", "simulator"):
+        if not self._is_built("firmware_tests", "fuzz", "simulator"):
             raise SystemExit(f"{folder}: does not build before a change")
         shutil.rmtree(self._clean, ignore_errors=True)
         shutil.copytree(self._build, self._clean, symlinks=True)
+        self._words: dict[str, list[str]] = {}  # of the command of each program
         self._programs = self._programs_of_rooms()
         self.times: dict[str, float] = {}  # processor time [s] of each program before a change
 
@@ -82,12 +83,18 @@ class Shop:
     def _programs_of_rooms(self) -> dict[str, list[str]]:
         """Return the programs of the unit tests by the firmware's rooms, then the simulator."""
         tests = json.loads(subprocess.check_output(_CTEST, cwd=self._tree, text=True))["tests"]
-        rooms: dict[str, list[str]] = {}
-        for program in dict.fromkeys(one["command"][0] for one in tests):
-            name = Path(program).name
+        commands = {test["name"]: test["command"] for test in tests}
+        subprocess.run(commands.pop("fuzz.seeds"), check=True)
+        rooms: dict[str, list[str]] = {"replays": []}
+        for test, command in commands.items():
+            name = Path(command[0]).name
             folders = [path.parent.name for path in self._tree.glob(f"tests/unit/*/*/{name}.c")]
             room = [*folders, name.removeprefix("test_firmware_")][0]
-            rooms.setdefault(room, []).append(os.path.relpath(program, self._build))
+            program = os.path.relpath(command[0], self._build)
+            is_replay = test.startswith("fuzz.")
+            self._words[program] = command if is_replay else command[:1]
+            programs = rooms.setdefault("replays" if is_replay else room, [])
+            programs.extend([program] if program not in programs else [])
         return rooms | {"scenarios": [SCENARIOS]}
 
     def measure(self) -> dict[str, float]:
@@ -100,9 +107,9 @@ class Shop:
 
     def _test(self, program: str) -> tuple[str, float]:
         """Return the first failure of a program's tests or "", and the processor time [s]."""
-        words = ["stdbuf", "-oL", str(self._build / program)]
-        if program == SCENARIOS:
-            words = [*_PYTEST, *_QUIET, "tests/scenarios"]
+        words = [*_PYTEST, *_QUIET, "tests/scenarios"]
+        if program != SCENARIOS:
+            words = ["stdbuf", "-oL", *self._words[program]]
         paths = {"CAMTURN_BUILD": self._build, "PYTHONPATH": f"{self._tree}/tools:{self._tree}"}
         env = os.environ | {key: str(value) for key, value in paths.items()}
         limit_s, failure = math.ceil(1 + _SPARE * self.times.get(program, 1e4)), ""

@@ -3,6 +3,7 @@
 // content. What is read gives a number at every place.
 #include "cam_table.h"
 #include "fixture_image.h"
+#include "fuzz_digest.h"
 #include "fuzz_expect.h"
 #include "fuzz_file.h"
 #include "fuzz_rig.h"
@@ -41,7 +42,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     sim_design_t design;
     bool is_there = false;
     error.text[0] = '\0';
-    if (sim_design_load(&design, path, &table, &error)) {
+    const bool is_good = sim_design_load(&design, path, &table, &error);
+    fuzz_note(is_good);
+    if (is_good) {
         for (int i = -1; i <= 5; i++) {
             const double r_mm = sim_design_radius_mm(&design, 0.2 * i, 0.3 * i);
             const double a_mm = sim_design_long_mm(&design, 0.3 * i);

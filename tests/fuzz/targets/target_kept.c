@@ -5,6 +5,7 @@
 #include "cam_param.h"
 #include "cam_table.h" // cam_crc32
 #include "fuzz_bytes.h"
+#include "fuzz_digest.h"
 #include "fuzz_expect.h"
 #include "fuzz_mutate.h"
 #include "fuzz_rig.h"
@@ -30,6 +31,14 @@ static void read_params(const uint8_t *data, size_t size)
     const hal_params_t kept = {.bytes = (const char *)data, .size = (uint32_t)size};
     const cam_param_store_found_t found = cam_param_store_read(&kept, &params);
     expect_in_range(&params);
+    fuzz_note(found.err);
+    fuzz_note(found.version);
+    fuzz_note(found.n_unknown);
+    fuzz_note(found.n_unfit);
+    fuzz_note(found.n_missing);
+    for (uint32_t i = 0; i < (uint32_t)cam_n_params; i++) {
+        fuzz_note(cam_param_get(&params, (cam_param_id_t)i));
+    }
     FUZZ_EXPECT(memchr(found.unknown, 0, sizeof found.unknown) != NULL, "no end of a name");
     if (found.err != cam_ok) {
         FUZZ_EXPECT(memcmp(&params, &before, sizeof params) == 0, "damaged, and taken");
@@ -71,6 +80,7 @@ static void read_box(const uint8_t *data, size_t size)
         }
         at += span.n;
     }
+    fuzz_note(sum);
     FUZZ_EXPECT(sum <= n_bytes * 255u, "%u", (unsigned)sum);
 }
 

@@ -4,6 +4,7 @@
 #include "cam_learning.h"
 #include "fixture_random.h"
 #include "fuzz_bytes.h"
+#include "fuzz_digest.h"
 #include "fuzz_expect.h"
 #include <math.h>
 
@@ -111,6 +112,11 @@ static void blend(cam_ilc_t *t, const cam_ilc_setup_t *s)
 static void judge(const cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
     const cam_ilc_status_t status = cam_ilc_status(t, s, 20000);
+    fuzz_note_words(&status, sizeof status);
+    fuzz_note_words(&in_force, sizeof in_force / sizeof(int32_t) * sizeof(int32_t));
+    for (uint32_t k = 0; k < cam_ilc_n_values; k++) {
+        fuzz_note(cam_ilc_get(t, k));
+    }
     const int32_t most_q6 = 64 * cam_ilc_most_nm;
     FUZZ_EXPECT(status.phase < cam_ilc_n_phases && status.reason < cam_ilc_n_reasons,
                 "phase %d, %d", (int)status.phase, (int)status.reason);

@@ -4,6 +4,7 @@
 #include "cam_param.h"
 #include "cam_feasible_inner.h"
 #include "fuzz_bytes.h"
+#include "fuzz_digest.h"
 #include "fuzz_expect.h"
 
 enum { most_steps = 200 };
@@ -82,6 +83,8 @@ static void step(cam_servo_t *s, const cam_servo_config_t *c, fuzz_bytes_t *b)
     s->most_q6 = what == 2u ? within(b, 0, cam_servo_most_q6) : s->most_q6;
     const int32_t force_q6 = cam_servo_step_isr(s, c, &in);
     const int64_t change_q6 = (int64_t)force_q6 - from_q6;
+    fuzz_note(force_q6);
+    fuzz_note(s->heat_q54);
     expect_range("force", force_q6, -(int64_t)c->limit_q6, c->limit_q6);
     expect_range("change of the force", change_q6, -(int64_t)c->rate_q6, c->rate_q6);
     FUZZ_EXPECT(force_q6 == s->force_q6, "%d is kept as %d", (int)force_q6, (int)s->force_q6);
@@ -93,9 +96,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const int32_t step_hz = within(&b, 500, 200000);
     const cam_params_t params = drawn(&b);
     cam_servo_config_t config;
-    if (cam_servo_design(&params, step_hz, &config) != cam_n_params) {
+    const cam_param_id_t refused = cam_servo_design(&params, step_hz, &config);
+    fuzz_note(refused);
+    if (refused != cam_n_params) {
         return 0;
     }
+    fuzz_note_words(&config, sizeof config);
     judge_coefficients(&config);
     cam_servo_t servo = {0};
     cam_servo_start_isr(&servo, &config, &(cam_servo_input_t){0});

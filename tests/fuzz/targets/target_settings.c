@@ -4,6 +4,7 @@
 // The first byte says which reader takes the rest.
 #include "camsim.h"
 #include "common_number.h"
+#include "fuzz_digest.h"
 #include "fuzz_expect.h"
 #include "fuzz_file.h"
 #include "lin_setup.h"
@@ -19,6 +20,7 @@ static common_error_t error;
 /// A refusal says something, in one line of printable characters.
 static void expect_reported(bool is_good)
 {
+    fuzz_note(is_good);
     if (is_good) {
         return;
     }

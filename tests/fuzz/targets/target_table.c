@@ -4,6 +4,7 @@
 #include "cam_eval.h"
 #include "cam_fix.h"
 #include "cam_table.h"
+#include "fuzz_digest.h"
 #include "fuzz_expect.h"
 #include "fuzz_image.h"
 #include "fuzz_mutate.h"
@@ -23,6 +24,7 @@ static int64_t unit_of(const cam_channel_t *ch, int32_t y)
 static void evaluate(const cam_table_t *t, uint32_t theta_q32, int32_t z_nm)
 {
     const cam_value_t u = cam_eval_surface_at(&t->u, theta_q32, cam_eval_height(&t->u, z_nm));
+    fuzz_note_words(&u, sizeof u);
     FUZZ_EXPECT(u.y <= CAM_TABLE_SUM_MAX && u.y >= -CAM_TABLE_SUM_MAX, "u %d", (int)u.y);
     const int64_t one = INT64_C(1) << t->u.frac_bits;
     FUZZ_EXPECT(u.y >= (t->u_min_nm - (int64_t)t->u.value_offset) * one &&
@@ -44,6 +46,7 @@ static void evaluate(const cam_table_t *t, uint32_t theta_q32, int32_t z_nm)
     }
     const cam_value_t x = cam_eval_profile(&t->x, z_nm);
     FUZZ_EXPECT(x.y <= CAM_TABLE_SUM_MAX && x.y >= -CAM_TABLE_SUM_MAX, "x %d", (int)x.y);
+    fuzz_note_words(&x, sizeof x);
     const int64_t x_nm = unit_of(&t->x, x.y);
     FUZZ_EXPECT(x_nm >= t->x_min_nm && x_nm <= t->x_max_nm, "x %lld", (long long)x_nm);
     if (t->way.knots != NULL) {
@@ -54,6 +57,8 @@ static void evaluate(const cam_table_t *t, uint32_t theta_q32, int32_t z_nm)
 
 static void judge(const cam_table_t *t)
 {
+    fuzz_note_words(&t->z_first_nm, offsetof(cam_table_t, image) - offsetof(cam_table_t, z_first_nm));
+    fuzz_note_words(&t->swing, sizeof t->swing + sizeof t->u_change + sizeof t->swing_change);
     FUZZ_EXPECT(t->image_size <= (uint32_t)most_bytes, "%u bytes", (unsigned)t->image_size);
     FUZZ_EXPECT(memchr(t->name, 0, sizeof t->name) != NULL, "name without an end");
     FUZZ_EXPECT(t->direction == 1 || t->direction == -1, "direction %d", (int)t->direction);
@@ -80,6 +85,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     uint8_t *const image = places + (sizeof places - size) / 32u * 32u; // near its end
     memcpy(image, data, size);
     const cam_err_t err = cam_table_check(image, size, &table);
+    fuzz_note(err);
     if (err == cam_ok) {
         judge(&table);
         return 0;
