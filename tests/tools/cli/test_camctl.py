@@ -6,7 +6,6 @@ import os
 import re
 import signal
 import threading
-import time
 from functools import partial
 from pathlib import Path
 
@@ -16,8 +15,8 @@ from pytest import MonkeyPatch
 from camtools.cli.camctl import main
 from camtools.link.messages import COMMAND, NAMES
 from camtools.link.status_text import COLUMNS
-from checks.patience import until
-from tests.tools.cases.camctl_bench import Bench, Refusal
+from checks.patience import limit_s, until
+from tests.tools.cases.camctl_bench import Act, Bench, Refusal
 from tests.tools.cases.part_cases import Capture
 
 interrupt = partial(signal.raise_signal, signal.SIGINT)  # press control-C
@@ -45,14 +44,23 @@ def test_a_part_is_cut_and_recorded(bench: Bench, tmp_path: Path) -> None:
     assert "off" in bench.do("disable")
 
 
+def when_it_grows(folder: Path, act: Act) -> None:
+    """Act beside the test when a record has begun to fill a file of a folder."""
+
+    def wait() -> None:
+        until(lambda: any(f.stat().st_size for f in folder.rglob("*.csv")), "rows of a record")
+        act()
+
+    threading.Thread(target=wait).start()
+
+
 def test_a_record_of_a_cut_that_fails_says_so(bench: Bench, tmp_path: Path) -> None:
     """The emergency stop in the cut ends the record with status 1, the rows are there."""
     bench.do("home")
     file = tmp_path / "cut.csv"
     bench.do("set", "engage_turns", "100")
     with bench.cutting("engaging"):
-        stop = threading.Timer(1.0, bench.estop, [True])
-        stop.start()
+        when_it_grows(tmp_path, lambda: bench.estop(True))
         status, text = bench.run("record", file, "--cut")
     assert status == 1
     assert "rows" in text
@@ -152,13 +160,7 @@ def test_quick_values_have_units_and_ranges(bench: Bench, refusal: Refusal) -> N
 def test_an_interrupt_ends_a_record_whole(bench: Bench, tmp_path: Path) -> None:
     """Control-C is how a record without --seconds ends: status 0, all rows written."""
     file = tmp_path / "cut.csv"
-
-    def interrupt_later() -> None:
-        until(lambda: list(tmp_path.iterdir()), "the file that grows")
-        time.sleep(0.5)
-        interrupt()
-
-    threading.Thread(target=interrupt_later).start()
+    when_it_grows(tmp_path, interrupt)
     assert "rows" in bench.do("record", file)
     lines = file.read_text().splitlines()
     assert len(lines) > 3
@@ -194,7 +196,7 @@ def test_a_record_into_no_file_is_written_at_once(bench: Bench, tmp_path: Path) 
 def test_watch_prints_lines_or_draws(bench: Bench, monkeypatch: MonkeyPatch) -> None:
     """Without a terminal a line at a time; with one a page that is drawn over."""
     bench.do("home")
-    seconds, every = "0.5", "0.1"
+    seconds, every = str(limit_s(0.5)), str(limit_s(0.1))
     lines = bench.do("watch", "--seconds", seconds, "--every", every).splitlines()
     assert 1 <= len(lines) <= 6
     assert all(line.startswith("ready") and "following error" in line for line in lines)

@@ -12,7 +12,7 @@ from typing import NoReturn
 import numpy as np
 import pytest
 
-from camtools.base.command import run_command
+from camtools.base.command import run_command, unbroken
 from tests.tools.cases.part_cases import Capture
 
 
@@ -49,6 +49,22 @@ def _removes_one() -> int:
 def test_a_signal_within_a_finaliser_is_a_signal(capsys: Capture) -> None:
     """It comes again, a moment later."""
     assert run_command("demo", _removes_one) == 128 + signal.SIGINT
+    assert capsys.readouterr().err == "demo: interrupted; nothing was written\n"
+
+
+def test_a_signal_within_an_unbroken_call_waits_for_its_end(capsys: Capture) -> None:
+    """The call is whole, then the signal ends the command."""
+    done = list[str]()
+
+    def act() -> int:
+        with unbroken():
+            signal.raise_signal(signal.SIGINT)
+            done.append("call")
+        done.append("what follows it")
+        return 0
+
+    assert run_command("demo", act) == 128 + signal.SIGINT
+    assert done == ["call"]
     assert capsys.readouterr().err == "demo: interrupted; nothing was written\n"
 
 

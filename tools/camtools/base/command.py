@@ -52,6 +52,32 @@ class Interrupted(BaseException):
     """A signal demands the end; unwinding removes what is unfinished."""
 
 
+class _Unbroken:
+    """Whether the main thread is in such a call, and the signal that came meanwhile."""
+
+    is_on = False
+    number: int | None = None
+
+
+@contextmanager
+def unbroken() -> Iterator[None]:
+    """Let a signal raise Interrupted at the end of a call, so that no lock in it stays taken.
+
+    For short calls of a library that shares locks with other threads.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    _Unbroken.is_on = True
+    try:
+        yield
+    finally:
+        _Unbroken.is_on = False
+        number, _Unbroken.number = _Unbroken.number, None
+        if number is not None:
+            raise Interrupted(number)
+
+
 @contextmanager
 def _no_signal_is_lost() -> Iterator[None]:
     """Send a signal again that came in a finaliser, which swallows every exception."""
@@ -84,7 +110,10 @@ def run_command(name: str, action: Callable[[], int], *, kept: str = "nothing wa
 
     def interrupt(number: int, _frame: FrameType | None) -> None:
         stopped.append(number)
-        raise Interrupted(number)
+        if _Unbroken.is_on:
+            _Unbroken.number = number
+        else:
+            raise Interrupted(number)
 
     for number in _SIGNALS:
         signal.signal(number, interrupt)

@@ -17,6 +17,7 @@ import can
 from cantools.database import DecodeError
 from cantools.database.can import Message
 
+from camtools.base.command import unbroken
 from camtools.link import messages
 from camtools.link.messages import Answer, Refused
 from camtools.link.rights import Rights, sender_of
@@ -106,7 +107,8 @@ class Link:
         self.on_wait()
         self.rights.beat()
         try:
-            frame = self.bus.recv(timeout_s)
+            with unbroken():
+                frame = self.bus.recv(timeout_s)
         except (can.CanError, OSError) as error:
             raise Refused(f"{self.where}: the connection to the bus is lost: {error}") from error
         if frame is None:
@@ -145,7 +147,8 @@ class Link:
     def send_frame(self, identifier: int, data: bytes) -> None:
         """Send a frame."""
         try:
-            self.bus.send(_frame(identifier + self._shift, data), timeout=ANSWER_S)
+            with unbroken():
+                self.bus.send(_frame(identifier + self._shift, data), timeout=ANSWER_S)
         except (can.CanError, OSError) as error:
             raise Refused(
                 f"{self.where}: the frame cannot be sent: {error}; is the bus up, with somebody "
