@@ -59,10 +59,10 @@ class Shop:
         subprocess.run([*_CONFIGURE, *options], cwd=folder, stdout=DEVNULL, check=True)
         if not self._is_built("firmware_tests", "fuzz", "simulator"):
             raise SystemExit(f"{folder}: does not build before a change")
-        shutil.rmtree(self._clean, ignore_errors=True)
-        shutil.copytree(self._build, self._clean, symlinks=True)
         self._words: dict[str, list[str]] = {}  # of the command of each program
         self._programs = self._programs_of_rooms()
+        shutil.rmtree(self._clean, ignore_errors=True)
+        shutil.copytree(self._build, self._clean, symlinks=True)
         self.times: dict[str, float] = {}  # processor time [s] of each program before a change
 
     def _restore(self) -> None:
@@ -81,7 +81,7 @@ class Shop:
         return (self._build / name).read_bytes() != (self._clean / name).read_bytes()
 
     def _programs_of_rooms(self) -> dict[str, list[str]]:
-        """Return the programs of the unit tests by the firmware's rooms, then the simulator."""
+        """Make the seeds of replays; return the programs of all tests by the firmware's rooms."""
         tests = json.loads(subprocess.check_output(_CTEST, cwd=self._tree, text=True))["tests"]
         commands = {test["name"]: test["command"] for test in tests}
         subprocess.run(commands.pop("fuzz.seeds"), check=True)
