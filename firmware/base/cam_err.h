@@ -104,9 +104,8 @@
     X(acknowledge_none,     -121, "the port has no input acknowledge, and its builder has not waived it in the " \
                                   "port's settings") \
     X(not_commander,        -122, "the sender does not have command: take_command first") \
-    X(locked,               -123, "locked: turn the key switch, or answer a challenge") \
-    X(lock_none,            -124, "locked for good: the port has neither a key switch nor a secret") \
-    X(unlock,               -125, "the answer does not match the last challenge, which is now void") \
+    X(locked,               -123, "locked: turn the key switch") \
+    X(lock_none,            -124, "locked for good: the port has no key switch") \
     X(hard_limit,           -126, "the value exceeds the limits that the port's builder fixed when its image was built") \
     /* Timed moves, their feed-forward, and the length of a cut (cam_feasible.h) */ \
     X(gain,                 -135, "the command to U, feed-forward included, would exceed its limits") \

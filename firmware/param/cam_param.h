@@ -290,9 +290,8 @@ cam_param_store_found_t cam_param_store_read(const hal_params_t *kept, cam_param
 /// frames.
 ///
 /// Limits, constants and tables change in the unlocked level only. The commander gets it when the
-/// key switch is turned on or by answering a challenge, whose secret never crosses the bus. It ends
-/// with command, with lock, and after ten minutes. A key left on does not unlock for the next
-/// commander.
+/// key switch is turned on. It ends when the key is turned off, with command, with lock, and after
+/// ten minutes. A key left on does not unlock for the next commander.
 ///
 /// A program that calls cam_machine.h directly (simulator, LinuxCNC) is trusted: it has command and
 /// is unlocked. Times are counted in ticks.
@@ -304,11 +303,11 @@ enum {
 };
 
 /// Level, and what unlocked it. The number is part of the CAN protocol.
-typedef enum { cam_level_locked, cam_level_key, cam_level_challenge } cam_level_t;
+typedef enum { cam_level_locked, cam_level_key } cam_level_t;
 
 /// State; made by cam_rights_init().
 typedef struct {
-    hal_operator_t port; ///< key switch, secret and button of the port
+    hal_operator_t port; ///< key switch and button of the port
     uint32_t tick_hz;
     bool is_bus_calling;   ///< the call being handled came over a bus (cam_can.c)
     uint8_t commander;     ///< its sender number; 0: nobody
@@ -317,12 +316,8 @@ typedef struct {
     uint32_t n_take_overs; ///< take-overs of command
     uint32_t n_losses;     ///< losses of command
     cam_level_t level;
-    uint32_t level_tick;     ///< [ticks] when it was unlocked
-    bool is_key_on;          ///< key switch at the last poll
-    bool is_challenged;      ///< the challenge awaits its answer
-    uint32_t challenge;      ///< the last one
-    uint32_t challenge_tick; ///< [ticks] when it was given
-    uint64_t noise;          ///< from the times of the commander's frames
+    uint32_t level_tick; ///< [ticks] when it was unlocked
+    bool is_key_on;      ///< key switch at the last poll
 } cam_rights_t;
 
 void cam_rights_init(cam_rights_t *r, const hal_operator_t *port, uint32_t tick_hz);
@@ -339,18 +334,6 @@ void cam_rights_release(cam_rights_t *r);
 bool cam_rights_is_commander(const cam_rights_t *r, uint8_t sender, uint8_t session);
 
 void cam_rights_hear(cam_rights_t *r, uint32_t tick);
-
-/// Make a challenge. Its answer needs the port's secret, so an overheard answer is useless.
-/// @param challenge  result
-/// @return cam_ok; cam_err_busy within a second of the last one; without a secret cam_err_locked
-///         (the port has a key switch) or cam_err_lock_none
-CAM_MUST_USE cam_err_t cam_rights_challenge(cam_rights_t *r, uint32_t tick, uint32_t *challenge);
-
-/// Unlock the level by the answer to the last challenge, which is void afterwards.
-/// @param answer  first four bytes, the lowest first, of BLAKE2b-512 keyed with the secret, of the
-///                challenge as four bytes, the lowest first
-/// @return cam_ok, cam_err_unlock
-CAM_MUST_USE cam_err_t cam_rights_unlock(cam_rights_t *r, uint32_t answer, uint32_t tick);
 
 /// Lock the level; turning the key switch on again unlocks it.
 void cam_rights_lock(cam_rights_t *r);

@@ -30,7 +30,6 @@ static void answer(cam_can_t *r, uint8_t command, uint8_t parameter, cam_outcome
         .jog_speed = outcome.value,
         .place = outcome.value,
         .datum = outcome.value,
-        .challenge = (uint32_t)outcome.value,
     };
     hal_can_frame_t *frame = &r->answers[r->n_answers];
     frame->id = CAMTURN_ANSWER_FRAME_ID;

@@ -188,13 +188,6 @@ static cam_outcome_t take_session(cam_can_t *r, const struct camturn_command_t *
     return (cam_outcome_t){.err = err, .value = session};
 }
 
-static cam_outcome_t challenge(cam_can_t *r, uint32_t tick)
-{
-    uint32_t number = 0;
-    const cam_err_t err = cam_rights_challenge(&r->machine->rights, tick, &number);
-    return (cam_outcome_t){.err = err, .value = (int32_t)number};
-}
-
 // The commands
 
 /// Right that a command requires.
@@ -265,8 +258,6 @@ typedef enum {
     X(TAKE_COMMAND,      none,     take_session(r, m)) \
     X(RELEASE_COMMAND,   command,  DONE(cam_machine_release_command(machine))) \
     X(HEARTBEAT,         command,  cam_outcome(cam_ok)) \
-    X(GET_CHALLENGE,     command,  challenge(r, tick)) \
-    X(UNLOCK,            command,  cam_outcome(cam_rights_unlock(rights, m->unlock_answer, tick))) \
     X(LOCK,              command,  DONE(cam_rights_lock(rights)))
 // clang-format on
 
@@ -293,7 +284,6 @@ cam_outcome_t cam_can_carry_out(cam_can_t *r, const struct camturn_command_t *m)
 {
     cam_machine_t *machine = r->machine;
     cam_rights_t *rights = &machine->rights;
-    const uint32_t tick = cam_status_tick(machine->core);
     const cam_param_id_t id = (cam_param_id_t)m->parameter;
     const hal_axis_t axis = (hal_axis_t)m->parameter;
     switch (m->command) {

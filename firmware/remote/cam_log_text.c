@@ -196,15 +196,12 @@ static void say_command(cam_log_text_t *l, const cam_rights_t *now)
 /// Report a change of command, or else of the level.
 static void say_rights(cam_log_text_t *l, const cam_rights_t *now)
 {
-    static const char *const levels[3] = {[cam_level_locked] = "locked",
-                                          [cam_level_key] = "unlocked by the key switch",
-                                          [cam_level_challenge] = "unlocked by the secret"};
     if (l->commander != now->commander || l->n_losses != now->n_losses ||
         l->n_take_overs != now->n_take_overs) {
         say_command(l, now);
     } else if (l->level != now->level) {
         l->level = now->level;
-        say("level: ", levels[now->level], "", "");
+        say("level: ", l->level == cam_level_key ? "unlocked by the key switch" : "locked", "", "");
     }
 }
 

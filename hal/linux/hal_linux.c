@@ -128,7 +128,7 @@ static bool bring_up(common_error_t *e)
     lin_bus_init(&port.bus, &port.config);
     port.is_remote_shared = strcmp(port.config.can.remote, port.config.can.interface) == 0;
     atomic_store(&port.is_mute, port.is_remote_shared);
-    return lin_operator_open(&port.config, e) && lin_lines_open(&port.config, e) && open_can(e) &&
+    return lin_lines_open(&port.config, e) && open_can(e) &&
            lin_table_open(port.config.table_file, port.config.table_max_bytes, e) &&
            lin_thread_prepare(&port.config.thread, e);
 }

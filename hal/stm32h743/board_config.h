@@ -95,10 +95,6 @@
 /// 1: a key switch is wired to PD11; +3.3 V permits changes to limits, constants and tables.
 #define BOARD_HAS_KEY 1
 
-/// Secret with which remote tools unlock what the key switch unlocks: 16 to 64 characters; ""
-/// disables this. It is stored in flash, where a debugger can read it.
-#define BOARD_SECRET ""
-
 /// Codes of a 16-bit converter per unit, in 2^-32, where 2^15 codes stand for the value at +10 V.
 #define BOARD_CODES_Q32(full) ((int32_t)(((INT64_C(1) << 47) + (full) / 2) / (full)))
 

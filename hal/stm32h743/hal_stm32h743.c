@@ -209,15 +209,10 @@ hal_force_t hal_force(void)
 
 hal_operator_t hal_operator(void)
 {
-    static const uint8_t secret[] = BOARD_SECRET;
-    _Static_assert(sizeof secret == 1u || (sizeof secret > 16u && sizeof secret <= 65u),
-                   "BOARD_SECRET: give 16 to 64 characters, or none");
     return (hal_operator_t){
         .has_acknowledge = BOARD_HAS_ACKNOWLEDGE != 0,
         .is_acknowledge_waived = BOARD_ACKNOWLEDGE_IS_WAIVED != 0,
         .has_key = BOARD_HAS_KEY != 0,
-        .secret = secret,
-        .n_secret = (uint32_t)sizeof secret - 1u,
     };
 }
 

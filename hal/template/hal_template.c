@@ -19,9 +19,9 @@ uint32_t hal_tick_hz(void)
     return 20000;
 }
 
-/// Return the operator controls: acknowledge button (hal_in_acknowledge), key switch (hal_in_key),
-/// secret for the challenge of remote tools. All zero is safe: nothing can be enabled. Waive the
-/// button only if the machine has its own button, which switches the drives.
+/// Return the operator controls: acknowledge button (hal_in_acknowledge), key switch (hal_in_key).
+/// All zero is safe: nothing can be enabled. Waive the button only if the machine has its own
+/// button, which switches the drives.
 hal_operator_t hal_operator(void)
 {
     return (hal_operator_t){0};

@@ -29,27 +29,6 @@ static bool take_people(void *options, const char *text, common_error_t *e)
     return common_error(e, "--operator %.40s: give present, absent or waived", text);
 }
 
-/// Read the secret, without line ends after it.
-static bool take_secret(void *options, const char *path, common_error_t *e)
-{
-    options_t *o = options;
-    sim_file_t file;
-    if (!sim_file_read(&file, path, 1024, e)) {
-        return false;
-    }
-    size_t n = file.size;
-    while (n > 0u && (file.bytes[n - 1u] == '\n' || file.bytes[n - 1u] == '\r')) {
-        n--;
-    }
-    const bool is_good = n >= 16u && n <= sizeof o->live.secret;
-    if (is_good) {
-        memcpy(o->live.secret, file.bytes, n);
-        o->live.n_secret = (uint32_t)n;
-    }
-    sim_file_free(&file);
-    return is_good || common_error(e, "--secret %.80s: %zu bytes; give 16 .. 64", path, n);
-}
-
 static const camsim_option_t own[] = {
     CAMSIM_TEXT("role", "ROLE", AT(role),
                 "controller: CAN frames on stdin and stdout; lathe: faults on stdin"),
@@ -60,8 +39,6 @@ static const camsim_option_t own[] = {
     CAMSIM_TAKEN("operator", "WHO", take_people,
                  "at the machine: present (presses acknowledge when needed and turns the key for "
                  "each commander), absent (neither), waived (no button needed) (default: waived)"),
-    CAMSIM_TAKEN("secret", "FILE", take_secret,
-                 "secret that unlocks limits and tables, 16 .. 64 bytes (default: none)"),
 };
 
 static const char help[] =

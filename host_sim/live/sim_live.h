@@ -118,8 +118,6 @@ typedef struct {
     int wire;              ///< descriptor of the socket to the partner
     double speed_up;       ///< times faster than the clock
     sim_live_operator_t people;
-    uint8_t secret[64]; ///< secret of the unlocking challenge
-    uint32_t n_secret;  ///< [bytes] in it, 0: none
 } sim_live_options_t;
 
 typedef struct {

@@ -116,8 +116,6 @@ static bool start(sim_live_t *l, common_error_t *e)
     if (l->options.people != sim_live_waived) {
         hal_host.slow.people = (hal_operator_t){.has_acknowledge = true, .has_key = true};
     }
-    hal_host.slow.people.secret = l->options.secret;
-    hal_host.slow.people.n_secret = l->options.n_secret;
     cam_machine_init(&controller.machine, &g_cam, hal_tick_hz(), hal_clock_hz());
     cam_machine_blackbox(&controller.machine);
     tick(l); // takes the parameters of before

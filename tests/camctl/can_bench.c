@@ -5,9 +5,9 @@
 // bench_drive and bench_bus fail a drive and the bus of the drives, and bench_key turns the key
 // switch, which is on at the start and turned anew for each commander. From bench_force on the port
 // has an output of force; U still follows its set-points. The first word is how many times faster
-// than the clock virtual time passes; a second one is a secret: then the controller demands the
-// button, and the secret unlocks it. On a busy computer virtual time falls behind; it never runs
-// faster to catch up, since no tool could follow it then. Ends with its input.
+// than the clock virtual time passes; with a second one the controller demands the button. On a
+// busy computer virtual time falls behind; it never runs faster to catch up, since no tool could
+// follow it then. Ends with its input.
 #include "cam_machine.h" // cam_machine_blackbox
 #include "fixture_can.h"
 #include "hal_host.h"
@@ -100,15 +100,6 @@ static bool speak(void)
     return true;
 }
 
-/// There is a button, a key switch, and a secret.
-static void demand(const char *secret)
-{
-    hal_host.slow.people = (hal_operator_t){.has_acknowledge = true,
-                                            .has_key = true,
-                                            .secret = (const uint8_t *)secret,
-                                            .n_secret = (uint32_t)strlen(secret)};
-}
-
 /// As fixture_can_start(), but nobody has command.
 static void start(void)
 {
@@ -126,7 +117,7 @@ int main(int n_words, char **words)
         return 2;
     }
     if (n_words > 2) {
-        demand(words[2]);
+        hal_host.slow.people = (hal_operator_t){.has_acknowledge = true, .has_key = true};
     }
     start();
     cam_machine_blackbox(&f.rig.machine);

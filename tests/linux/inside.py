@@ -8,7 +8,6 @@ goes into result.json of the folder that the setup names. Standard library only,
 program start costs a fifth of a second in User-Mode Linux.
 """
 
-import hashlib
 import json
 import os
 import signal
@@ -27,9 +26,9 @@ COMMAND, ANSWER, STATE = 0x640, 0x5C0, 0x1C0
 BLOCK, BLOCK_FLOW = 0x6C0, 0x540
 ENABLE, START, SET = 1, 3, 6
 BEGIN_DOWNLOAD = 16
-TAKE_COMMAND, HEARTBEAT, GET_CHALLENGE, UNLOCK = 60, 62, 63, 64
+TAKE_COMMAND, HEARTBEAT = 60, 62
 ERR_NOT_COMMANDER, ERR_LOCKED, SENDER = -122, -123, 5
-SECRET = "the secret of the scenarios"
+KEY_LINE = "sim_gpio6"  # in tools/linux_kernel/machine
 STATES = (
     *("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault"),
     *("rehearsing", "identifying", "manual", "holding"),
@@ -107,6 +106,13 @@ class Session:
         self.controller = self.spawn("controller", self.setup["controller"], "--config", config)
         time.sleep(0.2)
 
+    def wait_said(self, name: str, words: str, limit_s: float = 20.0) -> None:
+        """Wait until a program has printed some words."""
+        until_s = time.monotonic() + limit_s
+        while words not in (self.out / f"{name}.log").read_text():
+            assert time.monotonic() < until_s, f"{name}: no {words}"
+            time.sleep(0.05)
+
     def wait_machine(self, limit_s: float = 60.0) -> None:
         """Wait for the end of camsim bus."""
         assert self.machine is not None
@@ -136,7 +142,7 @@ class Session:
                 taken, self.number = self.raw(TAKE_COMMAND)
                 assert taken == 0, "command is not to be had"
             elif result == ERR_LOCKED:
-                self.unlock()
+                self.turn_key()
             elif result != self.setup["busy"]:
                 return result
             else:
@@ -150,13 +156,11 @@ class Session:
                 data = struct.pack("<BBBBI", HEARTBEAT, 0, SENDER, self.number, 0)
                 bus.send(COMMAND, data)
 
-    def unlock(self) -> None:
-        """Answer a challenge by the secret of the configuration."""
-        result, challenge = self.raw(GET_CHALLENGE)
-        assert result == 0, f"no challenge: {result}"
-        digest = hashlib.blake2b(struct.pack("<i", challenge), key=SECRET.encode()).digest()
-        result, _ = self.raw(UNLOCK, 0, struct.unpack_from("<i", digest)[0])
-        assert result == 0, f"the answer is refused: {result}"
+    def turn_key(self) -> None:
+        """Turn the key switch off and on."""
+        for pull in ("pull-down", "pull-up"):
+            Path(os.environ["CAMTURN_GPIOSIM"], KEY_LINE, "pull").write_text(pull)
+            time.sleep(0.01)
 
     def raw(self, what: int, parameter: int = 0, value: int = 0) -> tuple[int, int]:
         """Give a command, whoever has it; return result and value."""

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from tests.linux.inside import SECRET
 from tests.linux.kernel import (
     CONTROLLER,
     FEED_MM,
@@ -31,7 +30,7 @@ interface = "vcan0"
 file = "{out}/table.camtab"
 [operator]
 acknowledge = "waived"
-secret = "{out}/secret"
+key = "KEY"
 """
 
 
@@ -76,8 +75,6 @@ def play(
         out = tmp_path / folder
         out.mkdir()
         shutil.copy(table, out / "table.camtab")
-        (out / "secret").write_text(SECRET)
-        (out / "secret").chmod(0o600)
         (out / "camturn.toml").write_text(CONFIG.format(out=out))
         values = in_process.summary["parameters"] | {"feed_nm": round(feed_mm * 1e6)}
         values |= parameters or {}

@@ -63,7 +63,10 @@ def download(s: Session) -> None:
     s.seen["n_broken_off"] = len(broken_off)
     s.start_controller()
     camctl = [sys.executable, "-m", "camtools.cli.camctl", "-i", "socketcan", "-c", "vcan0"]
-    camctl += ["--secret", str(s.out / "secret")]
+    s.spawn("unlock", *camctl, "unlock")
+    s.wait_said("unlock", "turn the key switch")
+    s.turn_key()
+    s.wait_said("unlock", "unlocked by the key switch")
     for words in (("table", "download", s.setup["other_table"]), ("select",), ("table", "info")):
         s.seen["camctl"] = s.spawn("camctl", *camctl, *words).wait(30)
         assert s.seen["camctl"] == 0, words

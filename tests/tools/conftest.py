@@ -11,7 +11,7 @@ from camtools.link.controller import Link
 from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import GeneratedSkirt
-from tests.tools.cases.camctl_bench import SECRET, Act, Bench, Refusal, linked
+from tests.tools.cases.camctl_bench import Act, Bench, Refusal, linked
 from tests.tools.cases.command_cases import command, signals_kept, undraw
 from tests.tools.cases.cut_cases import geometry_of_part, skirt_of
 from tests.tools.cases.linuxcnc import Interpreter, NotHereError, interpreter
@@ -75,8 +75,8 @@ def bench(request: pytest.FixtureRequest) -> Iterator[Bench]:
 
 @pytest.fixture
 def strict(request: pytest.FixtureRequest) -> Iterator[Bench]:
-    """Return a controller with a button, a key switch and a secret."""
-    one = Bench(request.node.name, secret=SECRET)
+    """Return a controller with a button and a key switch."""
+    one = Bench(request.node.name, is_strict=True)
     yield one
     one.close()
 

@@ -398,16 +398,6 @@ int camturn_command_pack(
     case 62:
         break;
 
-    case 63:
-        break;
-
-    case 64:
-        dst_p[4] |= pack_left_shift_u32(src_p->unlock_answer, 0u, 0xffu);
-        dst_p[5] |= pack_right_shift_u32(src_p->unlock_answer, 8u, 0xffu);
-        dst_p[6] |= pack_right_shift_u32(src_p->unlock_answer, 16u, 0xffu);
-        dst_p[7] |= pack_right_shift_u32(src_p->unlock_answer, 24u, 0xffu);
-        break;
-
     case 65:
         break;
 
@@ -669,16 +659,6 @@ int camturn_command_unpack(
     case 62:
         break;
 
-    case 63:
-        break;
-
-    case 64:
-        dst_p->unlock_answer = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
-        dst_p->unlock_answer |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
-        dst_p->unlock_answer |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
-        dst_p->unlock_answer |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
-        break;
-
     case 65:
         break;
 
@@ -783,13 +763,6 @@ bool camturn_command_height_is_in_range(int32_t value)
 bool camturn_command_is_take_over_is_in_range(uint32_t value)
 {
     return (value <= 1u);
-}
-
-bool camturn_command_unlock_answer_is_in_range(uint32_t value)
-{
-    (void)value;
-
-    return (true);
 }
 
 bool camturn_command_every_is_in_range(uint32_t value)
@@ -1214,21 +1187,6 @@ int camturn_answer_pack(
         break;
 
     case 62:
-        value = (uint32_t)src_p->value;
-        dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
-        dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
-        dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
-        dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
-        break;
-
-    case 63:
-        dst_p[4] |= pack_left_shift_u32(src_p->challenge, 0u, 0xffu);
-        dst_p[5] |= pack_right_shift_u32(src_p->challenge, 8u, 0xffu);
-        dst_p[6] |= pack_right_shift_u32(src_p->challenge, 16u, 0xffu);
-        dst_p[7] |= pack_right_shift_u32(src_p->challenge, 24u, 0xffu);
-        break;
-
-    case 64:
         value = (uint32_t)src_p->value;
         dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
         dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
@@ -1663,21 +1621,6 @@ int camturn_answer_unpack(
         dst_p->value = (int32_t)value;
         break;
 
-    case 63:
-        dst_p->challenge = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
-        dst_p->challenge |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
-        dst_p->challenge |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
-        dst_p->challenge |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
-        break;
-
-    case 64:
-        value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
-        value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
-        value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
-        value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
-        dst_p->value = (int32_t)value;
-        break;
-
     case 65:
         value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
         value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
@@ -1785,13 +1728,6 @@ bool camturn_answer_place_is_in_range(int32_t value)
 }
 
 bool camturn_answer_datum_is_in_range(int32_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool camturn_answer_challenge_is_in_range(uint32_t value)
 {
     (void)value;
 

@@ -139,8 +139,6 @@ extern "C" {
 #define CAMTURN_COMMAND_COMMAND_TAKE_COMMAND_CHOICE (60u)
 #define CAMTURN_COMMAND_COMMAND_RELEASE_COMMAND_CHOICE (61u)
 #define CAMTURN_COMMAND_COMMAND_HEARTBEAT_CHOICE (62u)
-#define CAMTURN_COMMAND_COMMAND_GET_CHALLENGE_CHOICE (63u)
-#define CAMTURN_COMMAND_COMMAND_UNLOCK_CHOICE (64u)
 #define CAMTURN_COMMAND_COMMAND_LOCK_CHOICE (65u)
 
 #define CAMTURN_COMMAND_PARAMETER_COUNTS_PER_TURN_CHOICE (0u)
@@ -312,8 +310,6 @@ extern "C" {
 #define CAMTURN_ANSWER_COMMAND_TAKE_COMMAND_CHOICE (60u)
 #define CAMTURN_ANSWER_COMMAND_RELEASE_COMMAND_CHOICE (61u)
 #define CAMTURN_ANSWER_COMMAND_HEARTBEAT_CHOICE (62u)
-#define CAMTURN_ANSWER_COMMAND_GET_CHALLENGE_CHOICE (63u)
-#define CAMTURN_ANSWER_COMMAND_UNLOCK_CHOICE (64u)
 #define CAMTURN_ANSWER_COMMAND_LOCK_CHOICE (65u)
 
 #define CAMTURN_ANSWER_PARAMETER_COUNTS_PER_TURN_CHOICE (0u)
@@ -449,7 +445,6 @@ extern "C" {
 #define CAMTURN_ANSWER_RESULT_JERK_CHOICE (-136)
 #define CAMTURN_ANSWER_RESULT_GAIN_CHOICE (-135)
 #define CAMTURN_ANSWER_RESULT_HARD_LIMIT_CHOICE (-126)
-#define CAMTURN_ANSWER_RESULT_UNLOCK_CHOICE (-125)
 #define CAMTURN_ANSWER_RESULT_LOCK_NONE_CHOICE (-124)
 #define CAMTURN_ANSWER_RESULT_LOCKED_CHOICE (-123)
 #define CAMTURN_ANSWER_RESULT_NOT_COMMANDER_CHOICE (-122)
@@ -568,7 +563,6 @@ extern "C" {
 #define CAMTURN_STATE_TABLE_RESULT_JERK_CHOICE (-136)
 #define CAMTURN_STATE_TABLE_RESULT_GAIN_CHOICE (-135)
 #define CAMTURN_STATE_TABLE_RESULT_HARD_LIMIT_CHOICE (-126)
-#define CAMTURN_STATE_TABLE_RESULT_UNLOCK_CHOICE (-125)
 #define CAMTURN_STATE_TABLE_RESULT_LOCK_NONE_CHOICE (-124)
 #define CAMTURN_STATE_TABLE_RESULT_LOCKED_CHOICE (-123)
 #define CAMTURN_STATE_TABLE_RESULT_NOT_COMMANDER_CHOICE (-122)
@@ -716,7 +710,6 @@ extern "C" {
 
 #define CAMTURN_DETAIL_LEVEL_LOCKED_CHOICE (0u)
 #define CAMTURN_DETAIL_LEVEL_KEY_CHOICE (1u)
-#define CAMTURN_DETAIL_LEVEL_CHALLENGE_CHOICE (2u)
 
 #define CAMTURN_DETAIL_ACKNOWLEDGE_NEEDED_CHOICE (0u)
 #define CAMTURN_DETAIL_ACKNOWLEDGE_GIVEN_CHOICE (1u)
@@ -764,7 +757,6 @@ extern "C" {
 #define CAMTURN_COMMAND_DIAMETER_NAME "diameter"
 #define CAMTURN_COMMAND_HEIGHT_NAME "height"
 #define CAMTURN_COMMAND_IS_TAKE_OVER_NAME "is_take_over"
-#define CAMTURN_COMMAND_UNLOCK_ANSWER_NAME "unlock_answer"
 #define CAMTURN_COMMAND_EVERY_NAME "every"
 #define CAMTURN_COMMAND_FADE_NAME "fade"
 #define CAMTURN_COMMAND_COUNT_NAME "count"
@@ -781,7 +773,6 @@ extern "C" {
 #define CAMTURN_ANSWER_JOG_SPEED_NAME "jog_speed"
 #define CAMTURN_ANSWER_PLACE_NAME "place"
 #define CAMTURN_ANSWER_DATUM_NAME "datum"
-#define CAMTURN_ANSWER_CHALLENGE_NAME "challenge"
 #define CAMTURN_STATE_STATE_NAME "state"
 #define CAMTURN_STATE_RESET_REASON_NAME "reset_reason"
 #define CAMTURN_STATE_TABLE_RESULT_NAME "table_result"
@@ -1046,15 +1037,6 @@ struct camturn_command_t {
     uint32_t is_take_over;
 
     /**
-     * First four bytes, the lowest first, of BLAKE2b keyed with the secret, of the challenge as four bytes, the lowest first.
-     *
-     * Range: 0..4294967295 (0..4294967295 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint32_t unlock_answer;
-
-    /**
      * Distance between two messages Strobe, from 1/500 s to 1 s, valid for 2 s; 0: end.
      *
      * Range: 0..100000 (0..100000 tick)
@@ -1196,15 +1178,6 @@ struct camturn_answer_t {
      * Offset: 0
      */
     int32_t datum;
-
-    /**
-     * Number to be answered by unlock, once.
-     *
-     * Range: 0..4294967295 (0..4294967295 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint32_t challenge;
 };
 
 /**
@@ -2482,15 +2455,6 @@ bool camturn_command_is_take_over_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool camturn_command_unlock_answer_is_in_range(uint32_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
 bool camturn_command_every_is_in_range(uint32_t value);
 
 /**
@@ -2664,15 +2628,6 @@ bool camturn_answer_place_is_in_range(int32_t value);
  * @return true if in range, false otherwise.
  */
 bool camturn_answer_datum_is_in_range(int32_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool camturn_answer_challenge_is_in_range(uint32_t value);
 
 /**
  * Pack message State.

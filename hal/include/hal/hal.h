@@ -122,8 +122,6 @@ typedef struct {
     bool has_acknowledge;       ///< hal_in_acknowledge is wired
     bool is_acknowledge_waived; ///< motion needs no acknowledge; the machine builder is responsible
     bool has_key;               ///< hal_in_key is wired
-    const uint8_t *secret;      ///< secret of the challenge that unlocks without the key; static
-    uint32_t n_secret;          ///< [bytes] 16 .. 64; 0: no secret
     uint32_t nonce;             ///< differs at each start; 0 if the port has no source of noise
 } hal_operator_t;
 

@@ -74,7 +74,6 @@ static const common_setting_t settings[] = {
     LINE("in_cut", lin_line_in_cut),
     OPERATOR_LINE("acknowledge", lin_line_acknowledge),
     OPERATOR_LINE("key", lin_line_key),
-    TEXT("operator", "secret", secret_file, lin_path_max),
     TEXT("table", "file", table_file, lin_path_max),
     WHOLE("table", "max_bytes", table_max_bytes, 1024, 67108864),
     TEXT("parameters", "file", params_file, lin_path_max),

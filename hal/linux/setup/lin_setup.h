@@ -74,7 +74,6 @@ typedef struct {
     int64_t spindle_node; ///< 0: none
     char chip[lin_name_max + 1];
     lin_line_config_t line[lin_n_lines];
-    char secret_file[lin_path_max + 1]; ///< "": none
     char table_file[lin_path_max + 1];
     int64_t table_max_bytes;
     char params_file[lin_path_max + 1]; ///< "": parameters are not stored
@@ -154,14 +153,9 @@ bool lin_place_is_same(const lin_place_t *a, const lin_place_t *b);
 /// @param who  program that uses the line, "" if not known
 bool lin_place_refuse(const lin_place_t *p, int err, const char *who, common_error_t *e);
 
-// Section [operator] of the configuration: button, key switch, secret.
+// Section [operator] of the configuration: button, key switch.
 
-/// Read the secret, if configured, and random bytes for its challenges. The secret is a regular
-/// file that only its owner may access, 16 to 64 bytes without trailing line ends.
-/// @return false and *e: the file cannot be used. Context: main(), once.
-bool lin_operator_open(const lin_config_t *config, common_error_t *e);
-
-/// @return the result of hal_operator()
+/// @return the result of hal_operator(), with another nonce each time
 hal_operator_t lin_operator(const lin_config_t *config);
 
 // Reads and atomically replaces whole files: new content is written to a second file, flushed to

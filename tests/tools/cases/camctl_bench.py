@@ -29,7 +29,6 @@ CLASSIC_BYTES = 8
 Act = Callable[[], object]
 Refusal = Callable[..., str]
 PACE = min(1.0, 3.0 / slowness())  # virtual time by the clock: signs of life must not come late
-SECRET = "of this machine alone"
 ESTOP_ID, BUTTON_ID, KEY_ID, FORCE_ID, DRIVE_ID, BUS_ID = range(0x10000, 0x10006)
 FAULTS = {"estop": ESTOP_ID, "drive": DRIVE_ID, "bus": BUS_ID}
 
@@ -81,17 +80,17 @@ class Bench:
 
     channel: of the virtual bus; drop: tells of a frame for the controller whether it gets lost;
     node: number of the controller; the firmware knows itself as 64; is_fd: whether the bus carries
-    frames of CAN FD; ended: how cuts beside the test ended that were refused; secret: of a
-    controller that demands the button acknowledge; "": it is waived, there is no secret.
+    frames of CAN FD; ended: how cuts beside the test ended that were refused; is_strict: whether
+    the controller demands the button acknowledge; otherwise it is waived.
     """
 
-    def __init__(self, channel: str, node: int = 64, secret: str = "") -> None:
+    def __init__(self, channel: str, node: int = 64, *, is_strict: bool = False) -> None:
         assert BENCH.exists(), f"{BENCH} is missing: build the preset host, or let tools/test do it"
         self.channel, self.node, self.is_fd = channel, node, False
         self.drop: Callable[[can.Message], bool] = lambda frame: False
         self._bus = can.Bus(interface="virtual", channel=channel)
         self._process = subprocess.Popen(
-            [str(BENCH), str(PACE), *([secret] if secret else [])],
+            [str(BENCH), str(PACE), *(["strict"] if is_strict else [])],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,

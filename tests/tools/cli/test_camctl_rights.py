@@ -11,23 +11,15 @@ from pytest import MonkeyPatch
 
 from camtools.cli import camctl_control
 from camtools.cli.camctl import main as camctl_main
+from camtools.cli.drive_options import UOptions, connected_u
 from camtools.link.controller import Link
 from camtools.link.messages import NUMBERS, Refused
 from camtools.link.refusal_text import ask_done
 from camtools.link.rights import CommandHeld, CommandLost, May, SharedSession, sender_of
 from checks.patience import limit_s
 from tests.tools.cases.background import background, python
-from tests.tools.cases.camctl_bench import SECRET, Bench, Refusal, keeping, linked, order
+from tests.tools.cases.camctl_bench import Bench, Refusal, keeping, linked, order
 from tests.tools.cases.live_cases import LiveCase, live_case
-
-
-@pytest.fixture
-def secret(tmp_path: Path) -> Path:
-    """Return the file of its secret."""
-    file = tmp_path / "secret"
-    file.write_text(SECRET)
-    file.chmod(0o600)
-    return file
 
 
 @pytest.fixture
@@ -127,32 +119,7 @@ def test_who_may_not_take_command_is_refused(other: Link) -> None:
     assert held.value.holder == 7
 
 
-def test_the_secret_unlocks_by_itself_and_until_it_is_locked(
-    strict: Bench, secret: Path, refusal: Refusal, monkeypatch: MonkeyPatch
-) -> None:
-    """For one order, by the environment, and for those of a while; a wrong one is told."""
-    strict.turn_key(False)
-    assert "camctl unlock --secret FILE" in refusal(strict, 1, "set u_stroke_nm 1000000")
-    unlocked = ("--secret", secret, "set", "u_stroke_nm", "1000000")
-    assert strict.do(*unlocked) == "u_stroke_nm = 1000000\n"
-    assert "level             locked" in strict.do("who")
-    monkeypatch.setenv("CAMTURN_SECRET", str(secret))
-    assert strict.do("set", "u_stroke_nm", "1200000") == "u_stroke_nm = 1200000\n"
-    told = strict.do("unlock", on="unlocked by", act=lambda: order(strict, "lock"))
-    assert told.startswith("unlock: unlocked by the secret, for ")
-    assert told.endswith("unlock: locked again\n")
-    secret.write_text("of another machine")
-    assert refusal(strict, 1, "unlock") == (
-        "camctl: unlock: refused: wrong secret; give the file with the controller's secret"
-    )
-    secret.chmod(0o644)
-    assert "others may read it; chmod 600" in refusal(strict, 2, "unlock")
-    monkeypatch.delenv("CAMTURN_SECRET")
-    monkeypatch.setattr(camctl_control, "_KEY_S", 0.3)
-    assert "nobody turned the key switch; give --secret FILE" in refusal(strict, 1, "unlock")
-
-
-def test_unlock_without_secret_awaits_the_key(bench: Bench, secret: Path, refusal: Refusal) -> None:
+def test_unlock_awaits_the_key(bench: Bench, refusal: Refusal, monkeypatch: MonkeyPatch) -> None:
     """Which counts for the commander in whose time it is turned, and for what he does meanwhile."""
     bench.turn_key(False)
     assert "refused: locked; turn the key switch" in refusal(bench, 1, "set u_stroke_nm 1000000")
@@ -161,8 +128,26 @@ def test_unlock_without_secret_awaits_the_key(bench: Bench, secret: Path, refusa
     assert told.startswith("unlock: turn the key switch at the machine off and on, within 60 s\n")
     assert "\nunlock: unlocked by the key switch, for " in told
     assert told.endswith("unlock: locked again\n")
-    line = refusal(bench, 1, f"--secret {secret} unlock")
-    assert "the port has no secret; turn the key switch" in line
+    monkeypatch.setattr(camctl_control, "_KEY_S", 0.3)
+    assert "unlock: nobody turned the key switch" in refusal(bench, 1, "unlock")
+
+
+def test_what_is_proposed_is_applied_during_unlock(bench: Bench) -> None:
+    """Tools/identify and tools/tune share the session of camctl: they cannot await the key."""
+    bench.do("home")
+    bench.turn_key(False)
+    words = UOptions(interface="virtual", channel=bench.channel, node=bench.node)
+
+    def apply() -> None:
+        try:
+            with connected_u(words) as (u, _):
+                u.apply({"lead_ns": 150_000})
+        finally:
+            order(bench, "lock")
+
+    threading.Timer(0.6, bench.turn_key, [True]).start()
+    assert "locked again" in bench.do("unlock", on="unlocked by", act=apply)
+    assert bench.do("get", "lead_ns").startswith("lead_ns = 150000")
 
 
 def test_enable_waits_for_the_button(strict: Bench, refusal: Refusal) -> None:

@@ -13,7 +13,7 @@ from camtools.link.rights import sender_of, sender_text
 from camtools.panel.views.availability import way_on
 from camtools.panel.views.wording import held_text, other_sender
 from checks.patience import limit_s
-from tests.tools.cases.camctl_bench import SECRET, Bench
+from tests.tools.cases.camctl_bench import Bench
 from tests.tools.cases.controller_cases import Seat, until
 
 PANEL = sender_of("panel")
@@ -116,16 +116,15 @@ def test_a_panel_that_dies_ends_the_cut(strict: Bench, first: Seat) -> None:
 
 
 def test_what_is_locked_is_told_with_the_remedy(strict: Bench, first: Seat) -> None:
-    """Limits are locked without the key, what an operator sets is not; the secret unlocks."""
+    """Limits are locked without the key, what an operator sets is not."""
     until(lambda: first.service.snapshot().signals.get("level") == 1)  # the key is on
     strict.turn_key(False)
     until(lambda: first.service.snapshot().signals.get("level") == 0)
     told = first.refused("set", name="u_stroke_nm", value=1_000_000)
     assert "refused: locked; turn the key switch at the machine off and on" in told
     assert first.do("speed", rpm=900.0) == "speed = 900 r/min"
-    assert "start it with --secret" in first.refused("unlock")
-    first.service._secret = SECRET.encode()  # as --secret gives it
-    assert first.do("unlock").startswith("unlocked by the secret, for ")
+    strict.turn_key(True)
+    until(lambda: first.service.snapshot().signals.get("level") == 1)
     assert first.do("set", name="u_stroke_nm", value=1_000_000) == "u_stroke_nm = 1000000"
     assert first.do("lock").startswith("locked: limits, constants and tables do not change")
 

@@ -449,7 +449,6 @@ def test_given_parameters_are_set_with_the_delay_that_was_measured(
         ("--machine m --record a.csv", "argument --record: not allowed with argument --machine"),
         ("--machine m -c can0", "--channel: needs a bus: use --bus instead of --machine"),
         ("a.toml --node 5", "--node: needs a bus: add --bus"),
-        ("a.toml --secret f", "--secret: needs a bus: add --bus"),
         ("a.toml --highest-hz 900", "--highest-hz: needs a controller: add --bus, or --machine M"),
         ("a.toml --pulse 10", "--pulse: needs a controller: add --bus, or --machine M"),
         ("a.toml --bus --pulse 10", "DRIVE.toml: has no effect with --pulse; leave it out"),

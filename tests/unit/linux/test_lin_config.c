@@ -279,7 +279,6 @@ static void test_wrong_settings_of_the_operator_are_refused(void)
             "operator.key = \"ACK\": also used by operator.acknowledge");
     refused("[operator]\nacknowledge_active_low = 1\n", "give true or false");
     refused("[operator]\nkey_active_low = \"no\"\n", "give true or false");
-    refused("[operator]\nsecret = 12345678\n", "give one \"text\"");
     refused("[operator]\nwaived = true\n", "unknown key");
     taken("[operator]\nkey = \"waived\"\n"); // only a button can be waived
     TEST_ASSERT_TRUE(lin_line_is_there(&config, lin_line_key));

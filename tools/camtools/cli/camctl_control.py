@@ -9,12 +9,10 @@ ready
 from __future__ import annotations
 
 import contextlib
-import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, TextIO
 
 from camtools.base.arguments import Option, whole_within
@@ -22,7 +20,7 @@ from camtools.base.command import Interrupted
 from camtools.link.controller import Link, Status
 from camtools.link.messages import Answer, Refused
 from camtools.link.refusal_text import ask_done
-from camtools.link.rights import CommandHeld, May, SharedSession, secret_of, sender_of
+from camtools.link.rights import CommandHeld, May, sender_of
 from camtools.link.status_text import level_text, name_of, rights_report
 
 SECONDS_HELP = "duration (default: until control-C)"
@@ -72,9 +70,9 @@ class Control:
                     raise Refused(f"{self.link.where}: the status stopped; is the controller on?")
 
 
-SECRET = "CAMTURN_SECRET"  # of the environment: the file of the secret
 _MOST_SENDER = 254
 _KEY_S = 60.0  # within which the key is turned
+_NO_VALUE = 255
 _SETTLE_S = 0.5  # within which the status tells what an order about rights has done
 
 
@@ -93,24 +91,14 @@ class RightsOptions:
     take_over: Annotated[
         bool, Option("take command even if somebody else has it; that sender is notified")
     ] = False
-    secret: Annotated[
-        Path | None,
-        Option(
-            f"file of the secret that unlocks the controller (default: ${SECRET}, if set)", "FILE"
-        ),
-    ] = None
 
     @contextmanager
     def commanding(self, link: Link, node: int) -> Iterator[None]:
         """Let the orders of a block take command where they need it; give it back after them."""
-        rights, given = link.rights, self.secret or os.environ.get(SECRET)
+        rights = link.rights
         rights.sender = sender_of("camctl") if self.sender is None else self.sender
         rights.may = May.TAKE_OVER if self.take_over else May.IF_FREE
-        if given:
-            rights.secret = secret_of(Path(given))
-        shared = SharedSession(link.where, node, rights.sender)
-        rights.joined = shared.read
-        rights.on_change = lambda: shared.tell(rights.session)
+        rights.share(node)
         try:
             yield
         except CommandHeld as held:
@@ -132,28 +120,17 @@ def _level(link: Link) -> str:
     return name_of(link.status.signals, "level")
 
 
-def _await_key(link: Link, say: Callable[[str], None]) -> None:
-    """Take command, and wait until somebody turns the key for it."""
-    if link.ask("get_challenge").result == "lock_none":  # which takes command, too
-        raise Refused(
-            "unlock: the port has neither a secret nor a key switch; add one to its settings"
-        )
+def unlock(control: Control) -> None:
+    """Take command, wait for the key switch, and stay unlocked until control-C or `lock`."""
+    link, say = control.link, control.say
+    # No learned value has this number: the order takes command, but changes nothing.
+    if link.ask("set_learned", parameter=_NO_VALUE).result == "lock_none":
+        raise Refused("unlock: the port has no key switch; add one to its settings")
     say(f"unlock: turn the key switch at the machine off and on, within {_KEY_S:.0f} s")
     end_s = time.monotonic() + _KEY_S
     while _level(link) == "locked":
         if time.monotonic() > end_s:
-            remedy = f"give --secret FILE, or set {SECRET}, where the port has a secret"
-            raise Refused(f"unlock: nobody turned the key switch; {remedy}")
-
-
-def unlock(control: Control) -> None:
-    """Unlock with the secret or the key switch, until control-C or `lock`."""
-    link, say = control.link, control.say
-    if link.rights.secret is not None:
-        link.rights.unlock()
-        _level(link)
-    else:
-        _await_key(link, say)
+            raise Refused("unlock: nobody turned the key switch")
     say(f"unlock: {level_text(link.listen().signals)}; control-C locks")
     try:
         while _level(link) != "locked":

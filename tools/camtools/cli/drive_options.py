@@ -12,25 +12,20 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Annotated
 
-from camtools.base.arguments import Option, UsageError
+from camtools.base.arguments import UsageError
 from camtools.base.errors import InputError
 from camtools.cli.bus import BusOptions
 from camtools.identify.drives import ConnectedU
 from camtools.identify.foreign_record import MAX_BYTES
 from camtools.link.controller import Link
-from camtools.link.rights import secret_of, sender_of
+from camtools.link.rights import sender_of
 from camtools.measured.correction_round import read_given
 
 
 @dataclass(frozen=True)
 class UOptions(BusOptions):
-    """The options that name a bus, a controller on it and the secret that unlocks it."""
-
-    secret: Annotated[
-        Path | None, Option("file of the secret that unlocks the controller for --apply", "FILE")
-    ] = None
+    """The options that name a bus and a controller on it."""
 
     def check(self, *, is_bus: bool, machine: str | None) -> None:
         """Refuse options of the bus without --bus."""
@@ -41,18 +36,17 @@ class UOptions(BusOptions):
 
 
 @contextmanager
-def connected_u(options: UOptions, program: str) -> Iterator[tuple[ConnectedU, int]]:
+def connected_u(options: UOptions) -> Iterator[tuple[ConnectedU, int]]:
     """Open U of the controller that the options name; give it and the controller's node.
 
-    program: name by which it takes command, one that `link.rights` knows. Raises CamtoolsError: the
-    bus cannot be opened, or the secret cannot be read.
+    It commands as camctl does, and thus while `camctl unlock` waits for it. Raises CamtoolsError:
+    the bus cannot be opened.
     """
     bus, where, node = options.opened()
     try:
         link = Link(bus, where, node)
-        link.rights.sender = sender_of(program)
-        if options.secret is not None:
-            link.rights.secret = secret_of(options.secret)
+        link.rights.sender = sender_of("camctl")
+        link.rights.share(node)
         yield ConnectedU(link), node
     finally:
         bus.shutdown()

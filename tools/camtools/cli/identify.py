@@ -234,7 +234,7 @@ def _status(one: _Found, arguments: Options, applied: str) -> int:
 
 def _connect(arguments: Options) -> int:
     part = _Part(arguments.part, arguments.rpm) if arguments.part is not None else None
-    with connected_u(arguments.u, "identify") as (u, node):
+    with connected_u(arguments.u) as (u, node):
         one = _one(u, arguments, part)
         if arguments.output is not None:
             name = f"node{node}"

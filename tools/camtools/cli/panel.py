@@ -26,7 +26,6 @@ from camtools.cli.bus import BusOptions
 from camtools.link.bus import configured
 from camtools.link.controller import Link
 from camtools.link.live_lathes import live_lathes, only_lathe
-from camtools.link.rights import secret_of
 from camtools.panel.context import AppContext
 from camtools.panel.orders.commander import Commander, CommandLog
 from camtools.panel.orders.controller_service import ControllerService
@@ -72,12 +71,6 @@ class Options(BusOptions):
     ] = ()
     token_file: Annotated[
         Path | None, Option("file with the token (default: a new token)", "FILE")
-    ] = None
-    secret: Annotated[
-        Path | None,
-        Option(
-            "file of the secret with which the commanding visitor unlocks the controller", "FILE"
-        ),
     ] = None
     log: Annotated[
         Path, Option("log of all commands (default: build/panel/commands.jsonl)", "FILE")
@@ -129,7 +122,6 @@ def panel(options: Options) -> int:
         return Link(*options.opened())
 
     token = token_of(options.token_file)
-    secret = secret_of(options.secret) if options.secret is not None else None
     _check_bus(options)
     with ExitStack() as stack:
         sock = stack.enter_context(_open_socket(options.port))
@@ -138,7 +130,7 @@ def panel(options: Options) -> int:
         from camtools.panel.server import application, serve  # it takes a second
 
         commander = Commander(log)
-        service = ControllerService(open_link, commander, log, secret)
+        service = ControllerService(open_link, commander, log)
         stack.callback(service.close)
         own = options.keep / "parts", options.keep / "runs"
         app = application(AppContext(service, commander, log, *own), token, options.proxy_host)

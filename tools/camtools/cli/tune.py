@@ -189,7 +189,7 @@ def _simulated(arguments: Options, name: str) -> int:
 def _connected(arguments: Options) -> int:
     """Tune U of a controller over CAN."""
     keys = _keys(arguments)
-    with connected_u(arguments.u, "tune") as (u, node):
+    with connected_u(arguments.u) as (u, node):
         where = u.link.where
         if arguments.pulse is not None:
             settings = _pushed(u, arguments.pulse)

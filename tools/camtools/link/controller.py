@@ -219,10 +219,9 @@ class Link:
     ) -> Answer:
         """Send a command, again while the controller is busy, and return its answer.
 
-        Where it needs command or the unlocked level, `rights` takes them first, if it may. value:
-        at most one signal of the message Command, in its unit. Raises CamtoolsError: the value is
-        outside the range of its signal; Refused: no answer comes, another has command, or it was
-        lost.
+        Where it needs command, `rights` takes it first, if it may. value: at most one signal of the
+        message Command, in its unit. Raises CamtoolsError: the value is outside the range of its
+        signal; Refused: no answer comes, another has command, or it was lost.
         """
         self.rights.prepare(command)
         for _ in range(MOST_MENDS):

@@ -31,9 +31,8 @@ REMEDIES = {
     "released and faults reset; give the order again within 60 s",
     "acknowledge_none": "the port has no such button; wire one and name it in the port's settings, "
     "or waive it there",
-    "locked": "turn the key switch at the machine off and on during camctl unlock, or unlock with "
-    "the secret (camctl unlock --secret FILE)",
-    "lock_none": "this port cannot be unlocked; add a key switch or a secret to its settings",
+    "locked": "turn the key switch at the machine off and on during camctl unlock",
+    "lock_none": "this port cannot be unlocked; add a key switch to its settings",
     "hard_limit": "the firmware image fixes this limit; it cannot be changed over the bus",
     "drive": "see that all drives are ready",
     "no_table": "download a table and select it",

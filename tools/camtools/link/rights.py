@@ -1,13 +1,10 @@
 """Command over a controller: one sender has it, his heartbeat keeps it, the others read.
 
 What the controller demands stands in firmware/param/cam_param.h. A link reads without command.
-Before its first order that needs command it takes it, if it may. Where an order is refused because
-the controller is locked, it unlocks the controller, if it has a secret, and gives the order again.
+Before its first order that needs command it takes it, if it may.
 
 >>> sender_of("camctl") in range(1, 255), sender_of("camctl") != sender_of("panel")
 (True, True)
->>> proof_of(b"a secret of the machine", 0x12345678).bit_length() <= 32
-True
 
 While one camctl cuts a part, a second one of the same user may hold the feed: it is the same
 sender, so it gives its orders in the same session. Another user, or another --sender, is another.
@@ -25,7 +22,6 @@ from __future__ import annotations
 
 import contextlib
 import getpass
-import hashlib
 import json
 import os
 import socket
@@ -37,8 +33,6 @@ from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from camtools.base.errors import CamtoolsError
-from camtools.base.files import read_private
 from camtools.link.live_lathes import runtime_folder, start_of
 from camtools.link.messages import NOT_COMMANDER, OLDER, Answer, Refused
 
@@ -47,13 +41,10 @@ if TYPE_CHECKING:
 
 BEAT_S, BEAT_ROWS = 0.25, 25  # between heartbeats, by the clock and by the controller's status
 LOSS_S = 1.0  # after so long without one command is lost
-_PROGRAMS = ("camctl", "panel", "identify", "tune")
+_PROGRAMS = ("camctl", "panel")
 _FREE = ("stop", "strobe", "take_command")  # and reading: whoever asks
-_PROOF_BYTES = 4
-_LEAST_SECRET, _MOST_SECRET = 16, 64
 _BUSY_S = 0.1
 _KEY_S = 0.5  # in which a key counts that is turned at the sight of a new commander
-_CHALLENGE_S = 5.0  # a controller gives one a second, a simulated one by a slower clock
 
 
 class CommandLost(Refused):
@@ -91,36 +82,20 @@ def sender_text(sender: int) -> str:
     return f"sender {sender}" + (f" ({own[sender]} of this user)" if sender in own else "")
 
 
-def proof_of(secret: bytes, challenge: int) -> int:
-    """Return the answer to a challenge: it shows that one has the secret, without telling it."""
-    digest = hashlib.blake2b(challenge.to_bytes(4, "little"), key=secret).digest()
-    return int.from_bytes(digest[:_PROOF_BYTES], "little")
-
-
-def secret_of(path: Path) -> bytes:
-    """Return the secret of a file that only its owner can read."""
-    data = read_private(path, "--secret")
-    if not _LEAST_SECRET <= len(data) <= _MOST_SECRET:
-        span = f"{_LEAST_SECRET} .. {_MOST_SECRET} bytes, the same as in the port"
-        raise CamtoolsError([f"--secret {path}: {len(data)} bytes; give {span}"])
-    return data
-
-
 class Rights:
     """Whether this link commands, and how it keeps that.
 
     sender: by which others know it, 1 .. 254. may: whether the first order that needs command takes
-    it; secret: unlocks what is locked; session: that of the controller in which this link commands;
-    0: it does not; is_joined: whether that is the session of another process of this sender;
-    on_lost: told why command was lost, and who has it now, 0: nobody; by default CommandLost is
-    raised from whatever waits; on_change: called whenever `session` has changed; joined: returns
-    the session of another process of this sender; 0: there is none.
+    it; session: that of the controller in which this link commands; 0: it does not; is_joined:
+    whether that is the session of another process of this sender; on_lost: told why command was
+    lost, and who has it now, 0: nobody; by default CommandLost is raised from whatever waits;
+    on_change: called whenever `session` has changed; joined: returns the session of another process
+    of this sender; 0: there is none.
     """
 
     def __init__(self, link: Link, sender: int) -> None:
         self._link, self.sender = link, sender
         self.may = May.IF_FREE
-        self.secret: bytes | None = None
         self.session = 0
         self.on_lost: Callable[[str, int], None] = _raise_lost
         self.on_change: Callable[[], None] = lambda: None
@@ -128,6 +103,12 @@ class Rights:
         self.is_joined = self._was_joined = False
         self._sent_s, self._sent_rows, self._n_heard = 0.0, 0, 0
         self._begun_s = 0.0
+
+    def share(self, node: int) -> None:
+        """Share the session at a node with other processes of this user and sender."""
+        shared = SharedSession(self._link.where, node, self.sender)
+        self.joined = shared.read
+        self.on_change = lambda: shared.tell(self.session)
 
     # Frames
 
@@ -169,16 +150,13 @@ class Rights:
             self._mend_command(0)
 
     def mend(self, answer: Answer) -> bool:
-        """Take command or unlock where an order was refused for want of it.
+        """Take command, or wait for the key, where an order was refused for want of it.
 
         Returns whether to give the order again. Raises CommandHeld: another has command;
         CommandLost: this link had it.
         """
         if answer.result == NOT_COMMANDER:
             return self._mend_command(int(answer.value))
-        if answer.result == "locked" and self.secret is not None:
-            self.unlock()
-            return True
         return answer.result == "locked" and self._awaits_key()
 
     def _awaits_key(self) -> bool:
@@ -254,42 +232,6 @@ class Rights:
             "back; nobody has it now, so a running cut ends"
         )
         self.on_lost(f"{self._link.where}: command is lost: {by if holder else silent}", holder)
-
-    # Level
-
-    def _challenge(self) -> Answer:
-        """Ask for a challenge, until the last one is a second old; command is taken first."""
-        end_s = time.monotonic() + _CHALLENGE_S
-        while True:
-            answer = self._own("get_challenge")
-            is_mended = answer.result == NOT_COMMANDER and self._mend_command(int(answer.value))
-            is_early = answer.result == "busy" and time.monotonic() < end_s
-            if not is_mended and not is_early:
-                return answer
-            self._link.wait(lambda: False, _BUSY_S if is_early else 0.0)
-
-    def unlock(self, secret: bytes | None = None) -> None:
-        """Unlock the controller by the secret; refused where it is wrong or the port has none."""
-        key = self.secret if secret is None else secret
-        if key is None:
-            raise Refused(
-                "unlock: no secret; give --secret FILE, or turn the key switch off and on"
-            )
-        challenge = self._challenge()
-        if challenge.result == "done":
-            proof = proof_of(key, int(challenge.value))
-            challenge = self._own("unlock", unlock_answer=proof)
-        if challenge.result != "done":
-            words = _UNLOCK_TEXTS.get(challenge.result, challenge.result.replace("_", " "))
-            raise Refused(f"unlock: refused: {words}")
-
-
-_UNLOCK_TEXTS = {
-    "unlock": "wrong secret; give the file with the controller's secret",
-    "locked": "the port has no secret; turn the key switch at the machine off and on",
-    "lock_none": "the port has neither a secret nor a key switch; its settings name them",
-    "command": "the controller knows no levels",
-}
 
 
 def _raise_lost(text: str, _holder: int) -> None:

@@ -6,7 +6,7 @@
 'acknowledged; enable within 42 s'
 >>> level_text({"level": 0.0})
 'locked: limits, constants and tables do not change; to unlock, turn the key switch at the \
-machine off and on, or give the secret'
+machine off and on'
 
 >>> signals = {"has_end": 1, "turns_left": 250.0, "turns_whole": 1000.0, "pass_speed": 500.0,
 ...            "pass": 2, "passes": 3}
@@ -67,15 +67,14 @@ def acknowledge_text(signals: Signals) -> str:
 def level_text(signals: Signals) -> str:
     """Return whether limits, constants and tables may change, and what to do about it."""
     left_s = signals.get("level_left", 0.0)
-    how = {"key": "by the key switch", "challenge": "by the secret"}
     level = name_of(signals, "level")
-    if level in how:
+    if level == "key":
         left = f", for {left_s:.0f} s more" if left_s else ""
-        return f"unlocked {how[level]}{left}"
+        return f"unlocked by the key switch{left}"
     if level == "locked":
         return (
             "locked: limits, constants and tables do not change; to unlock, turn the key switch "
-            "at the machine off and on, or give the secret"
+            "at the machine off and on"
         )
     return "unknown"
 

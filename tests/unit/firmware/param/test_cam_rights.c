@@ -1,52 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who commands, and the level: pure, in ticks of 1 kHz.
 #include "cam_param.h"
-#include "cam_param_inner.h" // cam_blake2b_keyed
 #include "unity.h"
-#include <string.h> // memcpy
 
 enum { hz = 1000 };
 
-static const uint8_t secret[16] = "a secret of 16 b";
 static cam_rights_t r;
 
-static void begin(bool has_key, bool has_secret)
+static void begin(bool has_key)
 {
-    const hal_operator_t port = {
-        .has_key = has_key, .secret = secret, .n_secret = has_secret ? sizeof secret : 0u};
+    const hal_operator_t port = {.has_key = has_key};
     cam_rights_init(&r, &port, hz);
     r.is_bus_calling = true;
 }
 
 void setUp(void)
 {
-    begin(true, true);
+    begin(true);
 }
 
 static void take(uint8_t sender, uint32_t tick)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, sender, false, tick));
-}
-
-/// @return what a tool makes of a challenge
-static uint32_t answer_to(uint32_t challenge)
-{
-    const uint8_t bytes[4] = {(uint8_t)challenge, (uint8_t)(challenge >> 8),
-                              (uint8_t)(challenge >> 16), (uint8_t)(challenge >> 24)};
-    return cam_blake2b_keyed(secret, sizeof secret, bytes, sizeof bytes);
-}
-
-static void expect_unlock(cam_err_t err, uint32_t answer, uint32_t tick)
-{
-    TEST_ASSERT_EQUAL_INT(err, cam_rights_unlock(&r, answer, tick));
-    TEST_ASSERT_EQUAL_INT(err == cam_ok ? cam_level_challenge : cam_level_locked, r.level);
-}
-
-static uint32_t ask(uint32_t tick)
-{
-    uint32_t challenge = 0;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_challenge(&r, tick, &challenge));
-    return challenge;
 }
 
 static void test_the_first_to_take_has_command_until_it_is_taken_over(void)
@@ -168,11 +143,8 @@ static void test_the_level_ends_with_command(void)
     TEST_ASSERT_TRUE(cam_rights_poll(&r, hal_in_key, hz + 1u)); // lost
     TEST_ASSERT_EQUAL_INT(cam_level_locked, r.level);
     take(12, hz + 1u);
-    expect_unlock(cam_ok, answer_to(ask(hz + 1u)), hz + 1u);
-    turn_anew(hz + 2u); // the key takes nothing from an answer
-    (void)cam_rights_poll(&r, 0, hz + 2u);
-    TEST_ASSERT_EQUAL_INT(cam_level_challenge, r.level);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_check_level(&r));
+    turn_anew(hz + 2u);
+    TEST_ASSERT_EQUAL_INT(cam_level_key, r.level);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, 9, true, hz + 2u));
     TEST_ASSERT_EQUAL_INT(cam_level_locked, r.level);
 }
@@ -196,57 +168,13 @@ static void test_the_level_ends_after_ten_minutes(void)
     TEST_ASSERT_EQUAL_UINT32(0, cam_rights_level_left_s(&r, 6u + 600u * hz));
 }
 
-/// A wrong answer uses it up, another session makes it void; one a second, another each time.
-static void test_a_challenge_is_answered_once(void)
-{
-    uint32_t next = 0;
-    take(12, 0);
-    const uint32_t first = ask(0);
-    expect_unlock(cam_ok, answer_to(first), 1);
-    cam_rights_lock(&r);
-    expect_unlock(cam_err_unlock, answer_to(first), 2);
-    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_rights_challenge(&r, hz - 1u, &next));
-    const uint32_t second = ask(hz);
-    TEST_ASSERT_NOT_EQUAL(first, second);
-    expect_unlock(cam_err_unlock, answer_to(second) ^ 1u, hz + 1u);
-    expect_unlock(cam_err_unlock, answer_to(second), hz + 1u);
-    const uint32_t third = ask(2u * hz);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, 9, true, 2u * hz + 1u));
-    expect_unlock(cam_err_unlock, answer_to(third), 2u * hz + 1u);
-    const uint32_t fourth = ask(3u * hz);
-    cam_rights_release(&r);
-    expect_unlock(cam_err_unlock, answer_to(fourth), 3u * hz + 1u);
-}
-
-/// The keyed hash of what the times of the commander's signs of life made of the nonce, and of now.
-static void test_challenges_depend_on_when_the_commander_was_heard(void)
-{
-    const uint64_t stirred = 17u * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    uint8_t bytes[12] = {[8] = 0xF4, 0x01}; // 500
-    memcpy(bytes, &stirred, sizeof stirred);
-    take(12, 0);
-    cam_rights_hear(&r, 17);
-    TEST_ASSERT_EQUAL_HEX32(cam_blake2b_keyed(secret, sizeof secret, bytes, sizeof bytes),
-                            ask(500));
-}
-
 /// A program that calls the machine itself is unlocked.
-static void test_level_of_a_port_without_key_or_secret(void)
+static void test_a_port_without_a_key_is_locked_for_good(void)
 {
-    static const struct {
-        bool has_key, has_secret;
-        cam_err_t level, challenge;
-    } cases[] = {{false, false, cam_err_lock_none, cam_err_lock_none},
-                 {true, false, cam_err_locked, cam_err_locked},
-                 {false, true, cam_err_locked, cam_ok}};
-    for (uint32_t i = 0; i < 3u; i++) {
-        uint32_t challenge = 0;
-        begin(cases[i].has_key, cases[i].has_secret);
-        take(12, 0);
-        (void)cam_rights_poll(&r, cases[i].has_key ? 0u : hal_in_key, 1);
-        TEST_ASSERT_EQUAL_INT(cases[i].level, cam_rights_check_level(&r));
-        TEST_ASSERT_EQUAL_INT(cases[i].challenge, cam_rights_challenge(&r, 1, &challenge));
-        r.is_bus_calling = false;
-        TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_check_level(&r));
-    }
+    begin(false);
+    take(12, 0);
+    turn_anew(1);
+    TEST_ASSERT_EQUAL_INT(cam_err_lock_none, cam_rights_check_level(&r));
+    r.is_bus_calling = false;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_check_level(&r));
 }

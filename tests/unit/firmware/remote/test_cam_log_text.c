@@ -217,13 +217,13 @@ static void test_state_and_faults_have_lines_one_at_a_time(void)
         {cam_state_fault, CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive),
          "fault drive: a drive is not ready"},
         {cam_state_fault, CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive),
-         "level: unlocked by the secret"},
+         "level: unlocked by the key switch"},
         {cam_state_fault, 0, ""},
         {cam_state_fault, CAM_FAULT_BIT(drive), "fault drive: a drive is not ready"},
         {cam_state_fault, CAM_FAULT_BIT(drive), ""},
         {cam_state_off, 0, "state off"},
     };
-    machine.rights.level = cam_level_challenge; // waits for what is more urgent
+    machine.rights.level = cam_level_key; // waits for what is more urgent
     for (uint32_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
         status.state = steps[i].state;
         status.faults = steps[i].faults;
@@ -235,8 +235,6 @@ static void test_level_and_spindle_have_a_line_once(void)
 {
     machine.rights.level = cam_level_key;
     expect_once("level: unlocked by the key switch");
-    machine.rights.level = cam_level_challenge;
-    expect_once("level: unlocked by the secret");
     machine.rights.level = cam_level_locked;
     expect_once("level: locked");
     for (int i = 0; i < 2; i++) {

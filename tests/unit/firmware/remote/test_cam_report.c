@@ -234,7 +234,7 @@ static void test_signals_are_the_values_they_are_named_for(void)
     m->rights.commander = 200;
     m->rights.n_take_overs = 0x1A5u;
     m->rights.n_losses = 0x2C3u;
-    m->rights.level = cam_level_challenge;
+    m->rights.level = cam_level_key;
     m->rights.level_tick = status.tick;
     f.can.store.generation = 0x89ABCDEFu;
     m->table.image_size = 0xFEDCBA98u;
@@ -276,7 +276,7 @@ static void test_signals_are_the_values_they_are_named_for(void)
         {200, 25, 8, 8},
         {0xA5, 25, 16, 8},
         {0xC3, 25, 24, 8},
-        {cam_level_challenge, 25, 32, 4},
+        {cam_level_key, 25, 32, 4},
         {cam_button_waived, 25, 36, 4},
         {cam_rights_level_s, 25, 48, 16},
     };

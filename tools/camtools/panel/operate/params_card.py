@@ -80,9 +80,8 @@ class ParamsCard:
     def _draw_level(self) -> None:
         with ui.element("div").classes("op-row"):
             self._level = ui.label("").classes("op-note").props("data-testid=level")
-            for order in ("unlock", "lock"):
-                press = partial(self._orders.give, order)
-                self._orders.small_button(order.capitalize(), f"do-{order}", order, press)
+            press = partial(self._orders.give, "lock")
+            self._orders.small_button("Lock", "do-lock", "lock", press)
 
     def show_level(self, signals: Mapping[str, float]) -> None:
         """Show whether limits and constants may be changed, and how they can be."""

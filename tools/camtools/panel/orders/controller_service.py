@@ -30,17 +30,11 @@ class ControllerService:
     """What stands between pages and controller.
 
     `open_link` returns a Link with an open bus, or raises CamtoolsError, whose text the page shows;
-    it is called again and again while no controller is heard. The secret unlocks the controller.
+    it is called again and again while no controller is heard.
     """
 
-    def __init__(
-        self,
-        open_link: OpenLink,
-        commander: Commander,
-        log: CommandLog,
-        secret: bytes | None = None,
-    ) -> None:
-        self._commander, self._log, self._secret = commander, log, secret
+    def __init__(self, open_link: OpenLink, commander: Commander, log: CommandLog) -> None:
+        self._commander, self._log = commander, log
         self._presses, self._tuner = Presses(), LoopTuner()
         thread = LinkThread(open_link, lambda: bool(commander.holder), commander.lose_on_bus)
         self._thread = thread
@@ -115,8 +109,6 @@ class ControllerService:
             arguments["press"] = press
         if order.name in URGENT:
             self._presses.drop(f"{order.name} was ordered")
-        if order.name == "unlock":
-            arguments["secret"] = self._secret
         if order.name in ("push_u", "measure_loop", "apply_loop"):
             arguments["tuner"] = self._tuner
         return await self._give(order, arguments, visitor)

@@ -11,7 +11,7 @@ from camtools.base.errors import CamtoolsError, one_line
 from camtools.link.controller import Link
 from camtools.link.download import check_image, download, select_table
 from camtools.link.kept_values import change_kept, parse, problem_of, set_all
-from camtools.link.messages import NUMBERS, Refused
+from camtools.link.messages import NUMBERS
 from camtools.link.operator import (
     carry_out,
     end_text,
@@ -132,14 +132,6 @@ def _level(link: Link) -> str:
     return level_text(link.status.signals)
 
 
-def _unlock(link: Link, arguments: Arguments, _say: Say) -> str:
-    secret: bytes | None = arguments["secret"]
-    if secret is None:
-        raise Refused("the panel has no secret; turn the key switch, or start it with --secret")
-    link.rights.unlock(secret)
-    return _level(link)
-
-
 def _lock(link: Link, _arguments: Arguments, _say: Say) -> str:
     ask_done(link, "lock")
     return _level(link)
@@ -175,7 +167,6 @@ ACTIONS: Mapping[str, Action] = {
     "select": _select,
     "set": _set,
     "params_load": _params_load,
-    "unlock": _unlock,
     "lock": _lock,
     "push_u": lambda link, given, say: given["tuner"].push(link, given["force_n"], say),
     "measure_loop": lambda link, given, say: given["tuner"].measure(link, say, given["rests"]),

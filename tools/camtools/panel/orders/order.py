@@ -98,7 +98,6 @@ RULES = {
     "measure_loop": _rule(),
     "apply_loop": _rule(),  # what was proposed last
     # The level of the controller: limits, constants and tables change in the unlocked one only.
-    "unlock": _rule(),
     "lock": _rule(),
 }
 

@@ -39,7 +39,6 @@ RULES: dict[str, tuple[tuple[str, ...], str]] = {
     "hold": (("rehearsing", "engaging", "cutting"), "only during a cut"),
     "resume": (("rehearsing", "engaging", "cutting", "holding"), "only while the feed is held"),
     "reset": (("fault",), "only after a fault"),
-    "unlock": (("off", "ready", "manual", "fault", "homing"), "only while the machine is at rest"),
 }
 
 
@@ -53,10 +52,7 @@ def why_not(order: str, state: str, signals: Mapping[str, float]) -> str:
         return "the feed is held already"
     if order == "resume" and not is_held:
         return "only while the feed is held"
-    is_unlocked = bool(signals.get("level", 0.0))
-    if order == "unlock" and is_unlocked:
-        return "already unlocked"
-    if order == "lock" and not is_unlocked:
+    if order == "lock" and not signals.get("level", 0.0):
         return "already locked"
     if order == "reset" and not signals.get("is_retracted", 1.0):
         return "the tool is still leaving the work; wait a moment"
