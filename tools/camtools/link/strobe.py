@@ -1,4 +1,4 @@
-"""What live pictures show: the following error over the angle, and how it falls over the lessons.
+"""What live pictures show: the following error over the angle, by samples of single ticks.
 
 A controller sends them (message Strobe of firmware/remote/can/camturn.dbc) while somebody asks for
 them; recorder and black box are left alone. A subscription holds for 2 s and is renewed here with
@@ -19,15 +19,13 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections import deque
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from camtools.link.controller import ANSWER_S, Link
-from camtools.link.messages import NAMES, Refused
+from camtools.link.messages import Refused
 from camtools.link.scope import require
 
 Ints = npt.NDArray[np.int64]
@@ -213,63 +211,3 @@ def _gap(step_turn: float) -> float:
         angles = np.sort(k * step_turn * factor % 1.0)
         worst = max(worst, float(np.max(np.diff(angles, append=angles[0] + 1.0))))
     return worst
-
-
-MOST_LESSONS = 2000
-
-
-@dataclass(frozen=True, eq=False)
-class Lessons:
-    """What was learned, lesson by lesson, the oldest first; all have the length n.
-
-    turn: shape (n,), turns of which was learned, since the rehearsal or the cut began; error_um:
-    shape (n,), rms [um] of the error of that turn in the harmonics that are learned; phase: what is
-    learned, as in NAMES["learn_phase"]; begin_error_um: the same before anything was learned; None:
-    not told.
-    """
-
-    turn: npt.NDArray[np.int64]
-    error_um: npt.NDArray[np.float64]
-    phase: tuple[str, ...]
-    begin_error_um: float | None
-
-
-class Convergence:
-    """Errors of lessons, by their turns; a new rehearsal begins anew.
-
-    The status tells turns and error in two pages, of which one may be of the lesson before; the
-    newest pair of each turn stands. Lessons that come faster than the pages are left out. most:
-    lessons that are kept; older ones are forgotten.
-    """
-
-    def __init__(self, most: int = MOST_LESSONS) -> None:
-        self._lock = threading.Lock()
-        self._rows: deque[tuple[int, float, str]] = deque(maxlen=most)
-        self._begin_um: float | None = None
-
-    def add(self, signals: Mapping[str, float]) -> None:
-        """Take the newest signals of the status, as often as they come."""
-        if not {"learn_turns", "learn_error"} <= signals.keys():
-            return
-        turn = int(signals["learn_turns"])
-        phase = NAMES["learn_phase"].get(int(signals.get("learn_phase", -1)), "unknown")
-        with self._lock:
-            last = self._rows[-1][0] if self._rows else 0
-            if turn < last:
-                self._rows.clear()
-            elif turn == last and self._rows:
-                self._rows.pop()
-            self._begin_um = signals.get("learn_begin_error")
-            if turn > 0:
-                self._rows.append((turn, signals["learn_error"], phase))
-
-    def lessons(self) -> Lessons:
-        """Return what was collected; from any thread."""
-        with self._lock:
-            rows, begin_um = list(self._rows), self._begin_um
-        return Lessons(
-            turn=np.array([turn for turn, _, _ in rows], np.int64),
-            error_um=np.array([error for _, error, _ in rows], np.float64),
-            phase=tuple(phase for _, _, phase in rows),
-            begin_error_um=begin_um,
-        )
