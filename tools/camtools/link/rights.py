@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 BEAT_S, BEAT_ROWS = 0.25, 25  # between heartbeats, by the clock and by the controller's status
 LOSS_S = 1.0  # after so long without one command is lost
 _PROGRAMS = ("camctl", "panel", "identify", "tune")
-_FREE = ("stop", "strobe", "take_command")  # and reading: whoever asks
+_FREE = ("stop", "take_command")  # and reading: whoever asks
 _PROOF_BYTES = 4
 _LEAST_SECRET, _MOST_SECRET = 16, 64
 _BUSY_S = 0.1
