@@ -16,7 +16,7 @@
 #include "cam_learning.h" // cam_ilc_t, cam_ilc_status_t
 #include "cam_param.h"    // cam_params_t, cam_param_store_found_t, cam_refusal_t, cam_rights_t
 #include "cam_record.h"   // cam_tick_record_t
-#include "cam_recorder.h" // cam_scope_t, cam_strobe_t
+#include "cam_recorder.h" // cam_scope_t
 #include "cam_table.h"    // cam_table_t
 #include "cam_tick.h"     // cam_t, cam_status_t
 #include "hal/hal.h"      // hal_axis_t, hal_n_axes
@@ -114,7 +114,7 @@ typedef struct {
     int32_t home_nm[hal_n_axes]; ///< [nm] the home, in port coordinates
 } cam_offsets_t;
 
-/// State of the slow side. The room remote may also use rights, scope and strobe, and read
+/// State of the slow side. The room remote may also use rights and scope, and read
 /// has_table, table, params, staged, version, checksum, pass, n_parts, is_held, tick_hz,
 /// refusal, kept, identify.received and ilc.
 typedef struct {
@@ -144,7 +144,6 @@ typedef struct {
     uint32_t n_checked;           ///< [bytes] progress of the background check of the table
     uint32_t checked_crc;         ///< CRC-32 of the bytes so far
     cam_scope_t scope;            ///< recorder
-    cam_strobe_t strobe;          ///< samples of the live display
     bool has_box;                 ///< the idle recorder works as black box
     bool is_box_kept;             ///< the completed black box was handed to the port
     cam_identify_t identify;      ///< excitation of U
@@ -400,15 +399,6 @@ CAM_MUST_USE cam_err_t cam_machine_scope_set(cam_machine_t *m, uint32_t field, i
 /// Read a field of the recorder. @return as cam_scope_get()
 CAM_MUST_USE cam_err_t cam_machine_scope_get(const cam_machine_t *m, uint32_t field,
                                              int32_t *value);
-
-/// Subscribe to samples of single ticks, message Strobe, or renew.
-/// @param every  [ticks] between samples; 0: unsubscribe
-/// @return       cam_ok; cam_err_param_range, below cam_strobe_least() or above the tick rate
-CAM_MUST_USE cam_err_t cam_machine_strobe(cam_machine_t *m, uint32_t every);
-
-/// Pass a record of the trace ring to recorder and strobe, in the order of the ticks. For a loop
-/// that reads the ring itself.
-void cam_machine_record(cam_machine_t *m, const cam_tick_record_t *r);
 
 /// Excitation of U by a downloaded wave, for identification.
 ///

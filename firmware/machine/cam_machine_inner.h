@@ -110,7 +110,7 @@ void cam_machine_unlearn(cam_machine_t *m, cam_param_id_t id);
 uint32_t cam_machine_ripple_from_mrpm(const cam_params_t *params);
 
 /// Parts of cam_machine_poll(): stop the motion when command is lost, apply new homes, carry on an
-/// excitation, and read the trace ring for recording, strobe and black box: at least every
+/// excitation, and read the trace ring for recording and black box: at least every
 /// cam_trace_capacity / 2 ticks while one of them is on.
 void cam_machine_rights_poll(cam_machine_t *m, const cam_status_t *status);
 void cam_machine_jog_poll(cam_machine_t *m);

@@ -115,32 +115,13 @@ static void poll_box(cam_machine_t *m)
 
 // The trace ring
 
-cam_err_t cam_machine_strobe(cam_machine_t *m, uint32_t every)
-{
-    if (every != 0u && (every < cam_strobe_least(m->tick_hz) || every > m->tick_hz)) {
-        return cam_err_param_range;
-    }
-    cam_strobe_subscribe(&m->strobe, every, cam_status_tick(m->core));
-    return cam_ok;
-}
-
-void cam_machine_record(cam_machine_t *m, const cam_tick_record_t *r)
-{
-    cam_scope_take(&m->scope, r);
-    cam_strobe_take(&m->strobe, r);
-}
-
 void cam_machine_scope_poll(cam_machine_t *m)
 {
     cam_tick_record_t record;
-    for (uint32_t i = 0; i < (uint32_t)cam_trace_capacity &&
-                         (cam_scope_is_on(&m->scope) || cam_strobe_is_on(&m->strobe)) &&
+    for (uint32_t i = 0; i < (uint32_t)cam_trace_capacity && cam_scope_is_on(&m->scope) &&
                          cam_trace_pop(&m->core->trace, &record);
          i++) {
-        cam_machine_record(m, &record);
-    }
-    if (cam_strobe_is_on(&m->strobe)) {
-        cam_strobe_expire(&m->strobe, cam_status_tick(m->core), m->tick_hz);
+        cam_scope_take(&m->scope, &record);
     }
     if (m->has_box) {
         poll_box(m);

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_recorder: records signals of the ticks: scope, black box and strobe.
+/// cam_recorder: records signals of the ticks: scope and black box.
 ///
 /// The slow side reads the records of the trace ring (cam_tick.h), so the interrupt does nothing
-/// for any of them; cam_machine.h is the only reader. The scope records by command, the black box
-/// is a recording of the scope that a fault triggers, and the strobe samples single ticks for a
-/// live view. Read them in this order. Context of all functions: slow side.
+/// for them; cam_machine.h is the only reader. The scope records by command, the black box is a
+/// recording of the scope that a fault triggers. Context of all functions: slow side.
 #ifndef CAM_RECORDER_H
 #define CAM_RECORDER_H
 
@@ -295,61 +294,5 @@ void cam_blackbox_keep(const cam_scope_t *s);
 /// @param n_kept  [words] at the start of the memory
 /// @return        whether a recording was restored
 bool cam_blackbox_restore(cam_scope_t *s, uint32_t n_kept);
-
-/// Strobe: samples for a live view of the following error over the angle.
-///
-///     subscription: every n-th tick -> sample -> queue -> message Strobe (cam_can.c)
-///
-/// Independent of recorder and black box. A subscription ends cam_strobe_hold_s after it was last
-/// renewed. A lost record or a full queue leaves a gap in the sample numbers.
-
-enum {
-    cam_strobe_hz = 500,      ///< [Hz] samples at most: an eighth of a bus of 500 kbit/s
-    cam_strobe_hold_s = 2,    ///< [s] for which a subscription is valid
-    cam_strobe_capacity = 16, ///< [samples] of the queue, a power of two
-};
-
-typedef struct {
-    uint32_t number;      ///< since the subscription began, including lost samples
-    uint32_t pos_q16;     ///< [turn / 2^16] master position in the sense of cutting, rounded down
-    int32_t following_nm; ///< [nm] U measured less U due
-    cam_state_t state;
-    bool is_synced; ///< the angle is known
-} cam_strobe_sample_t;
-
-/// State; zero-initialised is without a subscription.
-typedef struct {
-    uint32_t every;        ///< [ticks] between samples; 0: no subscription
-    uint32_t renewed_tick; ///< last renewal
-    uint32_t next_tick;    ///< of the next sample
-    uint32_t number;       ///< of the next sample
-    uint32_t n_lost;       ///< samples lost since the start
-    uint32_t n_in, n_out;  ///< samples queued and taken
-    cam_strobe_sample_t queue[cam_strobe_capacity];
-} cam_strobe_t;
-
-/// @return [ticks] shortest interval between samples
-uint32_t cam_strobe_least(uint32_t tick_hz);
-
-/// Start a subscription, or renew it with the same interval.
-/// @param every  [ticks] cam_strobe_least() .. tick rate; 0 ends it
-/// @param tick   newest tick; samples are later
-void cam_strobe_subscribe(cam_strobe_t *s, uint32_t every, uint32_t tick);
-
-static inline bool cam_strobe_is_on(const cam_strobe_t *s)
-{
-    return s->every != 0u;
-}
-
-/// Records come in the order of the ticks.
-void cam_strobe_take(cam_strobe_t *s, const cam_tick_record_t *r);
-
-/// End a subscription that was not renewed. @param tick  newest tick
-void cam_strobe_expire(cam_strobe_t *s, uint32_t tick, uint32_t tick_hz);
-
-/// @return NULL: none is queued
-const cam_strobe_sample_t *cam_strobe_oldest(const cam_strobe_t *s);
-
-void cam_strobe_drop(cam_strobe_t *s);
 
 #endif

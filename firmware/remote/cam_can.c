@@ -2,7 +2,6 @@
 #include "cam_remote_inner.h"
 #include "cam_machine.h" // cam_machine_wave_block
 #include "camturn.h"     // camturn_command_unpack
-#include <stddef.h>      // NULL
 
 /// Offsets of command and parameter in a frame. They are echoed even if the frame is too short.
 enum { at_command, at_parameter, n_echoed };
@@ -148,58 +147,16 @@ static bool send_flow(cam_can_t *r)
     return !r->isotp.has_flow;
 }
 
-// Samples for a live picture
-
-/// [Hz] messages while a piece of a recording is sent, which itself takes more than half of the
-/// bus.
-enum { during_reading_hz = 125 };
-
-static bool is_due(const cam_can_t *r, uint32_t tick)
-{
-    const uint32_t rate_hz =
-        r->reading.is_on ? (uint32_t)during_reading_hz : (uint32_t)cam_strobe_hz;
-    return (uint64_t)(tick - r->strobe_tick) * rate_hz >= r->machine->tick_hz;
-}
-
-/// Send a sample, at most cam_strobe_hz a second, fewer while a piece of a recording is sent. One
-/// that does not fit is tried again; meanwhile the queue of samples may overflow and drop some.
-static void send_sample(cam_can_t *r, uint32_t tick)
-{
-    enum { angle_bits = 16 };
-    cam_strobe_t *strobe = &r->machine->strobe;
-    const cam_strobe_sample_t *s = cam_strobe_oldest(strobe);
-    if (s == NULL || !is_due(r, tick)) {
-        return;
-    }
-    const struct camturn_strobe_t m = {
-        .number = (uint8_t)(s->number & 0xFFu),
-        .angle = (uint16_t)(s->pos_q16 & 0xFFFFu),
-        .turn = (uint8_t)(s->pos_q16 >> angle_bits & 0xFFu),
-        .error = cam_in_i24(s->following_nm),
-        .state = (uint8_t)s->state,
-        .is_synced = s->is_synced ? 1u : 0u,
-        .is_saturated = s->following_nm != cam_in_i24(s->following_nm) ? 1u : 0u,
-    };
-    hal_can_frame_t frame = {.id = CAMTURN_STROBE_FRAME_ID};
-    frame.n = (uint32_t)camturn_strobe_pack(frame.data, &m, sizeof frame.data);
-    if (hal_can_write(&frame)) {
-        cam_strobe_drop(strobe);
-        r->strobe_tick = tick;
-    }
-}
-
 // The loop
 
 /// @return whether a command may arrive while a piece is sent without ending it
 static bool is_allowed_while_reading(const hal_can_frame_t *frame)
 {
-    const uint8_t command = frame->n > 0u ? frame->data[at_command] : 0u;
-    return command == CAMTURN_COMMAND_COMMAND_STROBE_CHOICE ||
-           command == CAMTURN_COMMAND_COMMAND_HEARTBEAT_CHOICE;
+    return frame->n > 0u && frame->data[at_command] == CAMTURN_COMMAND_COMMAND_HEARTBEAT_CHOICE;
 }
 
-/// Take a frame. Any command but strobe and heartbeat, and any block, ends the piece of a recording
-/// that is being sent.
+/// Take a frame. Any command but heartbeat, and any block, ends the piece of a recording that is
+/// being sent.
 /// @return false when a pending message did not fit
 static bool take_frame(cam_can_t *r, const hal_can_frame_t *frame, uint32_t tick)
 {
@@ -233,12 +190,11 @@ static void continue_reading(cam_can_t *r, uint32_t tick)
 }
 
 /// Read frames until one needs an answer: at most one command or block per call.
-/// @return whether nothing waits for the transmit queue
-static bool serve(cam_can_t *r, uint32_t tick)
+static void serve(cam_can_t *r, uint32_t tick)
 {
     hal_can_frame_t frame;
     if (!send_answers(r) || !send_flow(r)) {
-        return false;
+        return;
     }
     continue_reading(r, tick);
     bool is_free = r->n_answers == 0u;
@@ -248,7 +204,7 @@ static bool serve(cam_can_t *r, uint32_t tick)
     if (is_free) { // check whether the next frame of a block is overdue
         end_block(r, cam_isotp_wait(&r->isotp, tick));
     }
-    return send_answers(r);
+    (void)send_answers(r);
 }
 
 void cam_can_init(cam_can_t *r, cam_machine_t *machine)
@@ -270,11 +226,8 @@ void cam_can_init(cam_can_t *r, cam_machine_t *machine)
 
 void cam_can_poll(cam_can_t *r)
 {
-    const bool is_idle = serve(r, cam_status_tick(r->machine->core));
+    serve(r, cam_status_tick(r->machine->core));
     const cam_status_t status = cam_machine_status(r->machine);
     cam_report_send(&r->report, &r->store, &status);
-    if (is_idle) { // a live picture waits for everything else
-        send_sample(r, status.tick);
-    }
     cam_log_text_change(&r->lines, &r->store, &status);
 }

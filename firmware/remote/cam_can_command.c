@@ -166,17 +166,6 @@ static cam_outcome_t read_scope(cam_can_t *r, const struct camturn_command_t *m,
     return (cam_outcome_t){.err = err, .is_deferred = err == cam_ok};
 }
 
-static cam_outcome_t strobe(cam_can_t *r, uint32_t every)
-{
-    cam_machine_t *machine = r->machine;
-    const cam_err_t err = cam_machine_strobe(machine, every);
-    return (cam_outcome_t){.err = err,
-                           .value = (int32_t)machine->strobe.every,
-                           .has_range = err == cam_err_param_range,
-                           .min = (int32_t)cam_strobe_least(machine->tick_hz),
-                           .max = (int32_t)machine->tick_hz};
-}
-
 // Rights
 
 static cam_outcome_t take_session(cam_can_t *r, const struct camturn_command_t *m)
@@ -248,7 +237,6 @@ typedef enum {
     X(RELEASE_SCOPE,     command,  cam_outcome(cam_machine_release(machine))) \
     X(READ_SCOPE,        none,     read_scope(r, m, false)) \
     X(READ_SCOPE_FD,     none,     read_scope(r, m, true)) \
-    X(STROBE,            none,     strobe(r, m->every)) \
     X(EXCITE,            command,  outcome_of(cam_machine_excite(machine, m->periods, m->fade))) \
     X(KEEP_ALIVE,        command,  DONE(cam_machine_keep_alive(machine))) \
     X(GET_LEARNED,       none,     get_learned(r, m->parameter, cam_ok)) \

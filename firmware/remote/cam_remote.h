@@ -10,7 +10,7 @@
 ///   sender does not have it, with cam_err_command if it is unknown. Frames with other ids are
 ///   ignored.
 /// - read_scope alone is answered later, when its data has been sent. A block, or any command but
-///   strobe and heartbeat, aborts it unanswered.
+///   heartbeat, aborts it unanswered.
 /// - Answers that do not fit the transmit queue are kept, and nothing is read until they are sent.
 /// - A silent bus also stops the commander's heartbeats: a second later the cut ends as by stop.
 /// - A table that fails its check does not keep the controller from starting. Until one is
@@ -111,7 +111,6 @@ typedef struct {
     bool is_wave;                                 ///< blocks are of a wave, not of a table
     uint8_t download_session;                     ///< that began the last download, of either kind
     cam_reading_t reading;                        ///< piece of the recording that is being sent
-    uint32_t strobe_tick;                         ///< when the last message Strobe was sent
 } cam_can_t;
 
 /// Put the table of hal_table_image() into use if it is good, and report start and table as text.

@@ -8,7 +8,6 @@
 #define CAM_REMOTE_INNER_H
 
 #include "cam_err.h"      // cam_err_t, CAM_MUST_USE
-#include "cam_fix.h"      // cam_clamp_i32
 #include "cam_machine.h"  // cam_machine_t
 #include "cam_recorder.h" // cam_scope_t
 #include "cam_remote.h"   // cam_can_t, cam_isotp_t, cam_table_store_t
@@ -18,14 +17,6 @@
 #include <stdint.h>       // int32_t, uint8_t, uint32_t
 
 struct camturn_command_t; // camturn.h
-
-enum { cam_most_u24 = (1 << 24) - 1 }; ///< largest number of the signals with 24 bits
-
-/// @return v, or the nearest number that 24 bits with a sign hold
-static inline int32_t cam_in_i24(int32_t v)
-{
-    return cam_clamp_i32(v, -cam_most_u24 / 2 - 1, cam_most_u24 / 2);
-}
 
 /// ISO-TP: receives messages of more than one frame: ISO 15765-2 with classic frames, normal
 /// addressing, one connection.

@@ -115,9 +115,17 @@ static uint8_t start_wait(const cam_machine_t *machine, const cam_status_t *stat
                                 : CAMTURN_DETAIL_START_WAIT_NONE_CHOICE;
 }
 
+enum { most_u24 = (1 << 24) - 1 }; ///< largest number of the signals with 24 bits
+
+/// @return v, or the nearest number that 24 bits with a sign hold
+static int32_t in_i24(int32_t v)
+{
+    return cam_clamp_i32(v, -most_u24 / 2 - 1, most_u24 / 2);
+}
+
 static uint32_t in_u24(uint32_t v)
 {
-    return v < (uint32_t)cam_most_u24 ? v : (uint32_t)cam_most_u24;
+    return v < (uint32_t)most_u24 ? v : (uint32_t)most_u24;
 }
 
 static bool has_bit(uint32_t mask, uint32_t bit)
@@ -150,7 +158,6 @@ static void describe_work(struct camturn_detail_t *m, const cam_report_t *r,
     m->turns_whole = (uint32_t)cam_clamp_i64(progress.whole_q32 >> turn_bits, 0, most_turns);
     m->pass_speed = in_u24(progress.mrpm / 10u);
     m->tick_time_mean = (uint16_t)tick_time(cycles, (uint32_t)per_s, UINT16_MAX);
-    m->strobe_lost = (uint16_t)machine->strobe.n_lost;
     m->commander = (uint8_t)rights.commander;
     m->take_overs = (uint8_t)rights.n_take_overs;
     m->command_losses = (uint8_t)rights.n_losses;
@@ -168,9 +175,9 @@ static void describe_values(struct camturn_detail_t *m, const cam_machine_t *mac
     m->learn_reason = (uint8_t)learning.reason;
     m->learn_harmonics = (uint8_t)learning.n_harmonics;
     m->learn_turns = learning.n_turns;
-    m->learn_masked = learning.masked & (uint32_t)cam_most_u24;
+    m->learn_masked = learning.masked & (uint32_t)most_u24;
     m->learn_error = learning.error_nm;
-    m->learn_k1 = cam_in_i24(learning.k1_ns);
+    m->learn_k1 = in_i24(learning.k1_ns);
     m->learn_k2 = learning.k2_us2;
     m->learn_begin_error = in_u24(learning.begin_error_nm);
     m->learn_correction = learning.correction_nm;
@@ -197,7 +204,7 @@ static void send_detail(uint32_t page, const cam_report_t *r, const cam_table_st
         has_table && page >= page_name ? name_part(table->name, page - page_name) : 0u;
     struct camturn_detail_t m = {
         .page = (uint8_t)page,
-        .following_error = cam_in_i24(status->following_nm),
+        .following_error = in_i24(status->following_nm),
         .z = status->z_nm,
         .is_synced = status->is_synced,
         .is_retracted = status->is_retracted,
@@ -210,7 +217,7 @@ static void send_detail(uint32_t page, const cam_report_t *r, const cam_table_st
         .tick_time_max = tick_time(load.max_cycles, 1000000000u, UINT32_MAX),
         .memory_errors = in_u24(load.n_corrected),
         // Table
-        .table_generation = has_table ? store->generation & (uint32_t)cam_most_u24 : 0u,
+        .table_generation = has_table ? store->generation & (uint32_t)most_u24 : 0u,
         .table_size = has_table ? table->image_size : 0u,
         .table_crc = has_table ? table->crc32 : 0u,
         .table_name_0 = chars,

@@ -27,7 +27,6 @@ _PHYSICAL = re.compile(
 # The names of a signal's values, or a table of values, from a C enumeration or a list.
 _TYPES = {
     "VAL_ 448 state": "cam_state_t",
-    "VAL_ 576 state": "cam_state_t",
     "VAL_ 448 reset_reason": "hal_reset_t",
     "VAL_ 1216 learn_phase": "cam_ilc_phase_t",
     "VAL_ 1216 learn_reason": "cam_ilc_reason_t",

@@ -378,13 +378,6 @@ int camturn_command_pack(
     case 58:
         break;
 
-    case 59:
-        dst_p[4] |= pack_left_shift_u32(src_p->every, 0u, 0xffu);
-        dst_p[5] |= pack_right_shift_u32(src_p->every, 8u, 0xffu);
-        dst_p[6] |= pack_right_shift_u32(src_p->every, 16u, 0xffu);
-        dst_p[7] |= pack_right_shift_u32(src_p->every, 24u, 0xffu);
-        break;
-
     case 60:
         dst_p[4] |= pack_left_shift_u32(src_p->is_take_over, 0u, 0xffu);
         dst_p[5] |= pack_right_shift_u32(src_p->is_take_over, 8u, 0xffu);
@@ -639,13 +632,6 @@ int camturn_command_unpack(
     case 58:
         break;
 
-    case 59:
-        dst_p->every = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
-        dst_p->every |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
-        dst_p->every |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
-        dst_p->every |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
-        break;
-
     case 60:
         dst_p->is_take_over = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
         dst_p->is_take_over |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
@@ -763,11 +749,6 @@ bool camturn_command_height_is_in_range(int32_t value)
 bool camturn_command_is_take_over_is_in_range(uint32_t value)
 {
     return (value <= 1u);
-}
-
-bool camturn_command_every_is_in_range(uint32_t value)
-{
-    return (value <= 100000u);
 }
 
 bool camturn_command_fade_is_in_range(uint16_t value)
@@ -1155,14 +1136,6 @@ int camturn_answer_pack(
         break;
 
     case 58:
-        value = (uint32_t)src_p->value;
-        dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
-        dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
-        dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
-        dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
-        break;
-
-    case 59:
         value = (uint32_t)src_p->value;
         dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
         dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
@@ -1582,14 +1555,6 @@ int camturn_answer_unpack(
         break;
 
     case 58:
-        value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
-        value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
-        value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
-        value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
-        dst_p->value = (int32_t)value;
-        break;
-
-    case 59:
         value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
         value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
         value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
@@ -2371,8 +2336,6 @@ int camturn_detail_pack(
         dst_p[3] |= pack_right_shift_u32(src_p->pass_speed, 16u, 0xffu);
         dst_p[4] |= pack_left_shift_u16(src_p->tick_time_mean, 0u, 0xffu);
         dst_p[5] |= pack_right_shift_u16(src_p->tick_time_mean, 8u, 0xffu);
-        dst_p[6] |= pack_left_shift_u16(src_p->strobe_lost, 0u, 0xffu);
-        dst_p[7] |= pack_right_shift_u16(src_p->strobe_lost, 8u, 0xffu);
         break;
 
     case 25:
@@ -2669,8 +2632,6 @@ int camturn_detail_unpack(
         dst_p->pass_speed |= unpack_left_shift_u32(src_p[3], 16u, 0xffu);
         dst_p->tick_time_mean = unpack_right_shift_u16(src_p[4], 0u, 0xffu);
         dst_p->tick_time_mean |= unpack_left_shift_u16(src_p[5], 8u, 0xffu);
-        dst_p->strobe_lost = unpack_right_shift_u16(src_p[6], 0u, 0xffu);
-        dst_p->strobe_lost |= unpack_left_shift_u16(src_p[7], 8u, 0xffu);
         break;
 
     case 25:
@@ -3110,13 +3071,6 @@ bool camturn_detail_acknowledge_left_is_in_range(uint8_t value)
     return (true);
 }
 
-bool camturn_detail_strobe_lost_is_in_range(uint16_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
 bool camturn_detail_level_left_is_in_range(uint16_t value)
 {
     (void)value;
@@ -3404,115 +3358,6 @@ bool camturn_recording_fd_fd_bytes_7_is_in_range(uint64_t value)
 bool camturn_recording_fd_fd_bytes_8_is_in_range(uint64_t value)
 {
     return (value <= 72057594037927936ull);
-}
-
-int camturn_strobe_pack(
-    uint8_t *dst_p,
-    const struct camturn_strobe_t *src_p,
-    size_t size)
-{
-    uint32_t error;
-
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    memset(&dst_p[0], 0, 8);
-
-    dst_p[0] |= pack_left_shift_u8(src_p->number, 0u, 0xffu);
-    dst_p[1] |= pack_left_shift_u16(src_p->angle, 0u, 0xffu);
-    dst_p[2] |= pack_right_shift_u16(src_p->angle, 8u, 0xffu);
-    dst_p[3] |= pack_left_shift_u8(src_p->turn, 0u, 0xffu);
-    error = (uint32_t)src_p->error;
-    dst_p[4] |= pack_left_shift_u32(error, 0u, 0xffu);
-    dst_p[5] |= pack_right_shift_u32(error, 8u, 0xffu);
-    dst_p[6] |= pack_right_shift_u32(error, 16u, 0xffu);
-    dst_p[7] |= pack_left_shift_u8(src_p->state, 0u, 0x0fu);
-    dst_p[7] |= pack_left_shift_u8(src_p->is_synced, 4u, 0x10u);
-    dst_p[7] |= pack_left_shift_u8(src_p->is_saturated, 5u, 0x20u);
-
-    return (8);
-}
-
-int camturn_strobe_unpack(
-    struct camturn_strobe_t *dst_p,
-    const uint8_t *src_p,
-    size_t size)
-{
-    uint32_t error;
-
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    dst_p->number = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
-    dst_p->angle = unpack_right_shift_u16(src_p[1], 0u, 0xffu);
-    dst_p->angle |= unpack_left_shift_u16(src_p[2], 8u, 0xffu);
-    dst_p->turn = unpack_right_shift_u8(src_p[3], 0u, 0xffu);
-    error = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
-    error |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
-    error |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
-
-    if ((error & (1u << 23)) != 0u) {
-        error |= 0xff000000u;
-    }
-
-    dst_p->error = (int32_t)error;
-    dst_p->state = unpack_right_shift_u8(src_p[7], 0u, 0x0fu);
-    dst_p->is_synced = unpack_right_shift_u8(src_p[7], 4u, 0x10u);
-    dst_p->is_saturated = unpack_right_shift_u8(src_p[7], 5u, 0x20u);
-
-    return (0);
-}
-
-int camturn_strobe_init(struct camturn_strobe_t *msg_p)
-{
-    if (msg_p == NULL) return -1;
-
-    memset(msg_p, 0, sizeof(struct camturn_strobe_t));
-
-    return 0;
-}
-
-bool camturn_strobe_number_is_in_range(uint8_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool camturn_strobe_angle_is_in_range(uint16_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool camturn_strobe_turn_is_in_range(uint8_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool camturn_strobe_error_is_in_range(int32_t value)
-{
-    return ((value >= -8388608) && (value <= 8388607));
-}
-
-bool camturn_strobe_state_is_in_range(uint8_t value)
-{
-    return (value <= 15u);
-}
-
-bool camturn_strobe_is_synced_is_in_range(uint8_t value)
-{
-    return (value <= 1u);
-}
-
-bool camturn_strobe_is_saturated_is_in_range(uint8_t value)
-{
-    return (value <= 1u);
 }
 
 int camturn_block_pack(

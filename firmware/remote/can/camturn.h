@@ -53,7 +53,6 @@ extern "C" {
 #define CAMTURN_DETAIL_FRAME_ID (0x4c0u)
 #define CAMTURN_RECORDING_FRAME_ID (0x440u)
 #define CAMTURN_RECORDING_FD_FRAME_ID (0x340u)
-#define CAMTURN_STROBE_FRAME_ID (0x240u)
 #define CAMTURN_BLOCK_FRAME_ID (0x6c0u)
 #define CAMTURN_BLOCK_FLOW_FRAME_ID (0x540u)
 
@@ -66,7 +65,6 @@ extern "C" {
 #define CAMTURN_DETAIL_LENGTH (8u)
 #define CAMTURN_RECORDING_LENGTH (8u)
 #define CAMTURN_RECORDING_FD_LENGTH (64u)
-#define CAMTURN_STROBE_LENGTH (8u)
 #define CAMTURN_BLOCK_LENGTH (8u)
 #define CAMTURN_BLOCK_FLOW_LENGTH (3u)
 
@@ -79,7 +77,6 @@ extern "C" {
 #define CAMTURN_DETAIL_IS_EXTENDED (0)
 #define CAMTURN_RECORDING_IS_EXTENDED (0)
 #define CAMTURN_RECORDING_FD_IS_EXTENDED (0)
-#define CAMTURN_STROBE_IS_EXTENDED (0)
 #define CAMTURN_BLOCK_IS_EXTENDED (0)
 #define CAMTURN_BLOCK_FLOW_IS_EXTENDED (0)
 
@@ -135,7 +132,6 @@ extern "C" {
 #define CAMTURN_COMMAND_COMMAND_GET_REFUSAL_CHOICE (56u)
 #define CAMTURN_COMMAND_COMMAND_READ_SCOPE_FD_CHOICE (57u)
 #define CAMTURN_COMMAND_COMMAND_RELEASE_SCOPE_CHOICE (58u)
-#define CAMTURN_COMMAND_COMMAND_STROBE_CHOICE (59u)
 #define CAMTURN_COMMAND_COMMAND_TAKE_COMMAND_CHOICE (60u)
 #define CAMTURN_COMMAND_COMMAND_RELEASE_COMMAND_CHOICE (61u)
 #define CAMTURN_COMMAND_COMMAND_HEARTBEAT_CHOICE (62u)
@@ -306,7 +302,6 @@ extern "C" {
 #define CAMTURN_ANSWER_COMMAND_GET_REFUSAL_CHOICE (56u)
 #define CAMTURN_ANSWER_COMMAND_READ_SCOPE_FD_CHOICE (57u)
 #define CAMTURN_ANSWER_COMMAND_RELEASE_SCOPE_CHOICE (58u)
-#define CAMTURN_ANSWER_COMMAND_STROBE_CHOICE (59u)
 #define CAMTURN_ANSWER_COMMAND_TAKE_COMMAND_CHOICE (60u)
 #define CAMTURN_ANSWER_COMMAND_RELEASE_COMMAND_CHOICE (61u)
 #define CAMTURN_ANSWER_COMMAND_HEARTBEAT_CHOICE (62u)
@@ -716,18 +711,6 @@ extern "C" {
 #define CAMTURN_DETAIL_ACKNOWLEDGE_NONE_CHOICE (2u)
 #define CAMTURN_DETAIL_ACKNOWLEDGE_WAIVED_CHOICE (3u)
 
-#define CAMTURN_STROBE_STATE_OFF_CHOICE (0u)
-#define CAMTURN_STROBE_STATE_HOMING_CHOICE (1u)
-#define CAMTURN_STROBE_STATE_READY_CHOICE (2u)
-#define CAMTURN_STROBE_STATE_ENGAGING_CHOICE (3u)
-#define CAMTURN_STROBE_STATE_CUTTING_CHOICE (4u)
-#define CAMTURN_STROBE_STATE_DISENGAGING_CHOICE (5u)
-#define CAMTURN_STROBE_STATE_FAULT_CHOICE (6u)
-#define CAMTURN_STROBE_STATE_REHEARSING_CHOICE (7u)
-#define CAMTURN_STROBE_STATE_IDENTIFYING_CHOICE (8u)
-#define CAMTURN_STROBE_STATE_MANUAL_CHOICE (9u)
-#define CAMTURN_STROBE_STATE_HOLDING_CHOICE (10u)
-
 /* Frame Names. */
 #define CAMTURN_COMMAND_NAME "Command"
 #define CAMTURN_ANSWER_NAME "Answer"
@@ -737,7 +720,6 @@ extern "C" {
 #define CAMTURN_DETAIL_NAME "Detail"
 #define CAMTURN_RECORDING_NAME "Recording"
 #define CAMTURN_RECORDING_FD_NAME "RecordingFd"
-#define CAMTURN_STROBE_NAME "Strobe"
 #define CAMTURN_BLOCK_NAME "Block"
 #define CAMTURN_BLOCK_FLOW_NAME "BlockFlow"
 
@@ -757,7 +739,6 @@ extern "C" {
 #define CAMTURN_COMMAND_DIAMETER_NAME "diameter"
 #define CAMTURN_COMMAND_HEIGHT_NAME "height"
 #define CAMTURN_COMMAND_IS_TAKE_OVER_NAME "is_take_over"
-#define CAMTURN_COMMAND_EVERY_NAME "every"
 #define CAMTURN_COMMAND_FADE_NAME "fade"
 #define CAMTURN_COMMAND_COUNT_NAME "count"
 #define CAMTURN_ANSWER_COMMAND_NAME "command"
@@ -871,7 +852,6 @@ extern "C" {
 #define CAMTURN_DETAIL_TURNS_WHOLE_NAME "turns_whole"
 #define CAMTURN_DETAIL_ACKNOWLEDGE_NAME "acknowledge"
 #define CAMTURN_DETAIL_ACKNOWLEDGE_LEFT_NAME "acknowledge_left"
-#define CAMTURN_DETAIL_STROBE_LOST_NAME "strobe_lost"
 #define CAMTURN_DETAIL_LEVEL_LEFT_NAME "level_left"
 #define CAMTURN_RECORDING_PART_NAME "part"
 #define CAMTURN_RECORDING_BYTES_NAME "bytes"
@@ -885,13 +865,6 @@ extern "C" {
 #define CAMTURN_RECORDING_FD_FD_BYTES_6_NAME "fd_bytes_6"
 #define CAMTURN_RECORDING_FD_FD_BYTES_7_NAME "fd_bytes_7"
 #define CAMTURN_RECORDING_FD_FD_BYTES_8_NAME "fd_bytes_8"
-#define CAMTURN_STROBE_NUMBER_NAME "number"
-#define CAMTURN_STROBE_ANGLE_NAME "angle"
-#define CAMTURN_STROBE_TURN_NAME "turn"
-#define CAMTURN_STROBE_ERROR_NAME "error"
-#define CAMTURN_STROBE_STATE_NAME "state"
-#define CAMTURN_STROBE_IS_SYNCED_NAME "is_synced"
-#define CAMTURN_STROBE_IS_SATURATED_NAME "is_saturated"
 #define CAMTURN_BLOCK_ISOTP_NAME "isotp"
 #define CAMTURN_BLOCK_FLOW_ISOTP_FLOW_NAME "isotp_flow"
 
@@ -1035,15 +1008,6 @@ struct camturn_command_t {
      * Offset: 0
      */
     uint32_t is_take_over;
-
-    /**
-     * Distance between two messages Strobe, from 1/500 s to 1 s, valid for 2 s; 0: end.
-     *
-     * Range: 0..100000 (0..100000 tick)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint32_t every;
 
     /**
      * Time over which the gain rises and falls.
@@ -2050,15 +2014,6 @@ struct camturn_detail_t {
     uint8_t acknowledge_left;
 
     /**
-     * Samples without a message Strobe since the start; wraps.
-     *
-     * Range: 0..65535 (0..65535 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint16_t strobe_lost;
-
-    /**
      * Time after which the level is locked again; 0: it is locked.
      *
      * Range: 0..65535 (0..65535 s)
@@ -2172,76 +2127,6 @@ struct camturn_recording_fd_t {
      * Offset: 0
      */
     uint64_t fd_bytes_8;
-};
-
-/**
- * Signals in message Strobe.
- *
- * Sample of a single tick, while somebody requests it by strobe. At most 500 a second.
- *
- * All signal values are as on the CAN bus.
- */
-struct camturn_strobe_t {
-    /**
-     * Number of the sample since strobe began; a gap shows lost samples.
-     *
-     * Range: 0..255 (0..255 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint8_t number;
-
-    /**
-     * In the sense of cutting, rounded down, as angle_q32 of a recording.
-     *
-     * Range: 0..65536 (0..1 turn)
-     * Scale: 1.52587890625e-05
-     * Offset: 0
-     */
-    uint16_t angle;
-
-    /**
-     * Lowest bits of the whole turns of the master position.
-     *
-     * Range: 0..255 (0..255 turn)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint8_t turn;
-
-    /**
-     * Following error: measured U minus the set-point of lead_ns ago; saturated.
-     *
-     * Range: -8388608..8388607 (-8.38861..8.38861 mm)
-     * Scale: 1e-06
-     * Offset: 0
-     */
-    int32_t error;
-
-    /**
-     * Range: 0..15 (0..15 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint8_t state;
-
-    /**
-     * The angle is known.
-     *
-     * Range: 0..1 (0..1 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint8_t is_synced;
-
-    /**
-     * The error exceeds the range of its signal.
-     *
-     * Range: 0..1 (0..1 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint8_t is_saturated;
 };
 
 /**
@@ -2447,15 +2332,6 @@ bool camturn_command_height_is_in_range(int32_t value);
  * @return true if in range, false otherwise.
  */
 bool camturn_command_is_take_over_is_in_range(uint32_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool camturn_command_every_is_in_range(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3666,15 +3542,6 @@ bool camturn_detail_acknowledge_left_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool camturn_detail_strobe_lost_is_in_range(uint16_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
 bool camturn_detail_level_left_is_in_range(uint16_t value);
 
 /**
@@ -3858,106 +3725,6 @@ bool camturn_recording_fd_fd_bytes_7_is_in_range(uint64_t value);
  * @return true if in range, false otherwise.
  */
 bool camturn_recording_fd_fd_bytes_8_is_in_range(uint64_t value);
-
-/**
- * Pack message Strobe.
- *
- * @param[out] dst_p Buffer to pack the message into.
- * @param[in] src_p Data to pack.
- * @param[in] size Size of dst_p.
- *
- * @return Size of packed data, or negative error code.
- */
-int camturn_strobe_pack(
-    uint8_t *dst_p,
-    const struct camturn_strobe_t *src_p,
-    size_t size);
-
-/**
- * Unpack message Strobe.
- *
- * @param[out] dst_p Object to unpack the message into.
- * @param[in] src_p Message to unpack.
- * @param[in] size Size of src_p.
- *
- * @return zero(0) or negative error code.
- */
-int camturn_strobe_unpack(
-    struct camturn_strobe_t *dst_p,
-    const uint8_t *src_p,
-    size_t size);
-
-/**
- * Init message fields to default values from Strobe.
- *
- * @param[in] msg_p Message to init.
- *
- * @return zero(0) on success or (-1) in case of nullptr argument.
- */
-int camturn_strobe_init(struct camturn_strobe_t *msg_p);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool camturn_strobe_number_is_in_range(uint8_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool camturn_strobe_angle_is_in_range(uint16_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool camturn_strobe_turn_is_in_range(uint8_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool camturn_strobe_error_is_in_range(int32_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool camturn_strobe_state_is_in_range(uint8_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool camturn_strobe_is_synced_is_in_range(uint8_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool camturn_strobe_is_saturated_is_in_range(uint8_t value);
 
 /**
  * Pack message Block.

@@ -9,7 +9,6 @@ from camtools.link import scope
 from camtools.link.controller import Link
 from camtools.link.messages import ANSWER, DATABASE, NUMBERS, Refused
 from camtools.link.refusal_text import ask_done
-from camtools.link.strobe import Strobe
 
 DETAIL = DATABASE.get_message_by_name("Detail").frame_id
 LAST_PAGE = 22
@@ -68,7 +67,6 @@ def test_a_command_that_is_not_known_tells_the_remedy(link: Link) -> None:
     assert NUMBERS["result"]["command"] == int.from_bytes(UNKNOWN, "little", signed=True)
     for order in (
         lambda: ask_done(link, "home"),
-        lambda: Strobe(link).begin(40),
         lambda: scope.start(link),
     ):
         with pytest.raises(Refused, match="the controller is older than this program"):

@@ -5,9 +5,9 @@ import itertools
 import pytest
 
 from camtools.link.controller import Link
+from camtools.link.lessons import Convergence
 from camtools.link.messages import NUMBERS
 from camtools.link.status_text import cut_progress, tick_load
-from camtools.link.strobe import Convergence
 
 CUT = {"has_end": 1.0, "turns_left": 300.0, "turns_whole": 400.0, "pass_speed": 600.0}
 

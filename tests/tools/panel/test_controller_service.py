@@ -237,13 +237,6 @@ def test_parameters_are_read_set_saved_loaded_and_kept(seat: Seat) -> None:
     assert seat.do("defaults").startswith("defaults: done")
 
 
-def test_the_strobe_is_asked_for_while_a_page_looks(seat: Seat) -> None:
-    """Samples come after the first look."""
-    seat.do("home")
-    seat.wait_for("ready")
-    until(lambda: len(seat.service.strobe().tick) > 50)
-
-
 def test_a_controller_that_falls_silent_is_seen_and_comes_back(
     request: pytest.FixtureRequest,
 ) -> None:

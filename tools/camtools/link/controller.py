@@ -27,12 +27,10 @@ _STATUS = {
     _MESSAGES[one].frame_id: _MESSAGES[one] for one in ("State", "Spindle", "AxisU", "Detail")
 }
 WANTED = {signal.name for message in _STATUS.values() for signal in message.signals}
-BLOCK_ID, FLOW_ID, PART_ID, FD_PART_ID, STROBE_ID = (
-    _MESSAGES[name].frame_id
-    for name in ("Block", "BlockFlow", "Recording", "RecordingFd", "Strobe")
+BLOCK_ID, FLOW_ID, PART_ID, FD_PART_ID = (
+    _MESSAGES[name].frame_id for name in ("Block", "BlockFlow", "Recording", "RecordingFd")
 )
 _PART_BYTES = {PART_ID: 8, FD_PART_ID: 64}
-_STROBE_BYTES = 8
 
 DBC_NODE = 64  # the node whose identifiers the DBC has
 ANSWER_S = 1.0
@@ -81,10 +79,9 @@ class Link:
     bus: open; where: how the user named the bus, for messages; node: number of the controller, 1 ..
     127; identifiers here are those of node 64, as in the DBC. status: newest that came; on_row:
     called with the status whenever a set of its messages is complete; on_wait: called before each
-    frame is waited for; what it raises ends what runs, as a signal would; on_strobe: called with
-    the bytes of every message Strobe (link/strobe.py); is_fd: whether the bus was opened for frames
-    of CAN FD; rights: whether this link commands; its heartbeats are sent while frames are waited
-    for.
+    frame is waited for; what it raises ends what runs, as a signal would; is_fd: whether the
+    bus was opened for frames of CAN FD; rights: whether this link commands; its heartbeats are sent
+    while frames are waited for.
     """
 
     def __init__(self, bus: can.BusABC, where: str, node: int = DBC_NODE) -> None:
@@ -95,7 +92,6 @@ class Link:
         self.status = Status()
         self.on_row: Callable[[Status], None] = lambda status: None
         self.on_wait: Callable[[], None] = lambda: None
-        self.on_strobe: Callable[[bytes], None] = lambda data: None
         self._answers: deque[can.Message] = deque()
         self.flows: deque[can.Message] = deque()
         self.parts: deque[bytes] = deque(maxlen=256)
@@ -126,8 +122,6 @@ class Link:
                 self._answers.append(frame)
         elif len(frame.data) == _PART_BYTES.get(identifier):
             self.parts.append(bytes(frame.data))
-        elif identifier == STROBE_ID and len(frame.data) == _STROBE_BYTES:
-            self.on_strobe(bytes(frame.data))
         elif identifier == FLOW_ID:
             self.flows.append(_frame(identifier, bytes(frame.data)))
         elif (message := _STATUS.get(identifier)) and len(frame.data) == message.length:

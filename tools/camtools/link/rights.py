@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 BEAT_S, BEAT_ROWS = 0.25, 25  # between heartbeats, by the clock and by the controller's status
 LOSS_S = 1.0  # after so long without one command is lost
 _PROGRAMS = ("camctl", "panel")
-_FREE = ("stop", "strobe", "take_command")  # and reading: whoever asks
+_FREE = ("stop", "take_command")  # and reading: whoever asks
 _BUSY_S = 0.1
 _KEY_S = 0.5  # in which a key counts that is turned at the sight of a new commander
 

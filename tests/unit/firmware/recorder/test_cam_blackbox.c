@@ -227,6 +227,14 @@ static void test_a_full_ring_is_taken_at_once(void)
     TEST_ASSERT_FALSE(cam_trace_pop(&rig.machine.core->trace, &rig.last));
 }
 
+static void test_an_idle_recorder_leaves_the_ring_alone(void)
+{
+    rig.machine.has_box = false;
+    hal_host_tick();
+    cam_machine_scope_poll(&rig.machine);
+    TEST_ASSERT_TRUE(cam_trace_pop(&rig.machine.core->trace, &rig.last));
+}
+
 /// A wave leaves the box what is behind it, and goes with the release.
 static void test_a_wave_takes_its_share(void)
 {

@@ -23,13 +23,13 @@ static hal_can_frame_t page(void)
 
 static bool is_for_all(uint8_t command)
 {
-    static const uint8_t all[] = {4, 7, 9, 10, 20, 23, 28, 37, 46, 56, 57, 59, 60};
+    static const uint8_t all[] = {4, 7, 9, 10, 20, 23, 28, 37, 46, 56, 57, 60};
     return memchr(all, command, sizeof all) != NULL;
 }
 
 static void test_of_another_sender_only_reading_and_stop_are_obeyed(void)
 {
-    static const uint8_t gaps[] = {11, 12, 13, 14, 36, 38, 39, 42, 43, 44, 47, 48, 49, 63, 64};
+    static const uint8_t gaps[] = {11, 12, 13, 14, 36, 38, 39, 42, 43, 44, 47, 48, 49, 59, 63, 64};
     const struct {
         uint8_t sender, session;
     } strangers[] = {{0, 0}, {other, 0}, {other, session}, {me, 0}, {me, (uint8_t)(session + 1u)}};

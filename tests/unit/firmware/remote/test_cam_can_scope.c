@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recorder, excitation, learned values and samples of single ticks over CAN; pieces of a recording
-// on a bus that is full, the pace of samples, and what goes first.
+// Recorder, excitation and learned values over CAN; pieces of a recording on a bus that is full.
 #include "cam_remote_inner.h" // cam_reading_hz
 #include "can_bench.h"
 #include <string.h> // memcpy
 
-enum { n_rows = 300, most_bytes = 256 * 63, tick_hz = 20000, n_log = 4100, n_kept = 600 };
+enum { n_rows = 300, most_bytes = 256 * 63, tick_hz = 20000 };
 
 static uint8_t piece[most_bytes];
-static uint32_t n_piece;               ///< bytes
-static uint32_t n_seen;                ///< frames of the port that were looked at
-static hal_can_frame_t last;           ///< answer to read_scope
-static cam_tick_record_t ticks[n_log]; ///< records of the ticks
-static hal_can_frame_t sent[n_kept];   ///< messages Strobe
-static uint32_t sent_tick[n_kept];     ///< when each was sent
-static uint32_t n_sent, n_status, n_answers;
+static uint32_t n_piece;     ///< bytes
+static uint32_t n_seen;      ///< frames of the port that were looked at
+static hal_can_frame_t last; ///< answer to read_scope
 
 /// Look at every frame that was sent since the last call.
 static void look(void)
@@ -27,14 +22,9 @@ static void look(void)
             TEST_ASSERT_EQUAL_UINT32(1u + part, frame->n);
             memcpy(piece + n_piece, &frame->data[1], part);
             n_piece += part;
-        } else if (frame->id == 0x240u) {
-            sent[n_sent] = *frame;
-            sent_tick[n_sent++] = fixture_rig_status(&f.rig).tick;
-        } else if (frame->id == 0x5C0u) {
-            n_answers++;
-            last = frame->data[0] == read_scope || frame->data[0] == read_scope_fd ? *frame : last;
-        } else {
-            n_status++;
+        } else if (frame->id == 0x5C0u &&
+                   (frame->data[0] == read_scope || frame->data[0] == read_scope_fd)) {
+            last = *frame;
         }
     }
 }
@@ -43,22 +33,16 @@ static void look(void)
 static void forget(void)
 {
     n_seen = hal_host.slow.n_sent;
-    n_piece = n_sent = n_status = n_answers = 0;
+    n_piece = 0;
     last = (hal_can_frame_t){0};
 }
 
-/// Ticks, each with a round of the main loop, after which the frames are looked at; in long waits
-/// the main loop is slower than the ticks.
+/// Ticks, each with a round of the main loop, after which the frames are looked at.
 static void go_on(uint32_t n)
 {
-    const uint32_t every = n < 10000u ? 1u : 8u;
     for (uint32_t i = 0; i < n; i++) {
-        if (i % every == 0u) {
-            fixture_can_loop(&f, 1);
-            look();
-        } else {
-            fixture_rig_tick(&f.rig);
-        }
+        fixture_can_loop(&f, 1);
+        look();
     }
 }
 
@@ -284,158 +268,4 @@ static void test_a_sign_of_life_is_taken(void)
     expect_answer(cam_ok, 0, keep_alive, 3, 0);
     TEST_ASSERT_UINT32_WITHIN(2, fixture_rig_status(&f.rig).tick,
                               f.rig.machine.identify.alive_tick);
-}
-
-// Samples of single ticks
-
-/// Ask for a sample of every so many ticks.
-static void sample(int32_t every)
-{
-    expect_answer(cam_ok, every, strobe, 0, every);
-}
-
-static void test_frames_are_the_records_of_their_ticks(void)
-{
-    f.rig.log = ticks;
-    f.rig.log_capacity = n_log;
-    f.rig.lathe.error_nm[hal_axis_u] = -4321;
-    TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_cutting));
-    f.rig.n_log = 0;
-    forget();
-    sample(47);
-    const uint32_t first = (uint32_t)(f.rig.n_log - 1u);
-    go_on(4000);
-    TEST_ASSERT_GREATER_THAN_UINT32(80, n_sent);
-    for (uint32_t i = 0; i < n_sent; i++) {
-        const cam_tick_record_t *r = &ticks[first + 47u * i];
-        const uint64_t pos_q32 = (uint64_t)r->angle.pos_q32;
-        TEST_ASSERT_EQUAL_UINT32(8, sent[i].n);
-        TEST_ASSERT_EQUAL_UINT8(i, sent[i].data[0]);
-        TEST_ASSERT_EQUAL_HEX32(pos_q32 >> 16 & 0xFFFFFFu,
-                                (uint32_t)fixture_can_i32(&sent[i], 0) >> 8);
-        const int32_t nm = (int32_t)((uint32_t)fixture_can_i32(&sent[i], 4) << 8) >> 8;
-        TEST_ASSERT_EQUAL_INT32(r->in.actual_nm[hal_axis_u] - (r->want.u_due_q6 >> 6), nm);
-        TEST_ASSERT_LESS_THAN_INT32(-1000, nm);
-        TEST_ASSERT_EQUAL_HEX8((uint32_t)r->want.state | 0x10u, sent[i].data[7]);
-    }
-    TEST_ASSERT_GREATER_THAN_UINT8(sent[0].data[3], sent[n_sent - 1u].data[3]); // whole turns
-}
-
-static void test_a_large_error_is_saturated_and_marked(void)
-{
-    static const struct {
-        int32_t error_nm, sent_nm;
-        uint8_t bits;
-    } cases[] = {{8388607, 8388607, 0},   {8388608, 8388607, 0x20},   {INT32_MAX, 8388607, 0x20},
-                 {-8388608, -8388608, 0}, {-8388609, -8388608, 0x20}, {INT32_MIN, -8388608, 0x20}};
-    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        cam_tick_record_t r = {.want.state = cam_state_fault};
-        r.in.actual_nm[hal_axis_u] = cases[i].error_nm;
-        fixture_rig_ticks(&f.rig, 40);
-        sample(0);
-        sample(40);
-        r.tick = f.rig.machine.strobe.next_tick;
-        cam_strobe_take(&f.rig.machine.strobe, &r);
-        cam_can_poll(&f.can); // the sample of the tick after the command
-        fixture_rig_ticks(&f.rig, 40);
-        cam_can_poll(&f.can);
-        const hal_can_frame_t frame = fixture_can_sent(0x240);
-        TEST_ASSERT_EQUAL_INT32(cases[i].sent_nm,
-                                (int32_t)((uint32_t)fixture_can_i32(&frame, 4) << 8) >> 8);
-        TEST_ASSERT_EQUAL_HEX8((uint32_t)cam_state_fault | cases[i].bits, frame.data[7]);
-    }
-}
-
-static void test_a_distance_out_of_range_is_answered_with_the_range(void)
-{
-    static const int32_t bad[] = {1, 39, 20001, INT32_MAX, -1, INT32_MIN};
-    for (uint32_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        forget();
-        expect_answer(cam_err_param_range, 0, strobe, 0, bad[i]);
-        go_on(2);
-        TEST_ASSERT_EQUAL_UINT32(3, n_answers);
-    }
-    TEST_ASSERT_EQUAL_UINT32(get_maximum, last_answer().command);
-    TEST_ASSERT_EQUAL_INT32(tick_hz, last_answer().value);
-    go_on(200);
-    TEST_ASSERT_EQUAL_UINT32(0, n_sent);
-    sample(tick_hz);
-    sample(40);
-    expect_answer(cam_err_param_range, 40, strobe, 0, 39);
-    TEST_ASSERT_EQUAL_UINT32(40, f.rig.machine.strobe.every); // a refusal changes nothing
-}
-
-/// The status comes as before; test_cam_strobe.c renews the samples.
-static void test_samples_end_after_two_seconds(void)
-{
-    forget();
-    sample(80);
-    go_on(20000);
-    TEST_ASSERT_UINT32_WITHIN(1, 250, n_sent);
-    TEST_ASSERT_UINT32_WITHIN(5, 500, n_status);
-    go_on(19900);
-    TEST_ASSERT_UINT32_WITHIN(2, 499, n_sent);
-    const uint32_t n = n_sent;
-    go_on(10000);
-    TEST_ASSERT_UINT32_WITHIN(1, n, n_sent);
-}
-
-/// Whatever rounds the main loop makes, no two messages are nearer than 2 ms, and each sample is
-/// sent or missing in the numbers.
-static void test_the_pace_is_kept_when_the_main_loop_dawdles(void)
-{
-    static const uint32_t dawdle[] = {1, 250, 3, 90, 17, 400, 1, 1, 33};
-    forget();
-    sample(40);
-    for (uint32_t i = 0; i < 90u; i++) {
-        fixture_rig_ticks(&f.rig, dawdle[i % 9u]);
-        go_on(2);
-    }
-    go_on(1200);
-    TEST_ASSERT_GREATER_THAN_UINT32(60, n_sent);
-    for (uint32_t i = 1; i < n_sent; i++) {
-        TEST_ASSERT_GREATER_OR_EQUAL_UINT32(40, sent_tick[i] - sent_tick[i - 1u]);
-        TEST_ASSERT_NOT_EQUAL(sent[i - 1u].data[0], sent[i].data[0]);
-    }
-    const cam_strobe_t *s = &f.rig.machine.strobe;
-    TEST_ASSERT_EQUAL_UINT32(s->number, n_sent + s->n_lost + (s->n_in - s->n_out));
-}
-
-/// With room for one frame, answers and status get it.
-static void test_everything_else_goes_first(void)
-{
-    sample(40);
-    forget();
-    hal_host.slow.n_room = 0;
-    go_on(400);
-    TEST_ASSERT_EQUAL_UINT32(0, n_sent);
-    fixture_can_receive(0x640, 8, get_position, 0, 0);
-    go_on(1);
-    hal_host.slow.n_room = 1;
-    go_on(1);
-    TEST_ASSERT_EQUAL_UINT32(0, n_sent);
-    TEST_ASSERT_EQUAL_UINT32(1, n_answers);
-    hal_host.slow.n_room = 100000;
-    go_on(400);
-    TEST_ASSERT_GREATER_THAN_UINT32(5, n_sent);
-    TEST_ASSERT_EQUAL_UINT32(0, f.rig.machine.strobe.n_lost); // the queue bridged it
-}
-
-/// A renewal does not end it.
-static void test_a_piece_of_a_recording_takes_as_long_as_ever(void)
-{
-    record();
-    const uint32_t n = ask_by(read_scope, 0, 255);
-    sample(40);
-    TEST_ASSERT_EQUAL_UINT32(n, ask_by(read_scope, 0, 255));
-    TEST_ASSERT_UINT32_WITHIN(2, n / 160u, n_sent); // 125 a second
-    for (uint32_t i = 2; i + 1u < n_sent; i++) {    // to the end of the piece
-        TEST_ASSERT_EQUAL_UINT32(160, sent_tick[i] - sent_tick[i - 1u]);
-    }
-    forget();
-    fixture_can_receive(0x640, 8, read_scope, 0, (int32_t)(255u << 24));
-    go_on(300);
-    sample(40);
-    go_on(1800);
-    TEST_ASSERT_EQUAL_UINT32(146 * 7, n_piece);
 }

@@ -230,7 +230,6 @@ static void test_signals_are_the_values_they_are_named_for(void)
     m->scope.use = cam_scope_box;
     m->scope.phase = cam_scope_recording;
     m->scope.ring.faults = 0x87654321u;
-    m->strobe.n_lost = 0x5ABCDu;
     m->rights.commander = 200;
     m->rights.n_take_overs = 0x1A5u;
     m->rights.n_losses = 0x2C3u;
@@ -272,7 +271,6 @@ static void test_signals_are_the_values_they_are_named_for(void)
         {cam_scope_box, 22, 8, 8},
         {cam_scope_recording, 22, 16, 8},
         {0x87654321u, 22, 32, 32},
-        {0xABCD, 24, 48, 16},
         {200, 25, 8, 8},
         {0xA5, 25, 16, 8},
         {0xC3, 25, 24, 8},

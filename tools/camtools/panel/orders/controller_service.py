@@ -1,8 +1,8 @@
 """The service: pages ask it for what the controller does, and give it orders.
 
-`snapshot()`, `strobe()`, `lessons()`, `parameters()` and `tuned()` never wait and may be called by
-every page as often as it draws. `do()` judges each order by the visitor who gives it, whatever
-buttons his page shows: the rights are here and nowhere else. Every order and its outcome is logged.
+`snapshot()`, `lessons()`, `parameters()` and `tuned()` never wait and may be called by every page
+as often as it draws. `do()` judges each order by the visitor who gives it, whatever buttons his
+page shows: the rights are here and nowhere else. Every order and its outcome is logged.
 
 >>> _told({"image": b"123456789", "name": "a part"})
 {'image': '9 bytes, CRC-32 cbf43926', 'name': "'a part'"}
@@ -38,8 +38,8 @@ class ControllerService:
         self._presses, self._tuner = Presses(), LoopTuner()
         thread = LinkThread(open_link, lambda: bool(commander.holder), commander.lose_on_bus)
         self._thread = thread
-        self.snapshot, self.strobe = thread.snapshot, thread.samples
-        self.lessons, self.parameters = thread.lessons, thread.parameters
+        self.snapshot, self.lessons = thread.snapshot, thread.lessons
+        self.parameters = thread.parameters
 
     def tuned(self) -> Tuned | None:
         """Return what the newest measurement of U shows, None where there is none; never waits."""

@@ -24,20 +24,14 @@ from typing import Any
 from camtools.base.errors import CamtoolsError
 from camtools.link.controller import SILENT_S, Link, Status
 from camtools.link.kept_values import INFOS
+from camtools.link.lessons import Convergence, Lessons
 from camtools.link.messages import NUMBERS, Refused
 from camtools.link.refusal_text import ask_done
 from camtools.link.rights import CommandHeld, May, sender_of
-from camtools.link.strobe import Convergence, Lessons, Samples, Strobe
 from camtools.panel.orders.commander import Visitor
 from camtools.panel.orders.execute_order import ACTIONS
 from camtools.panel.orders.order import Outcome
-from camtools.panel.orders.snapshot import (
-    NO_SAMPLES,
-    SILENT,
-    ParameterSet,
-    Snapshot,
-    parameter_set,
-)
+from camtools.panel.orders.snapshot import SILENT, ParameterSet, Snapshot, parameter_set
 
 LOOK_S = 0.02  # longest wait before the next job is looked for
 SHOW_S = 0.05  # between two snapshots
@@ -46,7 +40,6 @@ AGAIN_S = 1.0
 TAKE_S = 0.5  # between two tries to take command that another has
 PATIENCE_S = 2.0  # longest time that a job waits for its turn
 WATCHED_S = 2.0  # how long a page that asked for something is taken to look at it
-FOLLOW_S = 0.1
 PARAMETERS_AT_ONCE = 10
 NOT_HEARD = "the controller does not answer; use the emergency stop at the machine"
 OpenLink = Callable[[], Link]
@@ -102,11 +95,8 @@ class LinkThread:
         self._is_breaking = False
         self._running: Job | None = None
         self._shown_s = 0.0
-        self._strobe: Strobe | None = None
         self._convergence = Convergence()
-        self._strobe_again_s = 0.0
-        self._strobe_asked_s = self._parameters_asked_s = -1e9
-        self._followed_s = 0.0
+        self._parameters_asked_s = -1e9
         self._parameters: ParameterSet | None = None
         self._partial: dict[str, int] = {}
         self._is_over = threading.Event()
@@ -122,15 +112,6 @@ class LinkThread:
             problem = f"{newest.where}: the controller does not answer; check its power and the bus"
             return replace(newest, is_connected=False, state="unknown", problem=problem)
         return replace(newest, work=self._work, has_command=self._has_command)
-
-    def samples(self) -> Samples:
-        """Return the following error at single ticks of the last turns.
-
-        The controller sends them only while this is called at least every two seconds.
-        """
-        self._strobe_asked_s = time.monotonic()
-        strobe = self._strobe
-        return strobe.samples() if strobe is not None else NO_SAMPLES
 
     def lessons(self) -> Lessons:
         """Return how the error fell while the controller learned, as far as the status told."""
@@ -178,7 +159,7 @@ class LinkThread:
 
     def _end(self, link: Link) -> None:
         self._give_back(link)
-        self._work, self._parameters, self._strobe = "", None, None
+        self._work, self._parameters = "", None
         self._partial.clear()
         link.on_wait = lambda: None
         self._drop_all()
@@ -197,7 +178,6 @@ class LinkThread:
         self._begin_rights(link)
         with suppress(_Overtaken):
             link.listen()
-        self._strobe_again_s = 0.0
         while not self._is_over.is_set():
             self._is_breaking = bool(self._urgent)
             with suppress(_Overtaken):
@@ -234,8 +214,6 @@ class LinkThread:
 
     def _show(self, link: Link, status: Status) -> None:
         now_s = time.monotonic()
-        if self._strobe is not None and now_s - self._strobe_asked_s < WATCHED_S:
-            self._strobe.renew()
         if now_s - self._shown_s >= SHOW_S:
             self._shown_s = now_s
             self._snapshot = Snapshot(
@@ -313,28 +291,11 @@ class LinkThread:
 
     def _look_after(self, link: Link) -> None:
         """Do what pages that look want to see, a little at a time."""
-        now_s = time.monotonic()
         with suppress(Refused):
             self._look_after_command(link)
-        self._look_after_strobe(link, now_s)
-        if now_s - self._parameters_asked_s < WATCHED_S:
+        if time.monotonic() - self._parameters_asked_s < WATCHED_S:
             with suppress(Refused):
                 self._read_parameters(link)
-
-    def _look_after_strobe(self, link: Link, now_s: float) -> None:
-        is_wanted = now_s - self._strobe_asked_s < WATCHED_S and now_s > self._strobe_again_s
-        if is_wanted and now_s - self._followed_s > FOLLOW_S:
-            self._followed_s = now_s
-            try:
-                if self._strobe is None:
-                    self._strobe = Strobe(link)
-                self._strobe.follow()
-            except Refused:  # a controller without them, or one that has no time for them
-                self._strobe_again_s = now_s + GONE_S
-        elif not is_wanted and self._strobe is not None:
-            strobe, self._strobe = self._strobe, None
-            with suppress(Refused):
-                strobe.end()
 
     def _read_parameters(self, link: Link) -> None:
         known = self._parameters

@@ -8,12 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-import numpy as np
-
 from camtools.link.controller import Status
 from camtools.link.kept_values import checksum, parse, text_of
 from camtools.link.status_text import kept_text
-from camtools.link.strobe import Samples
 
 
 @dataclass(frozen=True)
@@ -34,8 +31,6 @@ class Snapshot:
 
 
 SILENT = Snapshot()
-_NONE = np.zeros(0, np.int64)
-NO_SAMPLES = Samples(_NONE, _NONE, np.zeros(0), np.zeros(0), _NONE, _NONE > 0, _NONE > 0, 0)
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,14 @@
 """The operator's page, "/", and its keys."""
 
+from contextlib import suppress
+
 from nicegui import ui
 from nicegui.events import GenericEventArguments, KeyEventArguments
 
 from camtools.panel.context import AppContext
 from camtools.panel.operate.command_card import AdjustCard, CommandCard
-from camtools.panel.operate.error_card import ErrorCard, LearningCard
 from camtools.panel.operate.hand_card import HandCard
+from camtools.panel.operate.learning_card import LearningCard
 from camtools.panel.operate.order_buttons import Orders
 from camtools.panel.operate.params_card import ForceDriveCard, ParamsCard
 from camtools.panel.operate.status_cards import (
@@ -62,8 +64,9 @@ class Help:
 
 
 _LOST = "The server of the panel does not answer: all values here are old."
-FAST_S, SLOW_S = 0.08, 0.5  # between two updates of numbers and charts, and of the rest
+FAST_S, SLOW_S = 0.08, 0.5  # between two updates of numbers, and of the rest
 UNSEEN_S = 2.0  # of a page whose tab is hidden
+_TAKEN_S = 5.0  # longest time for which a page is waited for that does not say it has an update
 
 
 class OperatePage:
@@ -91,13 +94,12 @@ class OperatePage:
             with ui.element("div").classes("op-column"):
                 self._guide = GuideCard()
                 self._commands = CommandCard(self._orders)
-                self._adjust = AdjustCard(self._orders)
-            with ui.element("div").classes("op-column op-right"):
+            with ui.element("div").classes("op-column"):
                 self._figures = FiguresCard()
                 self._progress = ProgressCard()
+            with ui.element("div").classes("op-column"):
+                self._adjust = AdjustCard(self._orders)
                 self._learning = LearningCard()
-            with ui.element("div").classes("op-column op-middle"):
-                self._error = ErrorCard()
 
     def _draw_second(self) -> None:
         with ui.element("div").classes("op-columns op-below"):
@@ -127,12 +129,16 @@ class OperatePage:
             await self._commands.by_key(str(event.key))
 
     def _seen(self, event: GenericEventArguments) -> None:
-        """Send little to a tab that nobody sees, and everything anew to one that is seen again."""
+        """Send little to a tab that nobody sees."""
         self._is_seen = not isinstance(event.args, dict) or event.args.get("is_seen") is not False
         self._fast.interval = FAST_S if self._is_seen else UNSEEN_S
-        self._error.forget()
 
     async def _show_fast(self) -> None:
+        """Show the newest, and wait until the page has taken it.
+
+        A browser that cannot keep up thus gets fewer updates and not older ones: what is sent
+        without waiting would queue up before it, by seconds.
+        """
         snapshot = self._context.service.snapshot()
         read = self._context.service.parameters()
         values = read.values if read is not None else {}
@@ -144,7 +150,8 @@ class OperatePage:
             return
         self._figures.show(snapshot)
         self._progress.show(snapshot)
-        await self._error.show(self._context.service.strobe())
+        with suppress(TimeoutError):
+            await ui.run_javascript("0", timeout=_TAKEN_S)
 
     def _show_slow(self) -> None:
         snapshot = self._context.service.snapshot()

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from camtools.link.lessons import Convergence
 from camtools.link.status_text import cut_progress
-from camtools.link.strobe import Convergence
 from checks.patience import limit_s
 from tests.tools.cases.live_cases import live_case
 
