@@ -17,7 +17,6 @@ from tests.tools.cases.camsim_cases import (
     ROOT,
     camsim,
     cut,
-    first_difference,
     form_um,
     only_error,
 )
@@ -54,23 +53,6 @@ def test_cut_that_nothing_gauged_is_not_good(table: Path, tmp_path: Path) -> Non
     assert done.stderr == f"camsim: {table}: {told} out, or stop later\n"
 
 
-def test_run_is_deterministic(table: Path, tmp_path: Path) -> None:
-    """The same bytes twice, but for the wall clock; columns are those that programs rely on."""
-    names = ("trace", "surface", "summary")
-    for turn in ("a", "b"):
-        outputs = [w for n in names for w in (f"--{n}", str(tmp_path / f"{turn}.{n}"))]
-        assert camsim("run", table, *CUT, "--turns-limit", "3", *outputs).returncode == 0
-    for name in names[:2]:
-        assert first_difference(tmp_path / f"a.{name}", tmp_path / f"b.{name}") == ""
-    a, b = (json.loads((tmp_path / f"{turn}.summary").read_text()) for turn in ("a", "b"))
-    for summary in (a, b):
-        del summary["wall_time_s"], summary["ticks_per_s"]
-    assert a == b
-    trace, surface = ((tmp_path / f"a.{name}").read_text() for name in names[:2])
-    assert trace.startswith("tick,t_s,turn,z_mm,u_set_nm,u_act_nm,state,faults")
-    assert surface.startswith("turn,z_mm,radius_mm,error_nm\n") and surface.count("\n") > 100
-
-
 REFUSED = [
     ("run", "--rpm 0", "--rpm"),
     ("run", "--rpm -2500", "--rpm"),
@@ -98,6 +80,13 @@ REFUSED = [
     ("run", "--set lead_ns=-1", "lead_ns"),
     ("run", "--frobnicate", "--frobnicate: unknown option; see camsim run --help"),
     ("run", "surplus", "one TABLE"),
+    ("run", "--nose-mm 0", "--nose-mm 0: out of range; give mm, 0.01 .. 100"),
+    ("run", "--scallop {out}/x.csv", "no tool for it; give --nose-mm, too"),
+    ("run", "--nose-mm 1 --scallop-mm 5:4", "--scallop-mm 5:4: no two rising heights"),
+    ("run", "--nose-mm 1 --scallop-mm 5", "--scallop-mm 5: no two rising heights"),
+    ("run", "--nose-mm 1 --scallop-mm a:b", "--scallop-mm a:b: no two rising heights"),
+    ("run", "--nose-mm 1 --scallop-mm 61:63", "beyond the part; give heights 0 .. 62"),
+    ("run", "--nose-mm 1 --scallop {out}/x.csv --trace {out}/x.csv", "named for two purposes"),
     ("bus", "", "no --can"),
     ("bus", "--can", "--can: value missing"),
     ("bus", "--can nocan7", "nocan7: no such interface"),
@@ -122,7 +111,7 @@ def test_bad_words_refused(
 ) -> None:
     """One line names the option or the numbers; nothing is written."""
     real = ROOT / "host_sim" / "machines" / "real.toml"
-    given = [word.format(real=real) for word in words.split()]
+    given = [word.format(real=real, out=tmp_path) for word in words.split()]
     out = "s.json" if command == "params" else tmp_path / "s.json"
     done = camsim(command, table, "--summary", out, *given)
     assert told in only_error(done)
