@@ -14,7 +14,6 @@ import pytest
 from numpy.typing import NDArray
 
 from tests.linux.kernel import InProcess, Kernel, Result
-from tests.tools.cases.camsim_cases import first_difference
 
 pytest_plugins = ["tests.linux.linux_fixtures"]
 pytestmark = pytest.mark.kernel
@@ -98,16 +97,6 @@ def test_whole_cut_gives_the_surface_of_the_simulator(play: Play, in_process: In
 
 
 @pytest.mark.long
-def test_virtual_time_gives_the_same_bytes_twice(kernel: Kernel, play: Play) -> None:
-    """Two runs leave the same trace, surface and summary."""
-    if not kernel.is_own:
-        pytest.skip("time is real on this computer's kernel; take away its vcan for tools/uml")
-    first, second = (play("cut_on", folder=name, feed_mm=10) for name in ("first", "second"))
-    for name in ("trace", "surface", "summary", "result.json", "controller.log"):
-        assert first_difference(first.folder / name, second.folder / name) == "", name
-
-
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("inject", "within_s"),
     [
@@ -165,17 +154,6 @@ def test_killed_controller_is_outlived_by_the_guard_of_the_drives(
         assert int(result.trace[-1][f"{axis}_status"], 0) & FAULT[1] == FAULT[0], axis
         print(f"SIGKILL: {axis} at rest {stop_s(result, axis) * 1e3:.0f} ms after the last SYNC")
         assert stop_s(result, axis) <= limit_s
-
-
-@pytest.mark.long
-def test_drive_of_another_make_cuts_the_same_part(play: Play) -> None:
-    """The U drive is made with the library canopen, which knows nothing of our code."""
-    # Its dead time of a tick is not configured: U off the work, at 100 mm/s, lags by 0.1 mm.
-    ideal = {"k1_ns": 0, "k2_us2": 0, "lead_ns": 0, "following_limit_nm": 300_000}
-    result = play("canopen_drive", feed_mm=10, parameters=ideal)
-    assert result.summary["end"] == "done" and result.summary["faults"] == []
-    print(f"canopen drive: form error {result.summary['form_error_um']}")
-    assert result.summary["form_error_um"]["rms"] <= 0.2
 
 
 @pytest.mark.long

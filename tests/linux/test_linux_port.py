@@ -40,9 +40,7 @@ from tests.linux.port_nodes import (
     X,
     Z,
     level,
-    pack,
     pull,
-    raw_socket,
     wait_until,
 )  # fmt: skip
 
@@ -124,16 +122,6 @@ def test_encoder_without_frames_retracts(nodes: Nodes, start: Start) -> None:
     assert wait_until(lambda: not level(ENABLE_LINE), 1.0)
 
 
-def test_drive_without_measured_values_is_not_ready(nodes: Nodes, start: Start) -> None:
-    """Process data that stay away for pdo_timeout_ms are a loss of the drive."""
-    controller = start()
-    enable(controller, nodes)
-    nodes.mute.add(Z)
-    seconds = wait_until(lambda: not level(ENABLE_LINE), 0.1)
-    assert seconds is not None and seconds <= 0.025
-    assert wait_until(lambda: controller.says("node 4 (drive z): no measured values"), 0.1)
-
-
 def test_drive_in_fault_and_emergency_message(nodes: Nodes, start: Start) -> None:
     """A drive's own fault drops enable; after the reset it is led out of it."""
     controller = start()
@@ -188,28 +176,6 @@ def test_interface_down_and_up_again(nodes: Nodes, start: Start) -> None:
     assert level(FAULT_LINE) and controller.command(ENABLE) != OK
     assert controller.command(RESET) == OK
     assert wait_until(lambda: controller.command(ENABLE) == OK, 1.0), controller.log.read_text()
-
-
-def test_another_controller_on_the_bus_is_noticed(nodes: Nodes, start: Start) -> None:
-    """Who has the drives stops, lets them go and is silent, until the other has gone."""
-    controller = start()
-    enable(controller, nodes)
-    other = raw_socket()
-    other.send(pack((0x080, b"")))
-    assert wait_until(lambda: level(FAULT_LINE), 0.01)
-    assert controller.reports("another controller sends on this bus")
-    end_s = time.monotonic() + 0.4
-    while time.monotonic() < end_s:
-        other.send(pack((0x080, b"")))
-        time.sleep(0.005)
-    assert not level(ENABLE_LINE)
-    n_sync = nodes.n_sync
-    other.send(pack((0x080, b"")))
-    time.sleep(0.05)
-    assert nodes.n_sync == n_sync + 1
-    time.sleep(0.2)
-    assert nodes.n_sync > n_sync + 50
-    other.close()
 
 
 def test_nothing_is_sent_while_it_listens(nodes: Nodes, start: Start) -> None:

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+import scipy
 from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.optimize import brentq
-from scipy.signal import lsim
 
 from camtools.base.quantities import Floats
 from camtools.lobe.channels import N_GRID, SpindleLimits, surface_speed
@@ -181,7 +181,7 @@ def test_axes_are_read_ahead_of_an_accelerating_spindle() -> None:
     t = np.linspace(0, 2000, 20_001)
     said = v * (t + n + lag) + alpha * t**2 / 2 + alpha * t * (n + lag)
     said += alpha * (n**2 / 2 + n * lag + lag**2 / 4)
-    drive = lsim(([1], [lag**2 / 4, lag, 1]), said, t)[1]
+    drive = scipy.signal.lsim(([1], [lag**2 / 4, lag, 1]), said, t)[1]
     due = v * (t[-1] + n) + alpha * (t[-1] + n) ** 2 / 2
     assert drive[-1] == pytest.approx(due, abs=1e-3 * alpha * lag**2 / 4)
 

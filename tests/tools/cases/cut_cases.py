@@ -61,8 +61,13 @@ def evaluated(folder: Path, table: Table, turn: Floats, z_mm: Floats) -> dict[st
     """Return the columns that the firmware's own evaluation gives at points."""
     path = folder / "evaluated.camtab"
     path.write_bytes(pack(table))
+    return file_evaluated(path, turn, z_mm)
+
+
+def file_evaluated(table: Path, turn: Floats, z_mm: Floats) -> dict[str, Floats]:
+    """Return the same of a table's file."""
     rows = "".join(f"{t!r},{z!r}\n" for t, z in zip(turn.tolist(), z_mm.tolist(), strict=True))
-    done = camsim("eval", path, stdin=f"turn,z_mm\n{rows}")
+    done = camsim("eval", table, stdin=f"turn,z_mm\n{rows}")
     assert done.returncode == 0, done.stderr
     head, *lines = done.stdout.splitlines()
     values = np.array([line.split(",") for line in lines], dtype=np.float64)

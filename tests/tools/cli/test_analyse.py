@@ -79,16 +79,6 @@ def test_notes_keep_to_the_section() -> None:
         assert "a part must not" in text
 
 
-def test_constant_is_constant(files: dict[str, bytes]) -> None:
-    """Rate and rate-proportional force are even; the chip force is not."""
-    law = [float(row["removal_rate_mm3_s"]) for row in rows(files["speed_law.csv"])]
-    assert max(law) == pytest.approx(min(law), rel=1e-7)
-    force = rows(files["forces.csv"])
-    assert len({row["equal_volume_rate_force_n"] for row in force}) == 1
-    chip = [float(row["equal_volume_chip_force_n"]) for row in force]
-    assert max(chip) > 1.9 * min(chip)
-
-
 def test_corner_is_studied_too() -> None:
     """A part with a corner gets the study of its refit beside the paper."""
     _, found = skirt_products(load_part(WEICHAI), AnalysisWishes(), with_pictures=False)

@@ -236,7 +236,7 @@ def test_a_bus_that_cannot_open(capsys: Capture, monkeypatch: MonkeyPatch, tmp_p
     monkeypatch.delenv("CAN_INTERFACE", raising=False)
     for words, remedy in (
         (["-i", "slcn"], "did you mean slcan?"),
-        ([], "set CAN_INTERFACE and CAN_CHANNEL"),
+        ([], "set CAN_INTERFACE and CAN_CHANNEL, or start tools/live\n"),
     ):
         assert main([*words, "status"]) == 2
         assert remedy in capsys.readouterr().err

@@ -14,7 +14,7 @@ from camtools.link.controller import Link
 from camtools.link.kept_values import LAYOUT
 from camtools.link.messages import COMMAND, Refused
 from checks.patience import until
-from tests.tools.cases.camctl_bench import Bench, Refusal, act_when, columns, order
+from tests.tools.cases.camctl_bench import Bench, Refusal, act_when, columns, linked, order
 
 N, PERIODS, HEIGHT_NM = 400, 2, 40_000.0
 
@@ -99,6 +99,8 @@ def test_excitation_needs_ready(bench: Bench, wave: Path, tmp_path: Path, refusa
         short.write_text(text)
         assert why in refusal(bench, 2, f"excite {short} {record}")
     assert "check the path" in refusal(bench, 2, f"excite {tmp_path / 'none'} {record}")
+    with linked(bench) as link, pytest.raises(Refused, match="the controller holds 131072"):
+        excitation.download_wave(link, np.zeros(131073))
     assert not record.exists()
 
 

@@ -11,8 +11,8 @@ import pytest
 from pytest import MonkeyPatch
 
 from camtools.cli.camctl_files import ABOUT
-from camtools.link import excitation, scope
-from camtools.link.controller import BLOCK_ID, FD_PART_ID, PART_ID, Link
+from camtools.link import scope
+from camtools.link.controller import FD_PART_ID, PART_ID, Link
 from camtools.link.messages import Refused
 from checks.patience import limit_s
 from tests.tools.cases.camctl_bench import Bench, Refusal, columns, linked, order, pass_time
@@ -171,18 +171,6 @@ def test_a_recording_that_fails_gives_the_black_box_back(
     assert "black box         recording" in bench.do("blackbox")
 
 
-def lose(bench: Bench, every: int, identifiers: set[int]) -> None:
-    """Let one frame of some to the controller get lost."""
-    count = 0
-
-    def drop(frame: can.Message) -> bool:
-        nonlocal count
-        count += frame.arbitration_id in identifiers
-        return frame.arbitration_id in identifiers and count % every == 0
-
-    bench.drop = drop
-
-
 def record_some(link: Link) -> scope.Recording:
     """Record 600 rows and read them over a sound bus."""
     scope.configure(link, ["tick", "counts"], rows=600)
@@ -233,14 +221,3 @@ def test_a_reader_goes_on_where_the_bus_was_lost(bench: Bench, link: Link) -> No
         whole = reader.read(again, lambda there, _: begun.append(there))
     assert begun[0] > 2000
     assert np.array_equal(whole.rows, sound.rows)
-
-
-@pytest.mark.long
-def test_a_wave_is_brought_over_a_bad_bus(bench: Bench, link: Link) -> None:
-    """Lost blocks are repeated; what has no room is refused."""
-    lose(bench, 1500, {BLOCK_ID})
-    assert excitation.download_wave(link, np.arange(3000) % 100) == 3000
-    bench.drop = lambda frame: False
-    assert scope.get(link, "n_wave") == 3000
-    with pytest.raises(Refused, match="the controller holds 131072"):
-        excitation.download_wave(link, np.zeros(131073))

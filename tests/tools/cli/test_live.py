@@ -199,12 +199,3 @@ def test_what_is_wrong_leaves_nothing(words: list[str], said: str, capfd: Captur
     """Status 2, and no process was kept."""
     line = complaint(live_main, [str(PART), *words], capfd)
     assert line.startswith(said), line
-
-
-def test_without_bus_and_lathe_camctl_tells_what_there_is(capsys: Capture) -> None:
-    """One line with the remedy."""
-    assert run("status")[0] == 2
-    assert capsys.readouterr().err == (
-        "camctl: no bus: give --interface and --channel, or set CAN_INTERFACE and CAN_CHANNEL, or "
-        "start tools/live\n"
-    )

@@ -14,14 +14,11 @@ from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry, sect
 from camtools.skirt.tool.turning import path_of
 from tests.tools.cases.command_cases import command, fresh_command
 from tests.tools.cases.linuxcnc import AXES, Interpreter
-from tests.tools.cases.maths_tables import TABLE_4
-from tests.tools.cases.ngc_cases import moves
+from tests.tools.cases.ngc_cases import changed, moves
 from tests.tools.cases.part_cases import PERKINS, load_part
 
 MKGCODE = "camtools.cli.mkgcode"
 EVEN = PERKINS.with_name("perkins240_equal_volume.toml")
-
-
 mkgcode = partial(command, MKGCODE)
 
 
@@ -30,19 +27,6 @@ def made(folder: Path, part: Path, *words: str) -> Path:
     path = folder / "part.ngc"
     done = mkgcode(part, "-o", path, *words)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    return path
-
-
-def changed(folder: Path, part: Path, **values: str) -> Path:
-    """Return a copy of a part file with values of [process] replaced, or added."""
-    text = part.read_text()
-    for key, value in values.items():
-        line = re.compile(rf"^{key} = .*$", re.MULTILINE)
-        text, n = line.subn(f"{key} = {value}", text, count=1)
-        if n == 0:
-            text = text.replace("[process]", f"[process]\n{key} = {value}")
-    path = folder / "part.toml"
-    path.write_text(text)
     return path
 
 
@@ -160,15 +144,6 @@ def test_equal_volume_blocks_cut_equal_areas(tmp_path: Path) -> None:
         angles = np.append(0.0, 2 * np.pi * (c[row] - turn))
         areas = np.diff(cut.area_mm2(np.minimum(angles, np.pi / 2)))
         np.testing.assert_allclose(areas, cut.total_mm2 / 30, rtol=1e-5)
-
-
-def test_papers_table_of_equal_parts(tmp_path: Path) -> None:
-    """At height 20 the first quarter turn has the angles of MATHS.md (22), digit by digit."""
-    part_file = changed(tmp_path, EVEN, spindle_rpm="200", feed_mm="0.0001")
-    words = ("--axes", "cxzu", "--from-mm", "20", "--to-mm", "20.01")
-    c = moves(made(tmp_path, part_file, *words), "G1", "C")[ENGAGE_TURNS * 120 :, 0]
-    printed = [float(line.split()[1]) for line in TABLE_4]
-    np.testing.assert_allclose(c[:30], printed, atol=1e-5)
 
 
 @pytest.mark.long

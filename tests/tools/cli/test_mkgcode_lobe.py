@@ -1,6 +1,5 @@
 """NC programs of cams: X over C and the swing, times, read back by us and by LinuxCNC."""
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,7 @@ from camtools.cli.mkgcode import main
 from camtools.ngc.gcode_words import CLEARANCE_MM, ENGAGE_TURNS
 from tests.tools.cases.linuxcnc import AXES, Interpreter
 from tests.tools.cases.lobe_tables import DISC, POLY345
-from tests.tools.cases.ngc_cases import moves
+from tests.tools.cases.ngc_cases import changed, moves
 from tests.tools.cases.part_cases import ROOT, Capture
 
 PARTS = ROOT / "tools" / "parts"
@@ -19,13 +18,8 @@ PARTS = ROOT / "tools" / "parts"
 
 def made(folder: Path, name: str, *words: str, **changes: str) -> Path:
     """Return the program of a part of the repository, values of its file replaced."""
-    text = (PARTS / f"{name}.toml").read_text()
-    for key, value in changes.items():
-        text, n = re.subn(rf"^{key} = .*$", f"{key} = {value}", text, flags=re.MULTILINE)
-        text = text if n else text.replace("[process]", f"[process]\n{key} = {value}")
-    (folder / "part.toml").write_text(text)
-    program = folder / "part.ngc"
-    assert main([str(folder / "part.toml"), "-o", str(program), *words]) == 0
+    part, program = changed(folder, PARTS / f"{name}.toml", **changes), folder / "part.ngc"
+    assert main([str(part), "-o", str(program), *words]) == 0
     return program
 
 

@@ -9,7 +9,6 @@ import sys
 import zlib
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from camtools.base.errors import CamtoolsError
@@ -65,22 +64,6 @@ def test_json_tells_what_was_chosen(generated: GeneratedSkirt) -> None:
     assert report["feasibility"]["decided_by"] == "spindle_rpm"
     assert report["process"]["magnify"] == 1.0
     assert report["guaranteed"]["u_min_nm"] in (-1, 0)
-
-
-def test_design_evaluates_to_the_exact_geometry(generated: GeneratedSkirt) -> None:
-    """Piecewise cubics of the report give a(z) and G(z) without our package."""
-    design = json.loads(Made(KIND, generated).files(with_plots=False)["perkins240.json"])["design"]
-    assert (design["shape"], design["beta"]) == ("ellipse", 0.0)
-    for name, exact in (
-        ("radius_mm", generated.geometry.radius_mm),
-        ("ovality_mm", generated.geometry.ovality_mm),
-    ):
-        breaks = np.array(design[name]["breaks_mm"])
-        z_mm = np.linspace(0, 62, 1001)
-        piece = np.clip(np.searchsorted(breaks, z_mm, "right") - 1, 0, breaks.size - 2)
-        c3, c2, c1, c0 = np.array(design[name]["coefficients"])[piece].T
-        t = z_mm - breaks[piece]
-        np.testing.assert_allclose(((c3 * t + c2) * t + c1) * t + c0, exact(z_mm), rtol=1e-14)
 
 
 def bad_parts() -> dict[str, tuple[bytes, str]]:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from scipy import stats
+import scipy
 from scipy.integrate import quad
 
 from camtools.base.errors import CamtoolsError
@@ -147,7 +147,7 @@ def test_draw_is_even_and_grows() -> None:
     assert not np.array_equal(draw(UNKNOWNS, 100, seed=3), draw(UNKNOWNS, 100, seed=4))
     drawn = draw(UNKNOWNS, 1024, seed=1) - 1
     for column in drawn.T:
-        assert stats.kstest(column, "uniform").statistic < 0.002
+        assert scipy.stats.kstest(column, "uniform").statistic < 0.002
     assert np.abs(np.corrcoef(drawn.T) - np.eye(len(KEYS))).max() < 0.02
 
 
@@ -190,7 +190,7 @@ def test_quantile_holds_with_its_probability() -> None:
     """MATHS.md (163): of 1000 samples of a known distribution 95 % or more hold the quantile."""
     rng = np.random.default_rng(5)
     for percent in (50.0, 95.0):
-        true = float(stats.expon.ppf(percent / 100))
+        true = float(scipy.stats.expon.ppf(percent / 100))
         held = 0
         for _ in range(1000):
             one = quantile(rng.exponential(size=100), percent)

@@ -1,7 +1,6 @@
 """The loop of a U that takes forces is measured and set from the panel."""
 
 import asyncio
-import re
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -72,24 +71,6 @@ def link_of(shared_bench: Bench) -> Iterator[Link]:
     bus.shutdown()
 
 
-def found_of(report: str, words: str) -> float:
-    """Return the number that follows some words in a report."""
-    found = re.search(rf"{words} +(-?[\d.]+)", report)
-    assert found is not None, report
-    return float(found[1])
-
-
-async def measured_works(seat: LiveSeat) -> set[str]:
-    """Measure U; return what the service was busy with."""
-    works: set[str] = set()
-    order = asyncio.create_task(seat.order("measure_loop"))
-    while not order.done():
-        works.add(seat.service.snapshot().work)
-        await asyncio.sleep(0.01)
-    assert order.result().is_done, order.result().text
-    return works
-
-
 _ENDS: dict[str, tuple[Callable[[Seat], object], str]] = {
     "stop": (lambda seat: seat.order("stop", seat.other), "interrupted by stop"),
     "page closed": (lambda seat: seat.service.page_lost(seat.boss), "interrupted: the connection"),
@@ -151,38 +132,6 @@ def test_a_pulse_tells_mass_and_friction(live_seat: LiveSeat) -> None:
     live_seat.do("apply_loop")
     wanted = before | dict(found.settings)
     until(lambda: live_seat.parameters() == wanted, "mass and friction are set")
-
-
-@pytest.mark.long
-def test_a_loop_is_measured_applied_and_measured_again(live_seat: LiveSeat) -> None:
-    """The second report shows the loop that the first one proposed."""
-    assert "nothing is proposed" in live_seat.refused("apply_loop")
-    assert has_force_drive(live_seat.parameters())
-    works = asyncio.run(measured_works(live_seat))
-    assert any(re.fullmatch(r"the record of U, \d+ %", work) for work in works)
-    assert "the loop of U, which is computed" in works
-    tuned = live_seat.service.tuned()
-    assert tuned is not None and tuned.picture.startswith(b"\x89PNG") and not tuned.problem
-    assert found_of(tuned.text, "mass_kg") == pytest.approx(1.5, rel=0.02)
-    measured = r"as it is \(measured\): crossover"
-    assert found_of(tuned.text, measured) == pytest.approx(60.0, rel=0.1)
-    assert live_seat.state == "ready" and live_seat.service.snapshot().has_command
-    before, proposed = live_seat.parameters(), dict(tuned.settings)
-    assert proposed["servo_mass_g"] == pytest.approx(1500, rel=0.02)
-    assert "servo_force_limit_mn" not in proposed
-    applied = live_seat.do("apply_loop")
-    assert applied.startswith(f"{len(proposed)} parameters are set, the drives are off")
-    until(lambda: live_seat.parameters() == before | proposed, "the loop is set, and nothing else")
-    assert "nothing is proposed" in live_seat.refused("apply_loop")
-    live_seat.wait_for("off")
-    assert "the state is off" in live_seat.refused("measure_loop")
-    until(lambda: live_seat.ask("enable").is_done, "enable")
-    live_seat.wait_for("ready")
-    live_seat.do("measure_loop")
-    again = live_seat.service.tuned()
-    assert again is not None
-    crossover_hz = found_of(tuned.text, "crossover:")
-    assert found_of(again.text, measured) == pytest.approx(crossover_hz, rel=0.1)
 
 
 @pytest.mark.long

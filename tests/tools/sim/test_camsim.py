@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camtools.base.quantities import Floats
 from camtools.link.messages import NUMBERS
 from camtools.skirt.geometry.skirt_geometry import Geometry
 from tests.tools.cases.camsim_cases import (
@@ -17,10 +16,10 @@ from tests.tools.cases.camsim_cases import (
     ROOT,
     camsim,
     cut,
-    first_difference,
     form_um,
     only_error,
 )
+from tests.tools.cases.cut_cases import file_evaluated
 from tests.tools.cases.part_cases import TableOf
 
 CUT = ("--rpm", "2500", "--feed", "1")
@@ -54,23 +53,6 @@ def test_cut_that_nothing_gauged_is_not_good(table: Path, tmp_path: Path) -> Non
     assert done.stderr == f"camsim: {table}: {told} out, or stop later\n"
 
 
-def test_run_is_deterministic(table: Path, tmp_path: Path) -> None:
-    """The same bytes twice, but for the wall clock; columns are those that programs rely on."""
-    names = ("trace", "surface", "summary")
-    for turn in ("a", "b"):
-        outputs = [w for n in names for w in (f"--{n}", str(tmp_path / f"{turn}.{n}"))]
-        assert camsim("run", table, *CUT, "--turns-limit", "3", *outputs).returncode == 0
-    for name in names[:2]:
-        assert first_difference(tmp_path / f"a.{name}", tmp_path / f"b.{name}") == ""
-    a, b = (json.loads((tmp_path / f"{turn}.summary").read_text()) for turn in ("a", "b"))
-    for summary in (a, b):
-        del summary["wall_time_s"], summary["ticks_per_s"]
-    assert a == b
-    trace, surface = ((tmp_path / f"a.{name}").read_text() for name in names[:2])
-    assert trace.startswith("tick,t_s,turn,z_mm,u_set_nm,u_act_nm,state,faults")
-    assert surface.startswith("turn,z_mm,radius_mm,error_nm\n") and surface.count("\n") > 100
-
-
 REFUSED = [
     ("run", "--rpm 0", "--rpm"),
     ("run", "--rpm -2500", "--rpm"),
@@ -98,6 +80,13 @@ REFUSED = [
     ("run", "--set lead_ns=-1", "lead_ns"),
     ("run", "--frobnicate", "--frobnicate: unknown option; see camsim run --help"),
     ("run", "surplus", "one TABLE"),
+    ("run", "--nose-mm 0", "--nose-mm 0: out of range; give mm, 0.01 .. 100"),
+    ("run", "--scallop {out}/x.csv", "no tool for it; give --nose-mm, too"),
+    ("run", "--nose-mm 1 --scallop-mm 5:4", "--scallop-mm 5:4: no two rising heights"),
+    ("run", "--nose-mm 1 --scallop-mm 5", "--scallop-mm 5: no two rising heights"),
+    ("run", "--nose-mm 1 --scallop-mm a:b", "--scallop-mm a:b: no two rising heights"),
+    ("run", "--nose-mm 1 --scallop-mm 61:63", "beyond the part; give heights 0 .. 62"),
+    ("run", "--nose-mm 1 --scallop {out}/x.csv --trace {out}/x.csv", "named for two purposes"),
     ("bus", "", "no --can"),
     ("bus", "--can", "--can: value missing"),
     ("bus", "--can nocan7", "nocan7: no such interface"),
@@ -122,7 +111,7 @@ def test_bad_words_refused(
 ) -> None:
     """One line names the option or the numbers; nothing is written."""
     real = ROOT / "host_sim" / "machines" / "real.toml"
-    given = [word.format(real=real) for word in words.split()]
+    given = [word.format(real=real, out=tmp_path) for word in words.split()]
     out = "s.json" if command == "params" else tmp_path / "s.json"
     done = camsim(command, table, "--summary", out, *given)
     assert told in only_error(done)
@@ -311,41 +300,29 @@ def test_loop_of_any_slide_fits_the_controller(table: Path, tmp_path: Path, mass
     assert done.returncode == 0, done.stderr
 
 
-def evaluate(table: Path, turn: Floats, z_mm: Floats) -> Floats:
-    """Return the rows that camsim eval gives for some points, shape (n, 8)."""
-    rows = "".join(f"{t!r},{z!r}\n" for t, z in zip(turn.tolist(), z_mm.tolist(), strict=True))
-    done = camsim("eval", table, stdin=f"{HEADER}\n{rows}")
-    assert done.returncode == 0, done.stderr
-    lines = done.stdout.splitlines()
-    assert lines[0] == COLUMNS
-    return np.array([[float(word) for word in line.split(",")] for line in lines[1:]])
-
-
 def test_eval_is_within_1_nm_of_exact_geometry(table: Path, geometry: Geometry) -> None:
     """Judge the firmware's u and x on random points of the whole skirt, many turns out."""
     rng = np.random.default_rng(240)
     turn, z_mm = rng.uniform(-50, 50, 20_000), rng.uniform(0, 62, 20_000)
-    got = evaluate(table, turn, z_mm)
-    phi_rad = 2 * np.pi * (turn - np.floor(turn))
-    exact = geometry.delta(phi_rad, z_mm)
-    assert np.abs(got[:, 2] - exact.delta * NM_PER_MM).max() <= 1.0
-    assert np.abs(got[:, 5] - geometry.radius_mm(z_mm) * NM_PER_MM).max() <= 1.0
-    for column, derivative in ((3, exact.d1), (4, exact.d2)):
-        off = np.abs(got[:, column] - derivative * NM_PER_MM).max()
+    got = file_evaluated(table, turn, z_mm)
+    assert list(got) == COLUMNS.split(",")
+    exact = geometry.delta(2 * np.pi * (turn - np.floor(turn)), z_mm)
+    assert np.abs(got["u_nm"] - exact.delta * NM_PER_MM).max() <= 1.0
+    assert np.abs(got["x_nm"] - geometry.radius_mm(z_mm) * NM_PER_MM).max() <= 1.0
+    for column, derivative in (("u1_nm_per_rad", exact.d1), ("u2_nm_per_rad2", exact.d2)):
+        off = np.abs(got[column] - derivative * NM_PER_MM).max()
         assert off <= 1e-3 * np.abs(derivative * NM_PER_MM).max()
 
 
 def test_eval_wraps_and_flags_heights_outside(table: Path) -> None:
     """See the same value every turn, and clamped heights marked."""
     turn = np.array([0.1, 1.1, -0.9, 0.1, 0.1, 0.1, 0.1])
-    z_mm = np.array([30, 30, 30, -0.001, 0, 62, 62.001])
-    got = evaluate(table, turn, z_mm)
-    assert got[0, 2] == pytest.approx(got[1, 2], abs=1e-2)
-    assert got[0, 2] == pytest.approx(got[2, 2], abs=1e-2)
-    assert got[:, 7].tolist() == [0, 0, 0, 1, 0, 0, 1]
-    assert got[3, 2] == got[4, 2]
-    assert got[6, 2] == got[5, 2]
-    assert np.all(got[:, 6] == 1), "no speed channel: ratio 1"
+    got = file_evaluated(table, turn, np.array([30, 30, 30, -0.001, 0, 62, 62.001]))
+    u_nm = got["u_nm"]
+    assert u_nm[1:3] == pytest.approx(u_nm[0], abs=1e-2)
+    assert got["clamped"].tolist() == [0, 0, 0, 1, 0, 0, 1]
+    assert (u_nm[3], u_nm[6]) == (u_nm[4], u_nm[5])
+    assert np.all(got["speed_ratio"] == 1), "no speed channel"
 
 
 @pytest.mark.parametrize(

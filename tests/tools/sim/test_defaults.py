@@ -65,23 +65,6 @@ def test_no_speed_is_taken_for_a_jump(oval: Path, tick_hz: int, counts: int) -> 
             assert cut(oval, *words, machine=lathe).summary["faults"] == []
 
 
-def test_jump_beyond_the_derived_window_is_seen_in_its_tick(oval: Path) -> None:
-    """A million counts: 67 by MATHS.md (166); twice of it is a jump, an eighth is lost counts."""
-    lathe = machine(20_000, 1_000_000)
-    for counts, fault in ((134, "encoder_jump"), (8, "lost_counts")):
-        words = ("--rpm", 2000, "--feed", 1, "--inject", f"encoder-jump@0.05:{counts}")
-        assert f"fault {fault}:" in cut(oval, *words, machine=lathe, status=1).message
-
-
-def test_observer_that_is_too_fast_for_the_tick_is_refused_with_what_would_do(oval: Path) -> None:
-    """The line names rate and limit, and the limit is taken."""
-    lathe, words = machine(1000, 10_000), ("--rpm", 1500, *QUICK)
-    line = refusal(oval, *words, "--set", "observer_bandwidth_mHz=200000", machine=lathe)
-    assert "observer_bandwidth_mHz = 200000" in line
-    assert "1000 Hz; give at most 80000 " in line
-    cut(oval, *words, "--set", "observer_bandwidth_mHz=80000", machine=lathe)
-
-
 def blocked_s(table: Path, rpm: int, at_s: float) -> tuple[float, float]:
     """Block U in the cut; return [s] until the fault, and the largest following error [um]."""
     words = ("--rpm", rpm, "--inject", f"u-block@{at_s}")
@@ -110,16 +93,6 @@ def test_blocked_u_is_seen_within_a_tenth_of_the_ovality_and_the_first_turn(
         late_s, off_um = blocked_s(one, 2400, at_s)
         assert 0 <= late_s <= 60 / 2400
         assert off_um <= 0.1 * OVALITY_UM + 3.0  # and what U would have moved in its tick
-
-
-def test_wrong_drive_does_not_end_the_approach_in_a_fault(oval: Path) -> None:
-    """Bandwidth and damping believed 20 % wrong, each way: U approaches and cuts."""
-    for share in (0.8, 1.2):
-        for damping in (0.56, 0.84):
-            omega = 6.283185307 * 300 * share
-            k1, k2 = round(2e9 * damping / omega), round(1e12 / omega**2)
-            words = ("--set", f"k1_ns={k1}", "--set", f"k2_us2={k2}", "--tolerance-um", "50")
-            cut(oval, "--rpm", "2500", *QUICK, *words)
 
 
 @pytest.mark.parametrize("stroke_mm", [0.32, 0.5, 0.8, 1.2])

@@ -11,27 +11,6 @@ from camtools.pipeline.load import load, make
 from camtools.sim.drive_mismatch import mismatch
 from tests.tools.cases.part_cases import ROOT
 
-STEEP = """\
-[part]
-name = "steep"
-kind = "polygon"
-source = "three corners, with a slope of 3.5 mm/rad"
-[polygon]
-form = "p3g"
-mean_diameter_mm = 40
-eccentricity_mm = 1.166
-z_mm = [0, 30]
-[process]
-spindle_rpm = 600
-feed_mm = 0.1
-[machine.limits]
-u_stroke_mm = 8
-u_speed_mm_s = 500
-u_acceleration_mm_s2 = 100000
-[tool]
-clearance_deg = 20
-"""
-
 
 def lag(hz: float, damping: float, delay_s: float, omega: float) -> complex:
     """Return the response of a drive of second order with a dead time."""
@@ -80,19 +59,6 @@ def test_ripple_is_learned_on_a_flank_of_nine_mm_per_rad(tmp_path: Path) -> None
     assert found.with_um is not None
     assert found.without_um is not None
     assert found.with_um < 12.1 < 20 < found.without_um  # 12 um are the blends
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("speed_rpm", [150.0, 600.0])
-def test_ripple_is_learned_on_three_steep_corners(tmp_path: Path, speed_rpm: float) -> None:
-    """At 600 r/min the part itself takes 82 % of the acceleration."""
-    (tmp_path / "steep.toml").write_text(STEEP, encoding="ascii")
-    machine = machine_of(tmp_path / "steep.toml", tmp_path)
-    words = ["--rpm", str(speed_rpm)]
-    found = mismatch(tmp_path / "steep.camtab", machine, words, speed_rpm)
-    assert found.faults == ()
-    assert found.with_um is not None
-    assert found.with_um < 0.05
 
 
 def test_fault_is_named(table: Path) -> None:

@@ -12,12 +12,10 @@ import pytest
 
 from camtools.tune.drive import Drive
 from camtools.tune.parameters import parameters_of
-from tests.tools.cases.camsim_cases import cut, refusal, while_in
+from tests.tools.cases.camsim_cases import cut, refusal
 from tests.tools.cases.drive_plant import designed
-from tests.tools.cases.part_cases import TableOf
 
 MASS_KG = 1.5
-PUSH_N = 10.0
 LONG = ("--tolerance-um", "99", "--turns-limit", "150")
 MACHINE = """\
 [machine]
@@ -67,31 +65,6 @@ def machine(
         believed_kg=believed_kg,
     )  # fmt: skip
     return text + loop_of(amplifier_hz, delay_us, share)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(
-    ("amplifier_hz", "delay_us", "share", "most_um"), [(1500, 25, -0.2, 2.2), (1500, 75, 1.0, 6.0)]
-)
-def test_step_of_force_in_the_cut(
-    table_of: TableOf,
-    amplifier_hz: float, delay_us: float, share: float, most_um: float,
-) -> None:  # fmt: skip
-    """10 N from one tick to the next: peak, 0.1 um after 20 ms; the cut itself learns nothing."""
-    push = ("--inject", f"u-push@0.5:{PUSH_N}", "--set", "learn_cut_gain_ppm=0")
-    trace = cut(
-        *(table_of("perkins240"), *push, "--turns-limit", "60", "--tolerance-um", "99"),
-        machine=machine(amplifier_hz, delay_us, share),
-        tables=["trace"],
-    ).trace
-    time_s = trace["t_s"] - while_in(trace, "cutting")["t_s"][0] - 0.5
-    error_um = trace["error_nm"] / 1e3
-    before = np.abs(error_um[(time_s > -0.1) & (time_s < 0)]).max()
-    peak = np.abs(error_um[(time_s > 0) & (time_s < 0.02)]).max()
-    late = np.abs(error_um[(time_s > 0.02) & (time_s < 0.1)]).max()
-    assert before < 0.1
-    assert 0.3 < peak <= most_um
-    assert late <= before + 0.1
 
 
 @pytest.mark.long

@@ -5,15 +5,12 @@ MATHS.md (230) is the steady start, (232) the learning of slow cams.
 """
 
 import re
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
-from camtools.sim.binding import Rows
-from camtools.sim.results import STATES
 from tests.tools.cases.camsim_cases import ROOT, cut, refusal, while_in
 from tests.tools.cases.part_cases import TableOf
 
@@ -271,7 +268,6 @@ def test_what_is_learned_survives_slots_at_a_large_feed(table_of: TableOf) -> No
     assert largest_um(rows, 57.5, 62.0) <= 0.8
 
 
-AGREEING = 1 / 512
 LOOSE = ("--machine", MACHINES / "loose.toml", "--rpm", "3000", "--turns-limit", "30")
 
 
@@ -293,29 +289,6 @@ def test_first_turns_without_rehearsal_have_the_ripple(table_of: TableOf, rpm: s
         for words in ([], ["--set", "ripple_turns=0", "--set", "observer_bandwidth_mHz=200000"])
     ]
     assert largest_um[0] < min(largest_um[1], 0.15)
-
-
-def speeds(trace: Rows) -> list[tuple[str, float, float]]:
-    """Return state, turn and true speed in turns per second, for windows of a turn."""
-    states = [STATES[int(number)] for number in trace["state"]]
-    rows = list(zip(states, trace["true_turn"].tolist(), trace["t_s"].tolist(), strict=True))
-    found, begin = [], rows[0]
-    for row in rows[1:]:
-        if row[1] - begin[1] >= 1.0:
-            found.append((row[0], row[1], (row[1] - begin[1]) / (row[2] - begin[2])))
-            begin = row
-    return found
-
-
-@pytest.mark.parametrize("rehearse", [0, 20])
-def test_no_turn_of_a_cut_is_unsteady(table_of: TableOf, rehearse: int) -> None:
-    """The true speed of the first turns in which U moves changes by less than 1/512 per turn."""
-    words = ("--tolerance-um", "1", "--set", f"rehearse_turns={rehearse}")
-    found = speeds(cut(table_of("oval30"), *LOOSE, *words, tables=["trace"]).trace)
-    change = [abs(b[2] / a[2] - 1) for a, b in pairwise(found)]
-    in_cut = [c for c, row in zip(change, found[1:], strict=True) if row[0] == "cutting"]
-    assert max(in_cut) < AGREEING
-    assert max(change[3:]) > 4 * AGREEING  # the run-up itself is not steady
 
 
 def test_a_spindle_that_never_settles_ends_the_start(table_of: TableOf) -> None:

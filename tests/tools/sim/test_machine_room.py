@@ -127,20 +127,6 @@ def test_ring_helix_has_rings_in_the_air(tmp_path: Path, machine: Path) -> None:
     assert summary["cut"]["gouge_um"] < GOUGE_UM
 
 
-def test_removal_is_that_of_the_part_alone(tmp_path: Path, machine: Path) -> None:
-    """The volume is that between blank and drawing, and the first judged turn is a whole one."""
-    run = 'u_zero = "mean"\nrun_in_mm = 3\nrun_out_mm = 2'
-    summary = cut(table_of(tmp_path, "run", run), "--machine", machine)
-    z = np.linspace(0, 30, 3001)
-    spline = np.polynomial.Polynomial.fit([0, 10, 20, 30], [60.0, 60.05, 60.04, 59.98], 3)
-    a, g = spline(z) / 2, 0.8 + 0.1 * z / 30
-    blank = a.max() + 0.1
-    mean_square = (a - g / 4) ** 2 + (g / 4) ** 2 / 2  # of a cosine oval over the angle
-    volume = np.pi * np.trapezoid(blank**2 - mean_square, z)
-    assert summary["removal"]["volume_mm3"] == pytest.approx(volume, rel=0.02)
-    assert summary["removal"]["turns"] >= 56
-
-
 def test_all_passes_are_cut_and_gauged_in_one_run(tmp_path: Path, machine: Path) -> None:
     """Each against the drawing and its stock; the last one is the verdict."""
     words = (
@@ -170,6 +156,10 @@ def test_all_passes_are_cut_and_gauged_in_one_run(tmp_path: Path, machine: Path)
     chosen = cut(table, "--machine", machine, "--set", "pass=2")
     assert [one["pass"] for one in chosen["passes"]] == [2]
     assert chosen["form_error_um"]["max"] < GOUGE_UM
+    overruled = cut(table, "--machine", machine, "--rpm", "700", "--feed", "0.8")
+    assert [one["feed_mm"] for one in overruled["passes"]] == [0.8] * 3
+    assert [one["spindle_rpm"] for one in overruled["passes"]] == [700] * 3
+    assert "pass 1: --rpm 3500: infeasible" in refusal(table, "--machine", machine, "--rpm", 3500)
     stopped = cut(table, "--machine", machine, "--inject", "stop@1")
     assert (stopped["end"], len(stopped["passes"])) == ("stopped", 1)
 
@@ -186,16 +176,6 @@ def test_next_pass_of_a_cone_begins_without_touching_it(tmp_path: Path, machine:
     assert summary["end"] == "done"
     assert summary["cut"]["gouge_um"] < 2 * GOUGE_UM
     assert len(summary["passes"]) == 2
-
-
-def test_overruled_feed_and_speed_hold_for_all_passes(tmp_path: Path, machine: Path) -> None:
-    """--rpm and --feed are those of every pass."""
-    words = "[[process.pass]]\nallowance_um = 30\nfeed_mm = 1\n[[process.pass]]\nallowance_um = 0"
-    table = table_of(tmp_path, "two", f'u_zero = "mean"\n{words}')
-    summary = cut(table, "--machine", machine, "--rpm", "700", "--feed", "0.8")
-    assert [one["feed_mm"] for one in summary["passes"]] == [0.8, 0.8]
-    assert [one["spindle_rpm"] for one in summary["passes"]] == [700, 700]
-    assert "pass 1: --rpm 3500: infeasible" in refusal(table, "--machine", machine, "--rpm", 3500)
 
 
 @pytest.mark.long

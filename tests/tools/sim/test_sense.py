@@ -4,7 +4,6 @@ The formulas stand here, in the drawing's angle (PARTFILE.md, "The drawing's ang
 the table nor NAME.json takes part in the judgement, except where the gauge itself is on trial.
 """
 
-import csv
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +16,9 @@ from camtools.cli.mkgcode import main as mkgcode
 from camtools.cli.mktables import main as mktables
 from camtools.table.channel import in_sense
 from camtools.table.image import pack, unpack
-from tests.tools.cases.camsim_cases import ROOT, camsim, cut, form_um, plain
+from tests.tools.cases.camsim_cases import ROOT, cut, form_um, plain
+from tests.tools.cases.cut_cases import file_evaluated
+from tests.tools.cases.lobe_tables import POLY345
 from tests.tools.cases.ngc_cases import moves
 
 SENSES = (1, -1)
@@ -44,42 +45,6 @@ feed_mm = 0.5
 depth_mm = 0.1
 direction = {direction}
 mode = "{mode}"
-"""
-CAM = """\
-[part]
-name = "two"
-kind = "cam"
-source = "Invented: two discs at phases of their own."
-
-[cam]
-base_radius_mm = 20
-roller_radius_mm = 10
-wheel_radius_mm = 200
-
-[[cam.lobe]]
-z_mm = [0, 1]
-phase_deg = 40
-law = "disc"
-disc_radius_mm = 24
-offset_mm = 4
-
-[[cam.lobe]]
-z_mm = [2, 3]
-phase_deg = -110
-law = "disc"
-disc_radius_mm = 23
-offset_mm = 3
-
-[process]
-operation = "{operation}"
-spindle_rpm = 40
-feed_mm = 0.2
-direction = {direction}
-
-[machine.limits]
-u_stroke_mm = 24
-u_acceleration_mm_s2 = 100000
-spindle_rpm = 300
 """
 
 
@@ -128,12 +93,11 @@ def test_marked_skirt_is_the_drawing(tmp_path: Path, direction: int, more: tuple
 def test_eval_takes_and_gives_the_drawings_angle(tmp_path: Path, direction: int) -> None:
     """Value and both derivatives by the drawing's angle, whatever the sense of the table."""
     turn = np.random.default_rng(30).uniform(-3, 3, 2000)
-    text = "turn,z_mm\n" + "".join(f"{one!r},7\n" for one in turn.tolist())
-    done = camsim("eval", skirt(tmp_path, direction), stdin=text)
-    got = np.loadtxt(done.stdout.splitlines(), delimiter=",", skiprows=1).T
-    for column, most_nm in ((2, 2.0), (3, 40.0), (4, 3000.0)):
-        exact_nm = 1e6 * reduction_mm(360 * turn, column - 2)
-        assert np.abs(got[column] - exact_nm).max() < most_nm
+    got = file_evaluated(skirt(tmp_path, direction), turn, np.full(turn.size, 7.0))
+    most_nm = {"u_nm": 2.0, "u1_nm_per_rad": 40.0, "u2_nm_per_rad2": 3000.0}
+    for derivative, (column, most) in enumerate(most_nm.items()):
+        exact_nm = 1e6 * reduction_mm(360 * turn, derivative)
+        assert np.abs(got[column] - exact_nm).max() < most
 
 
 def test_gauge_sees_a_mirror_image(tmp_path: Path) -> None:
@@ -149,74 +113,35 @@ def test_gauge_sees_a_mirror_image(tmp_path: Path) -> None:
     assert form_um(cut(table, "--design", table.with_suffix(".json"), status=1)) > 15
 
 
-@pytest.mark.parametrize(
-    ("mode", "direction"),
-    [
-        ("uniform", 1),
-        ("uniform", -1),
-        pytest.param("equal-volume", 1, marks=pytest.mark.long),
-        ("equal-volume", -1),
-    ],
-)
-def test_program_cuts_the_drawing(tmp_path: Path, direction: int, mode: str) -> None:
+def test_program_of_equal_areas_cuts_the_drawing_with_m4(tmp_path: Path) -> None:
     """C falls with M4, the point cut at C is the drawing's angle C; equal areas stay equal."""
-    rpm = 600 if mode == "uniform" else 40
-    part = skirt(tmp_path, direction, mode, rpm).with_suffix(".toml")
+    part = skirt(tmp_path, -1, "equal-volume", 40).with_suffix(".toml")
     program = tmp_path / "part.ngc"
-    words = [str(part), "-o", str(program), "--axes", "cxzu", "--to-mm", "2"]
-    assert mkgcode(words) == 0
+    assert mkgcode([str(part), "-o", str(program), "--axes", "cxzu", "--to-mm", "2"]) == 0
     c, x, u = moves(program, "G1", "CXU").T
-    assert (np.sign(np.diff(c)) == direction).all()
-    inside = (direction * c >= 0) & (direction * c <= 4 * 360)
-    off_mm = (x - u - RADIUS_MM + reduction_mm(c))[inside]
-    assert np.abs(off_mm).max() < 1e-5
-    if mode == "equal-volume":
-        at = c[(direction * c >= 720) & (direction * c <= 1080.00001)]
-        deg = np.linspace(at.min(), at.max(), 100_001)
-        area = np.cumsum((RADIUS_MM + 0.1) ** 2 - (RADIUS_MM - reduction_mm(deg)) ** 2)
-        parts = np.diff(np.interp(np.sort(at), deg, area))
-        np.testing.assert_allclose(parts, parts.mean(), rtol=2e-3)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(
-    ("operation", "direction"),
-    [pytest.param("grinding", 1, marks=pytest.mark.long), ("grinding", -1), ("turning", -1)],
-)
-def test_two_lobes_at_their_phases(tmp_path: Path, direction: int, operation: str) -> None:
-    """Both discs stand at 40 and -110 degrees; the tool keeps its rake whatever the sense."""
-    table = made(tmp_path, CAM.format(direction=direction, operation=operation), "two")
-    machine = ROOT / "host_sim" / "machines" / "cam.toml"
-    words = ("--machine", machine, "--design", table.with_suffix(".json"), "--rpm", 23)
-    found = cut(table, "--no-learning", *words)
-    turn, z_mm, radius_mm = plain(found.surface)[:3]
-    for low_mm, high_mm, phase_deg, disc_mm, off_mm in ((0, 1, 40, 24, 4), (2, 3, -110, 23, 3)):
-        here = (z_mm > low_mm) & (z_mm < high_mm)
-        psi = 2 * np.pi * turn[here] - np.radians(phase_deg)
-        exact_mm = off_mm * np.cos(psi) + np.sqrt(disc_mm**2 - off_mm**2 * np.sin(psi) ** 2)
-        assert here.sum() > 1000
-        assert np.abs(radius_mm[here] - exact_mm).max() < 2e-4
-    if operation == "turning":
-        rake = found.summary["cam"]["rake_deg"]
-        assert max(abs(rake["min"]), abs(rake["max"])) < 0.05
+    assert (np.diff(c) < 0).all()
+    inside = (c <= 0) & (c >= -4 * 360)
+    assert np.abs((x - u - RADIUS_MM + reduction_mm(c))[inside]).max() < 1e-5
+    at = c[(c <= -720) & (c >= -1080.00001)]
+    deg = np.linspace(at.min(), at.max(), 100_001)
+    area = np.cumsum((RADIUS_MM + 0.1) ** 2 - (RADIUS_MM - reduction_mm(deg)) ** 2)
+    parts = np.diff(np.interp(np.sort(at), deg, area))
+    np.testing.assert_allclose(parts, parts.mean(), rtol=2e-3)
 
 
 @pytest.mark.parametrize("direction", SENSES)
-def test_eval_of_a_lobe_is_the_disc(tmp_path: Path, direction: int) -> None:
-    """Lift and swing of a disc by its exact solution: the swing keeps its sign with M4."""
-    table = made(tmp_path, CAM.format(direction=direction, operation="turning"), "two")
-    turn = np.linspace(0, 1, 101)
-    text = "turn,z_mm\n" + "".join(f"{one!r},0.5\n" for one in turn.tolist())
-    rows = list(csv.DictReader(camsim("eval", table, stdin=text).stdout.splitlines()))
-    psi = 2 * np.pi * turn - np.radians(40)
-    centre_mm = 4 * np.cos(psi) + np.sqrt(34**2 - 16 * np.sin(psi) ** 2)
-    slope = -4 * np.sin(psi) - 16 * np.sin(psi) * np.cos(psi) / (centre_mm - 4 * np.cos(psi))
-    lift_nm = np.array([float(row["u_nm"]) for row in rows])
-    slope_nm = np.array([float(row["u1_nm_per_rad"]) for row in rows])
-    swing = np.array([float(row["swing_deg"]) for row in rows])
-    assert np.abs(lift_nm - 1e6 * (centre_mm - 30)).max() < 20
-    assert np.abs(slope_nm - 1e6 * slope).max() < 1e3
-    np.testing.assert_allclose(swing, np.degrees(np.arctan2(slope, centre_mm)), atol=3e-4)
+def test_eval_of_a_lobe_is_that_of_the_notes(tmp_path: Path, direction: int) -> None:
+    """Lift, slope and swing of a cam at 40 degrees: the swing keeps its sign with M4."""
+    cam = (ROOT / "tools" / "parts" / "cam-345.toml").read_text()
+    process = f"[process]\ndirection = {direction}\n"
+    text = cam.replace("phase_deg = 0 ", "phase_deg = 40 ").replace("[process]\n", process)
+    theta, lift, swing = np.array([line.split()[:3] for line in POLY345], float).T
+    table = made(tmp_path, text, "cam-345")
+    got = file_evaluated(table, (theta + 40) / 360, np.full(theta.size, 5.0))
+    slope_mm = np.tan(np.radians(swing)) * (30 + lift)
+    np.testing.assert_allclose(got["u_nm"], 1e6 * lift, atol=20)
+    np.testing.assert_allclose(got["u1_nm_per_rad"], 1e6 * slope_mm, atol=1e3)
+    np.testing.assert_allclose(got["swing_deg"], swing, atol=3e-4)
 
 
 @pytest.mark.long

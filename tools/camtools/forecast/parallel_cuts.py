@@ -11,12 +11,13 @@ import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from multiprocessing import resource_tracker
-
-import dask
-from distributed import Client, LocalCluster, as_completed
+from typing import TYPE_CHECKING
 
 from camtools.base.errors import CamtoolsError
 from camtools.forecast.cuts import CutOutcome, Task, cut_batch
+
+if TYPE_CHECKING:
+    from distributed import Client, LocalCluster
 
 _BATCH = 8  # cuts: what is lost of a worker that dies, a second or two
 _CONNECT_S = 10.0
@@ -27,8 +28,10 @@ def batches(machines: Sequence[str], size: int = _BATCH) -> list[list[str]]:
     return [list(machines[at : at + size]) for at in range(0, len(machines), size)]
 
 
-def _local(n_workers: int, folder: str) -> LocalCluster:
+def _local(n_workers: int, folder: str) -> "LocalCluster":
     """Return processes of this computer. Ctrl-C is not theirs: they inherit that it is blocked."""
+    from distributed import LocalCluster  # slow to load
+
     resource_tracker.ensure_running()  # would unblock it when it starts between
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
@@ -45,8 +48,11 @@ def _local(n_workers: int, folder: str) -> LocalCluster:
 
 
 @contextmanager
-def _client(scheduler: str | None, n_workers: int) -> Iterator[Client]:
+def _client(scheduler: str | None, n_workers: int) -> Iterator["Client"]:
     """Connect to a cluster, or start one on this computer, which ends with it."""
+    import dask  # slow to load
+    from distributed import Client
+
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     with ExitStack() as stack:
         stack.enter_context(dask.config.set({"logging.distributed": "critical"}))
@@ -83,6 +89,8 @@ def cut_all(
         for group in groups:
             take(_checked(cut_batch(task, group)))
         return
+    from distributed import as_completed  # slow to load
+
     with _client(scheduler, workers) as client:
         shared = client.scatter(task, broadcast=True)
         futures = [client.submit(cut_batch, shared, group, pure=False) for group in groups]

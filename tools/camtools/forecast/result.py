@@ -6,11 +6,12 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from statistics import NormalDist
 from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
-from scipy import stats
+import scipy
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.parquet import parquet_bytes
@@ -20,7 +21,7 @@ from camtools.forecast.cuts import SCHEMA, CutOutcome
 from camtools.forecast.job import ForecastPlan, Question
 
 _CONFIDENCE = 0.95
-_Z = float(stats.norm.ppf(0.5 + _CONFIDENCE / 2))
+_Z = NormalDist().inv_cdf(0.5 + _CONFIDENCE / 2)
 LEAST_FOR_RANKING = 64  # of a RBD-FAST or PAWN with any meaning
 _SLICES = 10  # of PAWN
 _RESAMPLES = 100
@@ -66,8 +67,8 @@ def quantile(errors: Floats, percent: float) -> Quantile:
     """Return a quantile of errors (infinite: no result) with its interval, MATHS.md (163)."""
     ordered, n, share = np.sort(errors), errors.size, percent / 100
     place = min(max(int(np.ceil(share * n)), 1), n)
-    low = int(stats.binom.ppf((1 - _CONFIDENCE) / 2, n, share))
-    high = int(stats.binom.ppf((1 + _CONFIDENCE) / 2, n, share)) + 1
+    low = int(scipy.stats.binom.ppf((1 - _CONFIDENCE) / 2, n, share))
+    high = int(scipy.stats.binom.ppf((1 + _CONFIDENCE) / 2, n, share)) + 1
     lower = float(ordered[low - 1]) if low >= 1 else 0.0
     upper = float(ordered[high - 1]) if high <= n else float("inf")
     return Quantile(percent, float(ordered[place - 1]), lower, upper)

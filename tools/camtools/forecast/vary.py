@@ -13,9 +13,8 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
+import scipy
 from pydantic import Field, model_validator
-from scipy import stats
-from scipy.stats import qmc
 
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.quantities import Floats, FloatsLike
@@ -86,17 +85,17 @@ def _frozen(spread: Spread, scale: float, nominal: float) -> tuple[Any, float, f
     """Return the distribution, its natural ends and its description; numbers times scale."""
     if spread.distribution == "uniform":
         low, high = (spread.low or 0.0) * scale, (spread.high or 0.0) * scale
-        return stats.uniform(low, high - low), low, high, "uniform"
+        return scipy.stats.uniform(low, high - low), low, high, "uniform"
     if spread.distribution == "normal":
         mean = nominal if spread.mean is None else spread.mean * scale
         sd = (spread.sd or 0.0) * abs(scale)
         words = f"normal {mean:.4g} +- {sd:.3g}"
-        return stats.norm(mean, sd), mean - _SIGMAS * sd, mean + _SIGMAS * sd, words
+        return scipy.stats.norm(mean, sd), mean - _SIGMAS * sd, mean + _SIGMAS * sd, words
     median = nominal if spread.median is None else spread.median * scale
     factor = spread.factor or 1.0
     ends = median * factor**-_SIGMAS, median * factor**_SIGMAS
     words = f"lognormal {median:.4g} */ {factor:.3g}"
-    return stats.lognorm(np.log(factor), scale=median), *ends, words
+    return scipy.stats.lognorm(np.log(factor), scale=median), *ends, words
 
 
 def _unknown(key: str, spread: Spread, machine: Mapping[str, Any], file: str) -> Unknown:
@@ -165,7 +164,7 @@ def default_vary(machine: Mapping[str, Any]) -> tuple[list[Unknown], list[str]]:
 
 def draw(unknowns: Sequence[Unknown], n_runs: int, *, seed: int) -> Floats:
     """Return numbers (n_runs, unknowns); a longer draw continues a shorter one, MATHS.md (162)."""
-    sobol = qmc.Sobol(len(unknowns), scramble=True, rng=np.random.default_rng(seed))
+    sobol = scipy.stats.qmc.Sobol(len(unknowns), scramble=True, rng=np.random.default_rng(seed))
     with warnings.catch_warnings():  # balance wants powers of two; any number is a fair sample
         warnings.simplefilter("ignore", UserWarning)
         points = sobol.random(n_runs)
