@@ -2,6 +2,7 @@
 
 import json
 import os
+import pickle
 import signal
 import subprocess
 from pathlib import Path
@@ -13,10 +14,9 @@ import pytest
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.cli.forecast import main
-from camtools.forecast import parallel_cuts
-from camtools.forecast.cuts import CutOutcome, Store, cut_batch
-from camtools.forecast.job import ForecastPlan, Question, plan_of
-from camtools.forecast.parallel_cuts import cut_all
+from camtools.forecast import cuts
+from camtools.forecast.cuts import CutOutcome, Store, cut_all, cut_batch
+from camtools.forecast.job import ForecastPlan, plan_of
 from camtools.sim.simulate import simulate
 from checks.patience import until
 from tests.tools.cases.background import python
@@ -41,12 +41,9 @@ def run(folder: Path, *words: str) -> int:
     return main([str(PERKINS), *CUT, "-o", str(folder), *words])
 
 
-def plan(n_runs: int, **changed: object) -> ForecastPlan:
+def plan(n_runs: int) -> ForecastPlan:
     """Return the plan of short cuts on the usual machines."""
-    question = Question(PERKINS, None, None, n_runs, 1, None, ("--turns-limit", "1.0"), None)
-    for name, value in changed.items():
-        object.__setattr__(question, name, value)
-    return plan_of(question)
+    return plan_of(PERKINS, n_runs, 1, words=("--turns-limit", "1.0"))
 
 
 @pytest.mark.long
@@ -151,16 +148,18 @@ def test_what_no_machine_may_have_and_foreign_files_are_refused(
 def test_worker_with_another_simulator_is_refused() -> None:
     """Results of two builds are not mixed."""
     task = plan(1).task._replace(build="another")
-    assert "another simulator" in str(cut_batch(task, [""]))
-    with pytest.raises(CamtoolsError, match="build the same version"):
+    with pytest.raises(
+        CamtoolsError, match=r"another simulator .*; build the same version"
+    ) as found:
         cut_all(task, [""], lambda _: None, n_workers=1)
+    assert pickle.loads(pickle.dumps(found.value)).lines == found.value.lines
 
 
 def test_scheduler_that_does_not_answer_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Nobody listens, or the address is none: one line, nothing is written."""
-    monkeypatch.setattr(parallel_cuts, "_CONNECT_S", 0.2)
+    monkeypatch.setattr(cuts, "_CONNECT_S", 0.2)
     for address in ("tcp://127.0.0.1:9", "nothing"):
         assert run(tmp_path / "o", "--runs", "1", "--scheduler", address) == 2
         line = capsys.readouterr().err
