@@ -6,8 +6,13 @@ import pytest
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.quantities import Floats
 from camtools.identify.foreign_record import ForeignRecord, parse_record
-from camtools.identify.linear_model import LinearModel, identify_record
-from camtools.identify.report import constants_of, record_lines, record_numbers
+from camtools.identify.linear_model import (
+    LinearModel,
+    constants_of,
+    identify_record,
+    record_lines,
+    record_numbers,
+)
 from tests.tools.cases.drive_plant import Plant, limited_m, oscillator_m, played
 
 RATE_HZ, SLOW_HZ = 10_000.0, 1000.0

@@ -11,19 +11,23 @@ from scipy.optimize import minimize
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
-from camtools.roundness.circles import (
+from camtools.roundness.section import (
+    UPR_CHOICES,
     RoundProfile,
     about,
+    axes_of,
     distances_mm,
+    harmonics,
     least_squares,
+    low_pass,
     maximum_inscribed,
     minimum_circumscribed,
     minimum_zone,
     roundness,
     solve,
     straightness,
+    transmission,
 )
-from camtools.roundness.section import UPR_CHOICES, axes_of, harmonics, low_pass, transmission
 
 PHI = 2 * np.pi * np.arange(720) / 720
 

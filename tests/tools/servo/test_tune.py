@@ -1,7 +1,5 @@
 """tools/tune: a force drive by file, record or excitation; reports hold for the firmware's loop."""
 
-from __future__ import annotations
-
 import math
 import re
 import tomllib
@@ -21,9 +19,8 @@ from camtools.link.refusal_text import ask_done
 from camtools.plots import style
 from camtools.tune import plots
 from camtools.tune.excited import Measured, measure, simulated_u
-from camtools.tune.judgement import judge
+from camtools.tune.judgement import OpenLoop, figures, judge, loop_text
 from camtools.tune.loop_design import Loop, Plant
-from camtools.tune.measured_loop import OpenLoop, figures, text_of
 from tests.tools.cases.camctl_bench import Bench, ready
 from tests.tools.cases.command_cases import complaint
 from tests.tools.cases.drive_plant import Drive, library
@@ -490,9 +487,9 @@ def test_figures_are_those_of_the_formula() -> None:
     ratio = np.abs(1 + 2j * np.pi * np.array([200.0, turn_hz]) * 2e-3)
     level = 20 * np.log10(ratio[1] / ratio[0] * (200.0 / turn_hz) ** 2)
     assert found.gain_db == pytest.approx(-level, abs=0.05)
-    assert text_of(double(900.0)).endswith("gain margin not within the lines of 5 .. 895 Hz")
+    assert loop_text(double(900.0)).endswith("gain margin not within the lines of 5 .. 895 Hz")
     assert figures(double(900.0)).phase_deg == figures(double(3000.0)).phase_deg
-    assert text_of(double(150.0)) == "crossover not within the lines of 5 .. 145 Hz"
+    assert loop_text(double(150.0)) == "crossover not within the lines of 5 .. 145 Hz"
 
 
 def test_picture_has_the_points(monkeypatch: pytest.MonkeyPatch) -> None:

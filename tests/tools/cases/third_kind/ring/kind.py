@@ -14,12 +14,12 @@ from camtools.base.text import Json
 from camtools.cut.verdict import check_table
 from camtools.part.common import Machine, PartInfo, Process, check_feed
 from camtools.part.model import HeightMm, TomlTable, rising
-from camtools.pipeline.kind import Kind, Rig
+from camtools.pipeline.kind import Kind
 from camtools.report.kind_report import KindReport
 from camtools.report.sheet import Subject
 from camtools.report.text import error_pair, quantity
 from camtools.sim.machine_file import machine_text
-from camtools.sim.results import Cut, Measured
+from camtools.sim.results import Cut
 from camtools.table.channel import KIND_U, KIND_X, segment_coefficients
 from camtools.table.header import check_tolerance, table_of, u_bounds
 from camtools.table.image import Table
@@ -146,10 +146,6 @@ class RingKind(Kind[RingPart, MadeRing, RingCut]):
     def machine(self, part: RingPart) -> str:
         """See `Kind.machine`."""
         return machine_text(part.machine.limits)
-
-    def outcome(self, made: MadeRing, measured: Measured, rig: Rig) -> RingCut:
-        """See `Kind.outcome`."""
-        return Cut(made, *measured)
 
     def facts(self, made: MadeRing) -> Json:
         """See `Kind.facts`."""
