@@ -17,6 +17,7 @@ from camtools.cli.forecast import main
 from camtools.forecast import cuts
 from camtools.forecast.cuts import CutOutcome, Store, cut_all, cut_batch
 from camtools.forecast.job import ForecastPlan, plan_of
+from camtools.sim.machine_file import Tree, emit_machine, mistaken, read_machine
 from camtools.sim.simulate import simulate
 from checks.patience import until
 from tests.tools.cases.background import python
@@ -224,33 +225,6 @@ def test_interrupted_forecast_goes_on(tmp_path: Path, capsys: pytest.CaptureFixt
 
 
 TURNS, DRAWN, MACHINES = 10, 128, 64
-# The part's own machine: the limits of the part file, every other number by default.
-KNOWN = {
-    "spindle": {"limit_rpm": 3000, "ripple": 0.002},
-    "u": {"speed_mm_per_s": 400, "acceleration_mm_per_s2": 250000, "stroke_mm": 1.2},
-}
-BELIEVED = """\
-[believed.u]
-bandwidth_hz = 300
-damping = 0.7
-delay_us = 75
-mass_kg = 1.5
-friction_m_per_s2 = 0
-scale_latency_us = 0
-scale_error_nm = 0
-mode_2_hz = 0
-[believed.spindle]
-bandwidth_rad_per_s = 40
-ripple = 0.002
-ripple_2 = 0
-runout_um = 0
-runout_2_um = 0
-[believed.encoder]
-eccentricity_counts = 0
-[believed.cut]
-kc_n_per_mm2 = 0
-tool_stiffness_n_per_um = 0
-"""
 
 
 def within_three(rng: np.random.Generator) -> float:
@@ -260,9 +234,9 @@ def within_three(rng: np.random.Generator) -> float:
     return float(drawn)
 
 
-def machine(rng: np.random.Generator) -> str:
+def machine(own: Tree, rng: np.random.Generator) -> str:
     """Return the machine file of a lathe as a builder may get it: what FORECAST.md calls usual."""
-    numbers = {
+    numbers: dict[str, dict[str, float]] = {
         "spindle": {
             "bandwidth_rad_per_s": 40 * 1.5 ** within_three(rng),
             "ripple": 0.002 * 1.5 ** within_three(rng),
@@ -289,19 +263,17 @@ def machine(rng: np.random.Generator) -> str:
             "tool_stiffness_n_per_um": rng.uniform(50, 200),
         },
     }
-    lines = []
-    for table, keys in numbers.items():
-        lines.append(f"[{table}]")
-        lines += [f"{key} = {value}" for key, value in (KNOWN.get(table, {}) | keys).items()]
-    return "\n".join(lines) + "\n" + BELIEVED
+    truth = {f"{table}.{key}": one for table, keys in numbers.items() for key, one in keys.items()}
+    return emit_machine(mistaken(own, truth))
 
 
 def errors_um(folder: Path) -> Floats:
     """Cut on independent machines; return their form errors."""
     table = written(made_of("perkins240"), folder)
     rng, found = np.random.default_rng(31), []
+    own = read_machine(plan(1).machine.text, "own")
     for _ in range(MACHINES):
-        one = cut(table, "--turns-limit", TURNS, machine=machine(rng), status=None)
+        one = cut(table, "--turns-limit", TURNS, machine=machine(own, rng), status=None)
         found.append(one.form_error_um)
     return np.array(found)
 

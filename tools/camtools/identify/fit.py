@@ -75,17 +75,17 @@ def stacked(values: Complexes | Floats) -> Floats:
 
 def solved(columns: Sequence[NDArray[Any]], wanted: NDArray[Any]) -> tuple[Floats, Floats]:
     """Return the factors of columns that sum up to what is wanted, and the stacked residual."""
-    matrix, inverse = _inverted([stacked(column) for column in columns])
-    values = inverse @ stacked(wanted)
+    matrix, inverse, norm = _inverted(list(map(stacked, columns)))
+    values = inverse @ stacked(wanted) / norm
     return values, matrix @ values - stacked(wanted)
 
 
-def _inverted(columns: Sequence[Floats]) -> tuple[Floats, Floats]:
-    """Return the matrix of columns of any size, and its pseudo-inverse."""
+def _inverted(columns: Sequence[Floats]) -> tuple[Floats, Floats, Floats]:
+    """Return the matrix of columns, the pseudo-inverse of their directions, and their norms."""
     matrix = np.column_stack(columns)
     norm = np.linalg.norm(matrix, axis=0)
     norm[norm == 0] = 1.0  # no motion, no friction to find
-    return matrix, np.linalg.pinv(matrix / norm) / norm[:, None]
+    return matrix, np.linalg.pinv(matrix / norm), norm
 
 
 def line_weights(spectra: Spectra, inverse: Complexes | float) -> Floats:
@@ -109,12 +109,12 @@ class _Lines:
         self.y = spectra.y * weight
         self.friction = spectra.friction * weight
         self.columns = [self.s * self.y, self.s**2 * self.y, self.friction]
-        self.matrix, self.inverse = _inverted([stacked(column) for column in self.columns])
+        self.matrix, self.inverse, self.norm = _inverted(list(map(stacked, self.columns)))
 
     def solve(self, lead_s: float) -> tuple[Floats, Floats]:
         """Return k1, k2, c and the stacked residual for a dead time."""
         wanted = stacked(self.u * np.exp(-lead_s * self.s) - self.y)
-        values = self.inverse @ wanted
+        values = self.inverse @ wanted / self.norm
         return values, self.matrix @ values - wanted
 
     def cost(self, lead_s: float, *, is_physical: bool = False) -> float:
@@ -141,7 +141,8 @@ def _lead(lines: _Lines) -> float:
 def _covariance(lines: _Lines, spectra: Spectra, values: Floats, residual: Floats) -> Floats:
     """Return the covariance: White's sandwich, or the scatter of the periods if that is larger."""
     by_lead = stacked(lines.s * lines.u * np.exp(-values[LEAD] * lines.s))
-    _, inverse = _inverted([lines.matrix, by_lead])
+    _, inverse, norm = _inverted([lines.matrix, by_lead])
+    inverse = inverse / norm[:, None]
     free = residual.size / max(1, residual.size - values.size)
     left = residual**2 * free
     between = _between(spectra, values, lines.weight)

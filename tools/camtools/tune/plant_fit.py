@@ -158,7 +158,8 @@ def _fit_at(residual: _Residual, x: Floats, cost: float) -> PlantFit:
     by = [2.0 * d.sum() if (x - d >= _LOW[: x.size]).all() else d.sum() for d in steps]
     jac = np.column_stack([side / width for side, width in zip(sides, by, strict=True)])
     per_line = max(1.0, cost / (2 * residual.one.s.size - x.size))
-    raw = np.sqrt(np.diag(np.linalg.pinv(jac.T @ jac)) * per_line) * residual.scale[: x.size]
+    variance = np.maximum(np.diag(np.linalg.pinv(jac.T @ jac)), 0.0) * per_line
+    raw = np.sqrt(variance) * residual.scale[: x.size]
     sigmas, late = raw.copy(), float(raw[DELAY])
     square = x[LAG] * residual.scale[LAG]
     sigmas[LAG] = np.sqrt(square + raw[LAG]) - np.sqrt(square)
