@@ -29,8 +29,6 @@ from camtools.roundness.section import (
     transmission,
 )
 
-PHI = 2 * np.pi * np.arange(720) / 720
-
 
 def made_up(seed: int, n: int = 720, radius_mm: float = 46.0) -> RoundProfile:
     """Return a rough, lobed, eccentric profile."""
