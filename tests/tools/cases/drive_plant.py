@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from camtools.base.quantities import Floats
-from camtools.identify.multisine import Wave
+from camtools.identify.recording import Wave
 from camtools.tune.loop_design import Plant as ForcePlant
 from camtools.tune.loop_design import best
 from tests.tools.cases.camsim_cases import BUILD

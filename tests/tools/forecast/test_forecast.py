@@ -2,6 +2,7 @@
 
 import json
 import os
+import pickle
 import signal
 import subprocess
 from pathlib import Path
@@ -13,10 +14,10 @@ import pytest
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.cli.forecast import main
-from camtools.forecast import parallel_cuts
-from camtools.forecast.cuts import CutOutcome, Store, cut_batch
-from camtools.forecast.job import ForecastPlan, Question, plan_of
-from camtools.forecast.parallel_cuts import cut_all
+from camtools.forecast import cuts
+from camtools.forecast.cuts import CutOutcome, Store, cut_all, cut_batch
+from camtools.forecast.job import ForecastPlan, plan_of
+from camtools.sim.machine_file import Tree, emit_machine, mistaken, read_machine
 from camtools.sim.simulate import simulate
 from checks.patience import until
 from tests.tools.cases.background import python
@@ -41,12 +42,9 @@ def run(folder: Path, *words: str) -> int:
     return main([str(PERKINS), *CUT, "-o", str(folder), *words])
 
 
-def plan(n_runs: int, **changed: object) -> ForecastPlan:
+def plan(n_runs: int) -> ForecastPlan:
     """Return the plan of short cuts on the usual machines."""
-    question = Question(PERKINS, None, None, n_runs, 1, None, ("--turns-limit", "1.0"), None)
-    for name, value in changed.items():
-        object.__setattr__(question, name, value)
-    return plan_of(question)
+    return plan_of(PERKINS, n_runs, 1, words=("--turns-limit", "1.0"))
 
 
 @pytest.mark.long
@@ -151,16 +149,18 @@ def test_what_no_machine_may_have_and_foreign_files_are_refused(
 def test_worker_with_another_simulator_is_refused() -> None:
     """Results of two builds are not mixed."""
     task = plan(1).task._replace(build="another")
-    assert "another simulator" in str(cut_batch(task, [""]))
-    with pytest.raises(CamtoolsError, match="build the same version"):
+    with pytest.raises(
+        CamtoolsError, match=r"another simulator .*; build the same version"
+    ) as found:
         cut_all(task, [""], lambda _: None, n_workers=1)
+    assert pickle.loads(pickle.dumps(found.value)).lines == found.value.lines
 
 
 def test_scheduler_that_does_not_answer_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Nobody listens, or the address is none: one line, nothing is written."""
-    monkeypatch.setattr(parallel_cuts, "_CONNECT_S", 0.2)
+    monkeypatch.setattr(cuts, "_CONNECT_S", 0.2)
     for address in ("tcp://127.0.0.1:9", "nothing"):
         assert run(tmp_path / "o", "--runs", "1", "--scheduler", address) == 2
         line = capsys.readouterr().err
@@ -225,33 +225,6 @@ def test_interrupted_forecast_goes_on(tmp_path: Path, capsys: pytest.CaptureFixt
 
 
 TURNS, DRAWN, MACHINES = 10, 128, 64
-# The part's own machine: the limits of the part file, every other number by default.
-KNOWN = {
-    "spindle": {"limit_rpm": 3000, "ripple": 0.002},
-    "u": {"speed_mm_per_s": 400, "acceleration_mm_per_s2": 250000, "stroke_mm": 1.2},
-}
-BELIEVED = """\
-[believed.u]
-bandwidth_hz = 300
-damping = 0.7
-delay_us = 75
-mass_kg = 1.5
-friction_m_per_s2 = 0
-scale_latency_us = 0
-scale_error_nm = 0
-mode_2_hz = 0
-[believed.spindle]
-bandwidth_rad_per_s = 40
-ripple = 0.002
-ripple_2 = 0
-runout_um = 0
-runout_2_um = 0
-[believed.encoder]
-eccentricity_counts = 0
-[believed.cut]
-kc_n_per_mm2 = 0
-tool_stiffness_n_per_um = 0
-"""
 
 
 def within_three(rng: np.random.Generator) -> float:
@@ -261,9 +234,9 @@ def within_three(rng: np.random.Generator) -> float:
     return float(drawn)
 
 
-def machine(rng: np.random.Generator) -> str:
+def machine(own: Tree, rng: np.random.Generator) -> str:
     """Return the machine file of a lathe as a builder may get it: what FORECAST.md calls usual."""
-    numbers = {
+    numbers: dict[str, dict[str, float]] = {
         "spindle": {
             "bandwidth_rad_per_s": 40 * 1.5 ** within_three(rng),
             "ripple": 0.002 * 1.5 ** within_three(rng),
@@ -290,19 +263,17 @@ def machine(rng: np.random.Generator) -> str:
             "tool_stiffness_n_per_um": rng.uniform(50, 200),
         },
     }
-    lines = []
-    for table, keys in numbers.items():
-        lines.append(f"[{table}]")
-        lines += [f"{key} = {value}" for key, value in (KNOWN.get(table, {}) | keys).items()]
-    return "\n".join(lines) + "\n" + BELIEVED
+    truth = {f"{table}.{key}": one for table, keys in numbers.items() for key, one in keys.items()}
+    return emit_machine(mistaken(own, truth))
 
 
 def errors_um(folder: Path) -> Floats:
     """Cut on independent machines; return their form errors."""
     table = written(made_of("perkins240"), folder)
     rng, found = np.random.default_rng(31), []
+    own = read_machine(plan(1).machine.text, "own")
     for _ in range(MACHINES):
-        one = cut(table, "--turns-limit", TURNS, machine=machine(rng), status=None)
+        one = cut(table, "--turns-limit", TURNS, machine=machine(own, rng), status=None)
         found.append(one.form_error_um)
     return np.array(found)
 

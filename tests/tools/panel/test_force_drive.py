@@ -140,7 +140,7 @@ def test_a_loop_without_the_margins_is_shown_and_not_applied(
 ) -> None:
     """The constants are there, and why no loop is proposed."""
     poor = "margins at 0.7 of the mass: unstable"
-    monkeypatch.setattr("camtools.tune.proposal.refusal", lambda judged, *, is_proposal: poor)
+    monkeypatch.setattr("camtools.tune.judgement.refusal", lambda judged, *, is_proposal: poor)
     assert live_seat.refused("measure_loop") == poor
     tuned = live_seat.service.tuned()
     assert tuned is not None and tuned.problem == poor and not tuned.picture

@@ -11,21 +11,23 @@ from scipy.optimize import minimize
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
-from camtools.roundness.circles import (
+from camtools.roundness.section import (
+    UPR_CHOICES,
     RoundProfile,
     about,
+    axes_of,
     distances_mm,
+    harmonics,
     least_squares,
+    low_pass,
     maximum_inscribed,
     minimum_circumscribed,
     minimum_zone,
     roundness,
     solve,
     straightness,
+    transmission,
 )
-from camtools.roundness.section import UPR_CHOICES, axes_of, harmonics, low_pass, transmission
-
-PHI = 2 * np.pi * np.arange(720) / 720
 
 
 def made_up(seed: int, n: int = 720, radius_mm: float = 46.0) -> RoundProfile:
@@ -103,15 +105,6 @@ def test_circles_are_those_of_all_pairs_and_triples() -> None:
     )
 
 
-def test_ellipse_has_its_known_circles() -> None:
-    """Half axes 46 and 45.9 mm: zone 0.1, circles around and within are those of the axes."""
-    a, b = 46.0, 45.9
-    profile = RoundProfile(PHI, a * b / np.hypot(b * np.cos(PHI), a * np.sin(PHI)))
-    assert minimum_zone(profile).width_mm == pytest.approx(a - b, abs=1e-12)
-    assert minimum_circumscribed(profile).radius_mm == pytest.approx(a, abs=1e-7)
-    assert maximum_inscribed(profile).radius_mm == pytest.approx(b, abs=1e-7)
-
-
 def figures(profile: RoundProfile) -> list[float]:
     """Return what is told of a profile by each circle [mm]."""
     about_ls = roundness(profile, least_squares(profile))
@@ -137,18 +130,6 @@ def test_form_does_not_depend_on_place_angle_and_scale(
     other = RoundProfile(moved.phi_rad, scale * moved.radius_mm)
     for one, two in zip(figures(profile), figures(other), strict=True):
         assert two == pytest.approx(scale * one, abs=1e-8)
-
-
-@settings(max_examples=20)
-@given(st.integers(0, 10_000))
-def test_zones_are_nested(seed: int) -> None:
-    """The minimum zone is no wider than any other: about LSCI, MCCI or MICI."""
-    profile = made_up(seed, 72)
-    zone_mm = minimum_zone(profile).width_mm
-    for find in (least_squares, minimum_circumscribed, maximum_inscribed):
-        assert zone_mm <= roundness(profile, find(profile)).total_mm + 1e-12
-    assert maximum_inscribed(profile).radius_mm <= least_squares(profile).radius_mm
-    assert least_squares(profile).radius_mm <= minimum_circumscribed(profile).radius_mm
 
 
 def profile(seed: int, n: int) -> tuple[Floats, Floats]:
@@ -184,21 +165,6 @@ def test_least_squares_line_leaves_nothing_along_itself() -> None:
     assert found.q_mm == pytest.approx(np.sqrt((left**2).mean()), abs=1e-12)
 
 
-@settings(max_examples=20)
-@given(st.integers(0, 1000), st.floats(-1, 1), st.floats(-1e-3, 1e-3), st.floats(0.1, 10))
-def test_form_does_not_depend_on_level_slope_and_scale(
-    seed: int, level_mm: float, slope: float, scale: float
-) -> None:
-    """A line that is added changes nothing, the zone is no wider than about the LS line."""
-    z_mm, value_mm = profile(seed, 60)
-    one = straightness(z_mm, value_mm)
-    other = straightness(z_mm, scale * (value_mm + level_mm + slope * z_mm))
-    for name in ("total_mm", "zone_mm", "q_mm", "peak_mm"):
-        expected = scale * getattr(one, name)
-        assert getattr(other, name) == pytest.approx(expected, abs=1e-11), name
-    assert one.zone_mm <= one.total_mm + 1e-15
-
-
 def test_zone_without_an_end_is_refused() -> None:
     """A program of which no solution is the best ends in a message, not in a number."""
     with pytest.raises(CamtoolsError, match="zone of the profile cannot be found"):
@@ -228,17 +194,6 @@ def test_filter_is_the_convolution_of_the_standard(upr: int) -> None:
     assert low_pass(profile, upr) == pytest.approx(convolved(profile, upr), abs=aliased)
 
 
-@pytest.mark.parametrize("upr", UPR_CHOICES)
-def test_half_is_let_through_at_the_cutoff(upr: int) -> None:
-    """A wave at the cut-off keeps half of its height and its phase, the mean stays as it is."""
-    wave = np.cos(upr * ROUND - 0.7)
-    assert low_pass(5 + wave, upr) == pytest.approx(5 + wave / 2, abs=1e-12)
-    alpha = np.sqrt(np.log(2) / np.pi)
-    order = np.arange(4.0 * upr)
-    of_standard = np.exp(-np.pi * (alpha * order / upr) ** 2)
-    assert transmission(order, upr) == pytest.approx(of_standard, abs=1e-15)
-
-
 def test_harmonics_are_those_of_least_squares() -> None:
     """Cosines and sines fitted by lstsq have the amplitudes and the crests of the sums."""
     draw = np.random.default_rng(5)
@@ -253,22 +208,6 @@ def test_harmonics_are_those_of_least_squares() -> None:
         assert one.amplitude * np.cos(crest_rad) == pytest.approx(a, abs=1e-12)
         assert one.amplitude * np.sin(crest_rad) == pytest.approx(b, abs=1e-12)
         assert 0 <= one.phase_deg < 360 / one.order + 1e-9
-
-
-@settings(max_examples=20)
-@given(st.integers(0, 1000), st.integers(0, N - 1), st.floats(0.1, 10))
-def test_filter_and_amplitudes_turn_and_scale_with_the_part(
-    seed: int, places: int, scale: float
-) -> None:
-    """Filtering commutes with turning and scaling; amplitudes stay, crests turn along."""
-    profile = np.random.default_rng(seed).normal(size=N)
-    other = scale * np.roll(profile, places)
-    turned = scale * np.roll(low_pass(profile, 50), places)
-    assert low_pass(other, 50) == pytest.approx(turned, abs=1e-9)
-    for one, two in zip(harmonics(profile), harmonics(other), strict=True):
-        assert two.amplitude == pytest.approx(scale * one.amplitude, abs=1e-9)
-        off_deg = two.phase_deg - one.phase_deg - 360 * places / N
-        assert np.exp(1j * np.radians(off_deg * one.order)) == pytest.approx(1, abs=1e-6)
 
 
 @settings(max_examples=20)

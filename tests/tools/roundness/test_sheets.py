@@ -252,16 +252,6 @@ def test_sections_without_roundness() -> None:
     assert pages.left_out == lobe.left_out
 
 
-def test_few_ticks_per_turn_are_told() -> None:
-    """At 20 kHz and 6000 r/min 200 ticks are too few for 50 waves per turn."""
-    cut = cut_of(GAUGED)
-    cut.summary["cut"]["spindle_rpm"] = 6000.0
-    found = make_sheets(cut, OVAL)
-    assert found is not None
-    points = {row.name: row.value for row in found.head}["points"]
-    assert "from 200 ticks per turn; fewer than 7 ticks per wave at 50 UPR" in points
-
-
 @pytest.mark.parametrize("is_fastest_told", [False, True])
 def test_too_few_ticks_call_no_roundness_good(is_fastest_told: bool) -> None:
     """The fastest turn counts; waves between its ticks are missing, so only what is out is sure."""
@@ -275,6 +265,9 @@ def test_too_few_ticks_call_no_roundness_good(is_fastest_told: bool) -> None:
         found = make_sheets(cut, OVAL._replace(tolerances=Tolerances(roundness_um=tolerance_um)))
         assert found is not None
         assert by_name(found.sections[0].features)[name].verdict == verdict
+        points = {row.name: row.value for row in found.head}["points"]
+        few = "from 200 ticks per turn; fewer than 7 ticks per wave at 50 UPR"
+        assert is_fastest_told or few in points  # at 20 kHz and 6000 r/min
 
 
 @pytest.mark.usefixtures("undrawn")

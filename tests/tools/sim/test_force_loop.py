@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camtools.tune.drive import Drive
-from camtools.tune.parameters import parameters_of
+from camtools.tune.parameters import Drive, parameters_of
 from tests.tools.cases.camsim_cases import cut, refusal
 from tests.tools.cases.drive_plant import designed
 

@@ -46,6 +46,9 @@ class CamtoolsError(Exception):
         self.lines = [one_line(line) for line in lines]
         super().__init__("\n".join(self.lines))
 
+    def __reduce__(self) -> tuple[type[CamtoolsError], tuple[list[str]]]:
+        return CamtoolsError, (self.lines,)  # from one process to another
+
 
 class InputError(CamtoolsError):
     """One field of one file is wrong.

@@ -6,8 +6,6 @@ Traceback (most recent call last):
 camtools.base.arguments.UsageError: --channel: needs a bus: add --bus
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields

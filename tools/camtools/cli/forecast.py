@@ -4,8 +4,6 @@
 2
 """
 
-from __future__ import annotations
-
 import math
 import sys
 import time
@@ -18,11 +16,15 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.files import write_all
 from camtools.base.project import RESULTS
 from camtools.base.text import emit_json
-from camtools.forecast.cuts import CutOutcome, Store
-from camtools.forecast.job import Question, limits, plan_of
-from camtools.forecast.parallel_cuts import cut_all
-from camtools.forecast.result import evaluate, forecast_summary, runs_parquet
-from camtools.forecast.text import Progress, forecast_text
+from camtools.forecast.cuts import CutOutcome, Store, cut_all
+from camtools.forecast.job import ForecastPlan, plan_of
+from camtools.forecast.result import (
+    Progress,
+    evaluate,
+    forecast_summary,
+    forecast_text,
+    runs_parquet,
+)
 
 _RUNS = 256
 _MOST_RUNS = 1_000_000
@@ -69,8 +71,8 @@ class Options:
         Path | None, Option("folder for the results (default: build/forecast/NAME)", "DIR", "-o")
     ] = None
 
-    def question(self) -> Question:
-        """Return the question to the simulator."""
+    def plan(self) -> ForecastPlan:
+        """Return what is to be cut."""
         words = [
             *_positive("--rpm", self.rpm),
             *_positive("--feed", self.feed),
@@ -79,12 +81,22 @@ class Options:
         for setting in self.set:
             words += ["--set", setting]
         _positive("--tolerance-um", self.tolerance_um)
-        return Question(
-            *(self.part, self.machine, self.vary),
-            limits("--runs", self.runs, 1, _MOST_RUNS),
-            limits("--seed", self.seed, 0, _MOST_SEED),
-            *(self.rpm, tuple(words), self.tolerance_um),
+        _check("--runs", self.runs, 1, _MOST_RUNS)
+        _check("--seed", self.seed, 0, _MOST_SEED)
+        _check("--workers", 1 if self.workers is None else self.workers, 1, 1024)
+        return plan_of(
+            *(self.part, self.runs, self.seed),
+            machine_name=self.machine,
+            vary=self.vary,
+            rpm=self.rpm,
+            words=words,
+            tolerance_um=self.tolerance_um,
         )
+
+
+def _check(option: str, value: int, low: int, high: int) -> None:
+    if not low <= value <= high:
+        raise CamtoolsError([f"{option} {value}: out of range; give {low} .. {high}"])
 
 
 def _positive(option: str, value: float | None) -> list[str]:
@@ -102,9 +114,7 @@ def forecast(options: Options) -> int:
     They are varied at random, the part is cut on each simulated machine, and the report has the
     distribution of the form error and the properties that matter most.
     """
-    question = options.question()
-    workers = None if options.workers is None else limits("--workers", options.workers, 1, 1024)
-    plan = plan_of(question)
+    plan = options.plan()
     folder = options.output or RESULTS / "forecast" / plan.made.table.part.part.name
     store = Store(folder / "store")
     texts = dict(zip(plan.keys, plan.texts, strict=True))
@@ -116,15 +126,15 @@ def forecast(options: Options) -> int:
         progress.add(len(outcomes), sum(not one.is_gauged for one in outcomes))
 
     try:
-        cut_all(plan.task, missing, take, scheduler=options.scheduler, n_workers=workers)
+        cut_all(plan.task, missing, take, scheduler=options.scheduler, n_workers=options.workers)
     finally:
         progress.end()
     store.compact()
     outcomes = store.pick(plan.keys)
-    found = evaluate(plan, outcomes, question.seed)
+    found = evaluate(plan, outcomes)
     from camtools.forecast.plots import draw_forecast  # matplotlib is slow to load
 
-    about = forecast_summary(question, plan, found)
+    about = forecast_summary(plan, found)
     files = {
         "forecast.json": emit_json(about).encode("utf-8"),
         "forecast.png": draw_forecast(plan, found),

@@ -4,8 +4,6 @@
 2
 """
 
-from __future__ import annotations
-
 import json
 import sys
 import tempfile
@@ -31,15 +29,14 @@ from camtools.identify.configured_drive import Believed, with_keys
 from camtools.identify.drives import CutShortError, SimulatedU
 from camtools.identify.excitation_plan import Excitation, U, Wishes, excited, plan
 from camtools.identify.foreign_record import parse_record
-from camtools.identify.identified import Identified, Limits, identify
-from camtools.identify.linear_model import identify_record
-from camtools.identify.part_error import ToolMotion, motion_of
+from camtools.identify.identified import Identified, identify
+from camtools.identify.linear_model import identify_record, record_lines, record_numbers
 from camtools.identify.report import (
+    ToolMotion,
     chosen,
     form_left,
+    motion_of,
     numbers,
-    record_lines,
-    record_numbers,
     report,
 )
 from camtools.link.messages import Refused
@@ -144,7 +141,7 @@ def _files(
 ) -> dict[str, bytes]:
     """Return the results by file name."""
     motion = part.motion if part is not None else None
-    results = numbers(found, believed, Limits(), motion)
+    results = numbers(found, believed, motion)
     return {
         f"{name}_bode.png": bode_png(found, believed.values, f"U of {name}"),
         f"{name}_identified.json": f"{json.dumps(results, indent=2)}\n".encode("ascii"),
@@ -162,6 +159,16 @@ def _played(excitation: Excitation) -> str:
     )
 
 
+class _Found(NamedTuple):
+    """Result of one excitation."""
+
+    found: Identified
+    believed: Believed
+    lines: list[str]
+    is_good: bool
+    settings: dict[str, int]
+
+
 def _one(u: U, arguments: Options, part: _Part | None) -> _Found:
     """Excite, fit and report."""
     believed = u.believed()
@@ -176,11 +183,11 @@ def _one(u: U, arguments: Options, part: _Part | None) -> _Found:
     found = identify(excited(u, excitation, believed))
     is_good = _is_good(found, believed, part, arguments.form_error_um)
     motion, name = (part.motion, part.name) if part is not None else (None, "")
-    lines += report(found, believed, Limits(), motion, name, is_good=is_good)
+    lines += report(found, believed, motion, name, is_good=is_good)
     lines = [plain(line) for line in lines]
     sys.stdout.write("\n".join(lines) + "\n")
     sys.stdout.flush()
-    settings = believed.settings(chosen(found, Limits(), motion))
+    settings = believed.settings(chosen(found, motion))
     return _Found(found, believed, lines, is_good, settings)
 
 
@@ -188,22 +195,12 @@ def _is_good(
     found: Identified, believed: Believed, part: _Part | None, most_um: float | None
 ) -> bool:
     """Return whether the constants may be set: within the limits, or good enough for the part."""
-    if not found.problems(Limits()):
+    if not found.problems():
         return True
     if part is None or most_um is None or not found.plain.is_physical:
         return False
-    left = form_left(found, believed, Limits(), part.motion)
+    left = form_left(found, believed, part.motion)
     return left.chosen_um + left.doubt_um <= most_um
-
-
-class _Found(NamedTuple):
-    """Result of one excitation."""
-
-    found: Identified
-    believed: Believed
-    lines: list[str]
-    is_good: bool
-    settings: dict[str, int]
 
 
 def _simulate(arguments: Options, given: str) -> int:
@@ -227,7 +224,7 @@ def _status(one: _Found, arguments: Options, applied: str) -> int:
         sys.stdout.write(f"applied: {applied}\n")
     if not one.is_good:
         what = "nothing was applied" if arguments.apply else "the fit is not good enough to apply"
-        first = one.found.problems(Limits())[0]
+        first = one.found.problems()[0]
         sys.stderr.write(f"identify: {what}: {first}\n")
     return 0 if one.is_good else NOT_GOOD
 

@@ -4,8 +4,6 @@
 2
 """
 
-from __future__ import annotations
-
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,10 +18,9 @@ from camtools.identify.excitation_plan import U
 from camtools.link.messages import Refused
 from camtools.sim.machine_file import machine_bytes
 from camtools.tune import excited
-from camtools.tune.drive import drive_of, read_tree
-from camtools.tune.parameters import settings_of, text_of
+from camtools.tune.judgement import Proposal, Subject, proposed, subject_of
+from camtools.tune.parameters import drive_of, read_tree, settings_of, text_of
 from camtools.tune.plant_fit import fit_lines_of, fit_table, parse_loop_record, with_fit
-from camtools.tune.proposal import Proposal, Subject, proposed, subject_of
 
 REFUSED = 1
 _MOST_PULSE_N = 4000  # of any force limit

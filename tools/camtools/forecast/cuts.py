@@ -1,9 +1,8 @@
-"""Cuts of a forecast: made here or elsewhere, kept on the disk by the digest of their causes.
+"""Cuts of a forecast: made here or on a cluster by Dask, kept by the digest of their causes.
 
-A worker gets bytes, not paths: it keeps the table in a folder of its own, which ends with it.
-
-Every batch becomes a file of its own, which appears complete or not at all; a forecast that was
-stopped finds what is there and goes on.
+A worker gets bytes, not paths: it keeps the table in a folder of its own, which ends with it. Every
+batch becomes a file of its own, which appears complete or not at all; a forecast that was stopped
+finds what is there and goes on.
 
 >>> import tempfile
 >>> with tempfile.TemporaryDirectory() as name:
@@ -15,15 +14,19 @@ stopped finds what is there and goes on.
 
 import atexit
 import hashlib
+import logging
+import os
 import shutil
+import signal
 import tempfile
 import uuid
-from collections.abc import Iterable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
 from math import nan
+from multiprocessing import resource_tracker
 from pathlib import Path
-from typing import NamedTuple, get_type_hints
+from typing import TYPE_CHECKING, NamedTuple, get_type_hints
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -34,6 +37,9 @@ from camtools.base.parquet import parquet_bytes
 from camtools.sim.binding import library_path
 from camtools.sim.machine_file import Machine
 from camtools.sim.simulate import Result, simulate
+
+if TYPE_CHECKING:
+    from distributed import Client, LocalCluster
 
 TABLE, DESIGN = "part.camtab", "part.json"
 
@@ -101,8 +107,8 @@ def _outcome(key: str, result: Result) -> CutOutcome:
     summary = result.summary
     form, following = summary["form_error_um"], summary["following_error_um"]
     values = (form["max"], form["rms"], form["roundness"], following["max"])
-    largest, rms, roundness, late = (nan if value is None else float(value) for value in values)
     faults = " ".join(summary.get("first_faults", []))
+    largest, rms, roundness, late = (nan if value is None else float(value) for value in values)
     return CutOutcome(
         key, summary["end"], result.status, faults, result.message,
         largest, rms, roundness, late, int(summary["ticks"]), float(summary["wall_time_s"]),
@@ -120,16 +126,94 @@ def cut_one(task: Task, machine: str) -> CutOutcome:
     return _outcome(key, result)
 
 
-def cut_batch(task: Task, machines: Sequence[str]) -> list[CutOutcome] | str:
-    """Cut on some machines, one after the other; return why it cannot be done here, if so."""
-    try:
-        here = build_of(library_path())
-    except CamtoolsError as error:
-        return str(error)
+def cut_batch(task: Task, machines: Sequence[str]) -> list[CutOutcome]:
+    """Cut on some machines, one after the other; raise where the simulator is another build."""
+    here = build_of(library_path())
     if here != task.build:
         problem = f"a worker has another simulator ({here}, not {task.build})"
-        return f"{problem}; build the same version on every computer"
+        raise CamtoolsError([f"{problem}; build the same version on every computer"])
     return [cut_one(task, machine) for machine in machines]
+
+
+_BATCH = 8  # cuts: what is lost of a worker that dies, a second or two
+_CONNECT_S = 10.0
+
+
+def _local(n_workers: int, folder: str) -> "LocalCluster":
+    """Return processes of this computer. Ctrl-C is not theirs: they inherit that it is blocked."""
+    from distributed import LocalCluster  # slow to load
+
+    resource_tracker.ensure_running()  # would unblock it when it starts between
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        return LocalCluster(
+            n_workers=n_workers,
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address="127.0.0.1:0",
+            local_directory=folder,
+            silence_logs=logging.CRITICAL,
+        )
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _client(scheduler: str | None, n_workers: int) -> Iterator["Client"]:
+    """Connect to a cluster, or start one on this computer, which ends with it."""
+    import dask  # slow to load
+    from distributed import Client
+
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    with ExitStack() as stack:
+        stack.enter_context(dask.config.set({"logging.distributed": "critical"}))
+        if scheduler is None:
+            folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="camturn-dask."))
+            cluster = stack.enter_context(_local(n_workers, folder))
+            yield stack.enter_context(Client(cluster))
+            return
+        try:
+            client = stack.enter_context(Client(scheduler, timeout=_CONNECT_S))
+        except (OSError, TimeoutError, ValueError) as error:
+            problem = f"--scheduler {scheduler}: does not answer"
+            raise CamtoolsError([f"{problem}; give tcp://HOST:PORT of a dask scheduler"]) from error
+        if not client.scheduler_info()["workers"]:
+            problem = f"--scheduler {scheduler}: has no worker"
+            raise CamtoolsError([f"{problem}; start `dask worker {scheduler}` on a computer"])
+        yield client
+
+
+def cut_all(
+    task: Task,
+    machines: Sequence[str],
+    take: Callable[[list[CutOutcome]], None],
+    *,
+    scheduler: str | None = None,
+    n_workers: int | None = None,
+) -> None:
+    """Cut on every machine, here or on a Dask cluster; `take` gets outcomes, batch by batch."""
+    if not machines:
+        return
+    groups = [list(machines[at : at + _BATCH]) for at in range(0, len(machines), _BATCH)]
+    workers = min(n_workers or len(os.sched_getaffinity(0)), len(groups))
+    if scheduler is None and workers == 1:
+        for group in groups:
+            take(cut_batch(task, group))
+        return
+    from distributed import as_completed  # slow to load
+
+    with _client(scheduler, workers) as client:
+        shared = client.scatter(task, broadcast=True)
+        futures = [client.submit(cut_batch, shared, group, pure=False) for group in groups]
+        for future in as_completed(futures):
+            error = future.exception()
+            if isinstance(error, CamtoolsError):
+                raise error
+            if error is not None:
+                problem = f"a worker failed: {type(error).__name__}: {error}"
+                raise CamtoolsError([f"{problem}; run it again; finished cuts are kept"])
+            take(future.result())
+            future.release()
 
 
 _KINDS = {str: pa.string(), float: pa.float64(), int: pa.int64()}
@@ -145,8 +229,7 @@ class Store:
         self.found: dict[str, CutOutcome] = {}  # by key
         self._paths = sorted(folder.glob("*.parquet"))
         for path in self._paths:
-            for outcome in _read(path):
-                self.found[outcome.key] = outcome
+            self.found |= {outcome.key: outcome for outcome in _read(path)}
 
     def add(self, outcomes: Sequence[CutOutcome]) -> None:
         """Keep outcomes; they are on the disk on return."""

@@ -1,13 +1,13 @@
-"""What a forecast was asked for: the part, its machine, what is not known, the machines drawn.
+r"""What a forecast is about to cut: the part, its machine, what is not known, the machines drawn.
 
->>> limits("--runs", 2, 1, 10)
-2
+>>> _LINE.sub(r"\1", "drawn: line 3: u.damping = 0.01: out of range")
+'u.damping = 0.01: out of range'
 """
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.quantities import Floats
@@ -30,29 +30,7 @@ _PROBE = "drawn"
 _LINE = re.compile(rf"{_PROBE}: line \d+: (.*)")
 
 
-def limits(option: str, value: int, low: int, high: int) -> int:
-    """Return the number of an option. Raises `CamtoolsError`: it is out of range."""
-    if not low <= value <= high:
-        raise CamtoolsError([f"{option} {value}: out of range; give {low} .. {high}"])
-    return value
-
-
-@dataclass(frozen=True)
-class Question:
-    """What the command line says."""
-
-    part: Path
-    machine: str | None  # name or path; None: that of the part file
-    vary: Path | None  # None: the usual unknowns
-    n_runs: int
-    seed: int
-    rpm: float | None  # speed, which the table of some parts depends on
-    words: tuple[str, ...]  # options of camsim: speed, feed, turns, parameters
-    tolerance_um: float | None  # None: that of the part
-
-
-@dataclass(frozen=True, eq=False)
-class ForecastPlan:
+class ForecastPlan(NamedTuple):
     """All that is to be cut."""
 
     made: Made  # the part and its table
@@ -64,6 +42,8 @@ class ForecastPlan:
     keys: list[str]  # digest of each cut
     task: Task  # what the cuts share
     tolerance_um: float  # that a good part keeps
+    words: tuple[str, ...]  # options of camsim: speed, feed, turns, parameters
+    seed: int
 
     @property
     def names(self) -> list[str]:
@@ -71,33 +51,44 @@ class ForecastPlan:
         return [one.key for one in self.unknowns]
 
 
-def plan_of(question: Question) -> ForecastPlan:
-    """Make the table, read machine and unknowns, draw the machines; nothing is cut or written."""
-    loaded = load(question.part)
-    made = make(loaded, question.part, rpm=question.rpm)
+def plan_of(
+    part_file: Path,
+    n_runs: int,
+    seed: int,
+    *,
+    machine_name: str | None = None,
+    vary: Path | None = None,
+    rpm: float | None = None,
+    words: Sequence[str] = (),
+    tolerance_um: float | None = None,
+) -> ForecastPlan:
+    """Make the table, read machine and unknowns, draw the machines; nothing is cut or written.
+
+    machine_name: name or path, None: that of the part file; vary: None: the usual unknowns;
+    rpm: the table of some parts depends on it; tolerance_um: None: that of the part.
+    """
+    made = make(load(part_file), part_file, rpm=rpm)
     part = made.table.part
     own = Machine(f"{part.part.name}_machine.toml", made.kind.machine(part))
-    machine = own if question.machine is None else find_machine(question.machine)
+    machine = own if machine_name is None else find_machine(machine_name)
     tree = read_machine(machine.text, machine.name)
-    unknowns, left_out = _unknowns(question.vary, tree)
+    unknowns, left_out = _unknowns(vary, tree)
     files, name = made.files(with_plots=False), part.part.name
     table, design = files[f"{name}.camtab"], files[f"{name}.json"]
     # The gauge judges by its own tolerance only whether a cut is good, which is done here.
-    task = Task(table, design, (*question.words, "--tolerance-um", "1e6"), build_of(library_path()))
+    task = Task(table, design, (*words, "--tolerance-um", "1e6"), build_of(library_path()))
     _check(task, machine, name)
-    _check_ends(task, tree, unknowns, str(question.vary or DEFAULT_VARY.name))
-    inputs = draw(unknowns, question.n_runs, seed=question.seed)
+    _check_ends(task, tree, unknowns, str(vary or DEFAULT_VARY.name))
+    inputs = draw(unknowns, n_runs, seed=seed)
     keys = [one.key for one in unknowns]
     drawn = (dict(zip(keys, map(float, row), strict=True)) for row in inputs)
     texts = [emit_machine(mistaken(tree, numbers)) for numbers in drawn]
-    given_um = question.tolerance_um
-    tolerance_um = made.kind.form_error_um(part) if given_um is None else given_um
-    tolerance_um -= made.kind.taken_um(made.table)
-    if tolerance_um <= 0:
+    allowed_um = made.kind.form_error_um(part) if tolerance_um is None else tolerance_um
+    allowed_um -= made.kind.taken_um(made.table)
+    if allowed_um <= 0:
         raise CamtoolsError(["--tolerance-um: smoothing takes all of it; allow more"])
-    digests = [task.key(text) for text in texts]
-    cuts = (inputs, texts, digests, task, tolerance_um)
-    return ForecastPlan(made, machine, unknowns, left_out, *cuts)
+    cuts = (inputs, texts, [task.key(text) for text in texts], task, allowed_um, tuple(words))
+    return ForecastPlan(made, machine, unknowns, left_out, *cuts, seed)
 
 
 def _unknowns(vary: Path | None, tree: Tree) -> tuple[list[Unknown], list[str]]:

@@ -1,13 +1,13 @@
-"""What a forecast found, as data: quantiles of the form error, and which unknown matters.
+"""What a forecast found, as data and for people: quantiles of the form error, what it depends on.
 
 >>> share_within(98, 100).share
 0.98
 """
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from statistics import NormalDist
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TextIO
 
 import numpy as np
 import pyarrow as pa
@@ -15,10 +15,12 @@ import scipy
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.parquet import parquet_bytes
-from camtools.base.quantities import Floats
+from camtools.base.quantities import Floats, length_text
 from camtools.base.text import Json, emit_json
 from camtools.forecast.cuts import SCHEMA, CutOutcome
-from camtools.forecast.job import ForecastPlan, Question
+from camtools.forecast.job import ForecastPlan
+from camtools.part.smoothing import share_text
+from camtools.report.text import plain
 
 _CONFIDENCE = 0.95
 _Z = NormalDist().inv_cdf(0.5 + _CONFIDENCE / 2)
@@ -113,7 +115,7 @@ class Forecast(NamedTuple):
     effects: list[Effect]  # of the unknowns, the strongest first; empty when there are too few cuts
 
 
-def evaluate(plan: ForecastPlan, outcomes: Sequence[CutOutcome], seed: int) -> Forecast:
+def evaluate(plan: ForecastPlan, outcomes: Sequence[CutOutcome]) -> Forecast:
     """Return what the cuts of a plan say; refuse a plan of which none was gauged."""
     is_gauged = np.array([one.is_gauged for one in outcomes])
     if not is_gauged.any():
@@ -129,11 +131,11 @@ def evaluate(plan: ForecastPlan, outcomes: Sequence[CutOutcome], seed: int) -> F
         share_within(int((errors_um <= plan.tolerance_um).sum()), len(outcomes)),
         [quantile(errors_um, percent) for percent in PERCENTS],
         dict(ends.most_common()),
-        effects(plan.names, plan.inputs[is_gauged], found[is_gauged], seed=seed),
+        effects(plan.names, plan.inputs[is_gauged], found[is_gauged], seed=plan.seed),
     )
 
 
-def forecast_summary(question: Question, plan: ForecastPlan, forecast: Forecast) -> Json:
+def forecast_summary(plan: ForecastPlan, forecast: Forecast) -> Json:
     """Return all numbers of a forecast; a number that is infinite is null."""
     names = ("percent", "value_um", "low_um", "high_um")
     quantiles = [
@@ -144,9 +146,9 @@ def forecast_summary(question: Question, plan: ForecastPlan, forecast: Forecast)
         "part": plan.made.table.part.part.name,
         "machine": plan.machine.name,
         "simulator": plan.task.build,
-        "camsim_options": list(question.words),
+        "camsim_options": list(plan.words),
         "runs": len(plan.keys),
-        "seed": question.seed,
+        "seed": plan.seed,
         "tolerance_um": plan.tolerance_um,
         "within_tolerance": forecast.within._asdict(),
         "form_error_um": quantiles,
@@ -169,3 +171,85 @@ def runs_parquet(plan: ForecastPlan, outcomes: Sequence[CutOutcome], about: Json
     columns |= {key: plan.inputs[:, place] for place, key in enumerate(plan.names)}
     columns |= {name: [getattr(one, name) for one in outcomes] for name in names}
     return parquet_bytes(columns, schema, {"camturn.forecast": emit_json(about)})
+
+
+_LINES = 10  # where there is no terminal
+
+
+class Progress:
+    """Counts cuts; `n_done` of them were there before; the clock returns seconds."""
+
+    def __init__(self, n_all: int, n_done: int, stream: TextIO, clock: Callable[[], float]) -> None:
+        self._n_all, self._n_before, self._n_done = n_all, n_done, n_done
+        self._n_failed = 0
+        self._stream, self._clock = stream, clock
+        self._begin_s = clock()
+        self._is_open = False
+        self._told = n_done * _LINES // max(n_all, 1)
+        if n_done:
+            stream.write(f"forecast: {n_done} of {n_all} cuts are already done\n")
+
+    def add(self, n_cuts: int, n_failed: int) -> None:
+        """Count cuts that have been made."""
+        self._n_done += n_cuts
+        self._n_failed += n_failed
+        if self._stream.isatty():
+            self._stream.write(f"\r{self._text()}\033[K")
+            self._is_open = True
+        elif self._n_done * _LINES // self._n_all > self._told:
+            self._told = self._n_done * _LINES // self._n_all
+            self._stream.write(f"{self._text()}\n")
+        self._stream.flush()
+
+    def _text(self) -> str:
+        words = [f"forecast: {self._n_done} of {self._n_all} cuts"]
+        if self._n_failed:
+            words.append(f"{self._n_failed} without a result")
+        since_s, n_here = self._clock() - self._begin_s, self._n_done - self._n_before
+        left_s = since_s / n_here * (self._n_all - self._n_done)
+        if left_s >= 1:
+            words.append(f"{left_s:.0f} s left")
+        return ", ".join(words)
+
+    def end(self) -> None:
+        """Begin a new line on a terminal."""
+        if self._is_open:
+            self._stream.write("\n")
+            self._stream.flush()
+
+
+_SHOWN = 5
+
+
+def _effect(effect: Effect) -> str:
+    if effect.is_noise:
+        return f"{effect.key}: no more than noise"
+    alone = f"{100 * max(effect.first_order, 0):.0f} +- {100 * effect.first_order_conf:.0f} %"
+    return f"{effect.key}: {effect.pawn:.2f}, alone {alone} of the variance"
+
+
+def forecast_text(plan: ForecastPlan, forecast: Forecast, place: str) -> str:
+    """Return the table for the terminal."""
+    n, share = len(plan.keys), forecast.within
+    percent = f"{100 * share.share:.1f} % ({100 * share.low:.1f} .. {100 * share.high:.1f} %)"
+    rows = [(f"within {length_text(plan.tolerance_um)}", f"{percent} of {n} machines")]
+    if taken_um := plan.made.kind.taken_um(plan.made.table):
+        rows.append(("smoothing", share_text(taken_um, plan.tolerance_um + taken_um)))
+    for one in forecast.quantiles:
+        name = "median" if one.percent == 50 else f"{one.percent:.0f} % below"
+        value, low, high = (length_text(um) if np.isfinite(um) else "no result" for um in one[1:])
+        within = f"{low} .. {high}" if np.isfinite(one.high) else f"from {low} up"
+        rows.append((name, f"{value} ({within})"))
+    for end, count in forecast.ends.items():
+        if end != "gauged":
+            rows.append((f"ended: {end}", f"{count} cuts, counted as out of tolerance"))
+    shown = forecast.effects[:_SHOWN]
+    rows += [("matters most" if one is shown[0] else "", _effect(one)) for one in shown]
+    if not shown:
+        rows.append(("matters most", f"unknown with fewer than {LEAST_FOR_RANKING} different cuts"))
+    if plan.left_out:
+        rows.append(("not varied", f"{', '.join(plan.left_out)}: 0 on this machine"))
+    rows.append(("results", f"{place}/forecast.json, forecast.png, runs.parquet"))
+    width = max(len(name) for name, _ in rows)
+    title = f"{plan.made.table.part.part.name} on {plan.machine.name}: form error"
+    return "\n".join([title, *(f"  {name:<{width}}  {plain(text)}" for name, text in rows)]) + "\n"

@@ -10,9 +10,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from camtools.base.quantities import Floats
-from camtools.identify.fit import FRICTION, K1, K2, LEAD, second_order
+from camtools.identify.fit import FRICTION, second_order, slide_of
 from camtools.identify.identified import Identified
-from camtools.identify.multisine import Complexes
+from camtools.identify.recording import Complexes
 from camtools.plots import style
 
 _DB = 8.685889638
@@ -25,26 +25,21 @@ def unwrapped_deg(response: Complexes) -> Floats:
     return np.asarray(np.degrees(np.unwrap(np.angle(response))))
 
 
-def _slide(found: Identified) -> Complexes:
-    """Return what the equation of the fit multiplies the place of U by, at the lines."""
-    one, values = found.spectra, found.plain.values
-    return np.asarray(1 + values[K1] * one.s + values[K2] * one.s**2, np.complex128)
-
-
 def measured_response(found: Identified) -> tuple[Complexes, Floats]:
     """Return the response at the lines, friction taken out, and its standard deviation."""
-    one = found.spectra
-    free = one.y + found.plain.values[FRICTION] * one.friction / _slide(found)
+    one, values = found.spectra, found.plain.values
+    free = one.y + values[FRICTION] * one.friction / slide_of(one.s, values)
     return free / one.u, one.noise_nm / np.abs(one.u)
 
 
 def left_by_fit(found: Identified) -> Floats:
     """Return how far the fit is from each line, as a share of it, comparable with its noise."""
-    return np.asarray(np.abs(found.plain.residual / _slide(found)))
+    slide = slide_of(found.spectra.s, found.plain.values)
+    return np.asarray(np.abs(found.plain.residual / slide))
 
 
 def _curves(found: Identified, believed: Floats, s: Complexes) -> Iterator[_Curve]:
-    yield style.ORANGE, ":", "believed", second_order(s, *believed[[K1, K2, LEAD]])
+    yield style.ORANGE, ":", "believed", second_order(s, believed)
     yield style.BLUE, "-", "fit", found.plain.response(s)
     if found.with_mode is not None and found.has_mode:
         yield style.RED, "--", "fit with a mode", found.with_mode.response(s)

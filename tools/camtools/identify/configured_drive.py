@@ -8,29 +8,17 @@ mode_hz = 3
 k1_ns = 5
 """
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from typing import Self
 
 import numpy as np
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.identify.fit import FRICTION, K1, K2, LEAD
-
-PARAMETERS = (
-    "k1_ns",
-    "k2_us2",
-    "lead_ns",
-    "u_scale_latency_ns",
-    "u_scale_nm",
-    "u_stroke_nm",
-    "u_speed_um_per_s",
-    "u_acceleration_mm_per_s2",
-)
 
 
 @dataclass(frozen=True)
@@ -48,9 +36,9 @@ class Believed:
     u_acceleration_mm_per_s2: int
 
     @classmethod
-    def of(cls, tick_hz: float, parameters: Mapping[str, int]) -> Believed:
+    def of(cls, tick_hz: float, parameters: Mapping[str, int]) -> Self:
         """Return those of a controller from all of its parameters."""
-        return cls(tick_hz, *(int(parameters[field.name]) for field in fields(cls)[1:]))
+        return cls(tick_hz, *(int(parameters[name]) for name in PARAMETERS))
 
     @property
     def values(self) -> Floats:
@@ -80,6 +68,7 @@ class Believed:
         }
 
 
+PARAMETERS = tuple(field.name for field in fields(Believed)[1:])
 _TABLE = re.compile(r"^\s*\[([^\[\]]+)\]\s*(#.*)?$")
 
 

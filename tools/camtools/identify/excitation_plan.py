@@ -15,15 +15,16 @@ import numpy as np
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats, Ints
 from camtools.identify.configured_drive import Believed
-from camtools.identify.multisine import (
+from camtools.identify.recording import (
     HIGHEST_HZ,
     N_PERIODS,
     TICKS_PER_HIGHEST,
     Grid,
+    SettledRecord,
     Wave,
     multisine,
+    record_of,
 )
-from camtools.identify.recording import SettledRecord, record_of
 from camtools.link.excitation import Unit
 
 _RMS_NM, _COARSE_RMS_NM, _COARSE_NM = 25_000.0, 100_000.0, 500

@@ -16,9 +16,18 @@ import numpy as np
 from scipy.linalg import expm
 
 from camtools.base.quantities import Floats
-from camtools.identify.fit import FRICTION, K1, K2, LEAD, DriveFit, Gain, fit, moved_per_commanded
+from camtools.identify.fit import (
+    FRICTION,
+    K1,
+    K2,
+    LEAD,
+    DriveFit,
+    ModeFit,
+    fit,
+    fit_mode,
+    moved_per_commanded,
+)
 from camtools.identify.recording import SettledRecord, Spectra, spectra_of
-from camtools.identify.resonance import ModeFit, fit_mode
 
 _STEPS = 3  # of each of the two pieces of a tick
 
@@ -93,17 +102,9 @@ _RATHER_A_MODE = 2.0  # a gain that is off explains less than that
 _SETTLED_SIGMAS = 0.1
 _FRICTION_SIGMAS = 3.0
 _MODE_GAIN = 4.0  # a mode is there when it makes the sum of the squares smaller by this
-
-
-@dataclass(frozen=True)
-class Limits:
-    """What a fit must keep to be applied."""
-
-    k1_share: float = 0.01  # standard deviation and bias
-    k2_share: float = 0.01
-    lead_s: float = 2e-6
-    misfit: float = 0.05
-    gain_off: float = 0.01
+# What a fit must keep to be applied: standard deviation and bias of k1, k2 and lead [s], ...
+_MOST_SHARE, _MOST_LEAD_S = 0.01, 2e-6
+_MOST_MISFIT, _MOST_GAIN_OFF = 0.05, 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +114,8 @@ class Identified:
     spectra: Spectra  # with the friction that the fit found
     plain: DriveFit  # of a drive of second order
     with_mode: ModeFit | None  # of one with a mode as well
-    gain: Gain  # share of a commanded way that U moves
+    gain: float  # share of a commanded way that U moves
+    gain_cost: float  # sum of the squares that a fit with that share leaves
 
     @property
     def has_mode(self) -> bool:
@@ -122,7 +124,7 @@ class Identified:
         return (
             one is not None
             and one.plain_cost > _MODE_GAIN * one.cost
-            and self.gain.cost > _RATHER_A_MODE * one.cost
+            and self.gain_cost > _RATHER_A_MODE * one.cost
         )
 
     @property
@@ -135,42 +137,38 @@ class Identified:
             bias[LEAD] = self.plain.values[LEAD] - free[LEAD]
         return bias
 
-    def is_biased(self, limits: Limits) -> bool:
-        """Return whether a mode biases the fit beyond the limits."""
-        bias = np.abs(self.bias)
-        most = (limits.k1_share, limits.k2_share, limits.lead_s)
-        return bool(np.any(bias[[K1, K2, LEAD]] > most))
+    @property
+    def biasing(self) -> ModeFit | None:
+        """The fit with a mode, where that biases the plain one beyond the limits."""
+        most = (_MOST_SHARE, _MOST_SHARE, _MOST_LEAD_S)
+        return self.with_mode if np.any(np.abs(self.bias)[[K1, K2, LEAD]] > most) else None
 
-    def judged(self, limits: Limits) -> DriveFit | ModeFit:
-        """Return the fit that counts: that of the drive beside its mode where a mode biases."""
-        if self.with_mode is not None and self.is_biased(limits):
-            return self.with_mode
-        return self.plain
+    @property
+    def judged(self) -> DriveFit | ModeFit:
+        """The fit that counts: that of the drive beside its mode where a mode biases."""
+        return self.biasing or self.plain
 
-    def problems(self, limits: Limits) -> list[str]:
+    def problems(self) -> list[str]:
         """Return why the constants are not to be applied; an empty list when they are."""
-        one = self.judged(limits)
+        one = self.judged
         if not one.is_physical:
             return ["no drive of second order has such a response"]
         found = []
         sigmas = np.sqrt(np.diag(one.covariance))
-        shares = {"k1": (K1, limits.k1_share), "k2": (K2, limits.k2_share)}
-        for name, (i, limit) in shares.items():
+        for name, i in (("k1", K1), ("k2", K2)):
             share = float(sigmas[i] / one.values[i])
-            if share > limit:
+            if share > _MOST_SHARE:
                 known = f"{name} is known to {100 * share:.3g} % only"
-                found.append(f"{known}, at most {100 * limit:g} %")
-        if sigmas[LEAD] > limits.lead_s:
+                found.append(f"{known}, at most {100 * _MOST_SHARE:g} %")
+        if sigmas[LEAD] > _MOST_LEAD_S:
             known = f"lead is known to {sigmas[LEAD] * 1e6:.3g} us"
-            found.append(f"{known}, at most {limits.lead_s * 1e6:g} us")
-        if one.misfit > limits.misfit:
+            found.append(f"{known}, at most {_MOST_LEAD_S * 1e6:g} us")
+        if one.misfit > _MOST_MISFIT:
             left = f"the fit leaves {100 * one.misfit:.3g} % of what was measured"
-            found.append(f"{left}, at most {100 * limits.misfit:g} %")
-        if not self.has_mode and abs(self.gain.share - 1) > limits.gain_off:
-            moved = f"U moves {self.gain.share:.4f} of what is commanded"
-            found.append(
-                f"{moved}, at most {limits.gain_off:g} off; correct the scale of the drive"
-            )
+            found.append(f"{left}, at most {100 * _MOST_MISFIT:g} %")
+        if not self.has_mode and abs(self.gain - 1) > _MOST_GAIN_OFF:
+            moved = f"U moves {self.gain:.4f} of what is commanded"
+            found.append(f"{moved}, at most {_MOST_GAIN_OFF:g} off; correct the scale of the drive")
         return found
 
 
@@ -233,9 +231,5 @@ def identify(record: SettledRecord, *, with_mode: bool = True) -> Identified:
         if other[1].misfit < plain.misfit:
             record, (spectra, plain) = record_too, other
     looks = with_mode and plain.is_physical
-    return Identified(
-        spectra=spectra,
-        plain=plain,
-        with_mode=_fit_mode(spectra, record, plain) if looks else None,
-        gain=moved_per_commanded(spectra, plain),
-    )
+    mode = _fit_mode(spectra, record, plain) if looks else None
+    return Identified(spectra, plain, mode, *moved_per_commanded(spectra, plain))

@@ -8,6 +8,7 @@
 ([], '2.00 0.00100')
 """
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -15,9 +16,10 @@ from scipy.optimize import least_squares
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats, Ints
+from camtools.base.text import Json
 from camtools.identify.fit import solved, stacked
-from camtools.identify.foreign_record import ForeignRecord
-from camtools.identify.multisine import Complexes
+from camtools.identify.foreign_record import FORCES, ForeignRecord
+from camtools.identify.recording import Complexes
 
 STATIC, RATE, SECOND, DELAY = range(4)
 _MOST_SEGMENT, _LEAST_SEGMENTS = 8192, 16
@@ -297,3 +299,62 @@ def _problems(found: LinearModel) -> list[str]:
                 f"or {_CHANGE_SIGMAS:g} deviations"
             )
     return problems
+
+
+_NS, _US2, _UM = 1e9, 1e12, 1e6  # per s, s2 and m
+
+
+def constants_of(values: Floats, command: str) -> dict[str, float]:
+    """Return constants, as of `LinearModel`, by name and unit; the command's column chooses."""
+    static, rate, second, delay_s = (float(values[i]) for i in (STATIC, RATE, SECOND, DELAY))
+    ringing = max(static / second, 0.0) ** 0.5 if second else 0.0  # rad/s
+    shape = {
+        "delay ns": delay_s * _NS,
+        "natural frequency Hz": ringing / (2 * np.pi),
+        "damping": rate / (2 * second * ringing) if ringing else float("inf"),
+    }
+    if command in FORCES:
+        return {"mass kg": second, "viscous N s/m": rate, "stiffness N/m": static} | shape
+    gain, unit = (_UM / static, "um/V") if command == "command_v" else (1 / static, "")
+    drive = {"k1 ns": rate / static * _NS, "k2 us2": second / static * _US2}
+    return {f"gain {unit}".strip(): gain} | drive | shape
+
+
+def _uncertain(found: LinearModel, command: str) -> list[tuple[str, float, float]]:
+    """Return name, value and deviation of each constant."""
+    constants = constants_of(found.values, command)
+    rows = [list(constants_of(one, command).values()) for one in found.replicas]
+    return [*zip(constants, constants.values(), jackknife(np.array(rows)).tolist(), strict=True)]
+
+
+def record_lines(found: LinearModel, record: ForeignRecord) -> Iterator[str]:
+    """Yield the report, line by line."""
+    hz = np.abs(found.lines.s) / (2 * np.pi)
+    coherence = found.lines.coherence
+    held = "held for each step" if found.lines.hold_s else "continuous"
+    yield (
+        f"record: {record.u.size} rows at {record.rate_hz:.6g} Hz; command {held}; {hz.size} lines "
+        f"{hz[0]:.3g} .. {hz[-1]:.4g} Hz, coherence {np.median(coherence):.4g} in the median, "
+        f"{coherence.min():.3g} at least"
+    )
+    yield f"{'':<22}{'found':>14}{'deviation':>12}"
+    for name, value, sigma in _uncertain(found, record.command):
+        yield f"{name:<22}{value:>14.6g}{sigma:>12.2g}"
+    yield f"misfit {100 * found.misfit:.3g} %, {found.chi:.3g} times the deviations of the lines"
+    yield from (f"a linear model does not hold: {one}" for one in found.problems)
+
+
+def record_numbers(found: LinearModel, record: ForeignRecord) -> Json:
+    """Return the report for other programs."""
+    return {
+        "constants": {
+            name: {"found": value, "deviation": sigma}
+            for name, value, sigma in _uncertain(found, record.command)
+        },
+        "command_hold_s": found.lines.hold_s,
+        "lines": int(found.lines.s.size),
+        "coherence_median": float(np.median(found.lines.coherence)),
+        "misfit": found.misfit,
+        "misfit_deviations": found.chi,
+        "problems": found.problems,
+    }

@@ -1,30 +1,120 @@
-"""What was identified, as text and as JSON: constants, doubts, settings, error of a part.
+"""What was identified: constants, doubts, settings, and what errors of them do to a part.
 
->>> constants_of(np.array([1.0, 7e-4, 3e-7, 1e-4]), "command_um")["k1 ns"]
-700000.0
+The latter is MATHS.md (156).
+
+>>> turn = np.arange(64) / 64
+>>> motion = ToolMotion(500_000 * np.cos(4 * np.pi * turn), 3000.0)
+>>> round(motion.peak_speed_mm_s), round(motion.peak_acceleration_m_s2)
+(314, 197)
 """
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from camtools.base.project import with_names
-from camtools.base.quantities import Floats, length_text
-from camtools.base.text import Json
+from camtools.base.quantities import Floats, length_text, omega_rad_s
 from camtools.identify.configured_drive import Believed
-from camtools.identify.fit import FRICTION, K1, K2, LEAD
-from camtools.identify.foreign_record import FORCES, ForeignRecord
-from camtools.identify.identified import Identified, Limits, is_rubbing
-from camtools.identify.linear_model import DELAY, RATE, SECOND, STATIC, LinearModel, jackknife
-from camtools.identify.part_error import (
-    ToolMotion,
-    constants_for,
-    form_error_nm,
-    form_sigma_nm,
-    friction_error_nm,
-    mode_sigma_nm,
-)
+from camtools.identify.fit import FRICTION, K1, K2, LEAD, ModeFit, second_order, slide_of, solved
+from camtools.identify.identified import Identified, is_rubbing
+from camtools.identify.recording import STICTION_NM_S, Complexes
+from camtools.table.channel import KIND_U
+from camtools.table.evaluate import evaluate_grid
+from camtools.table.image import Table
+
+_POINTS = 8  # of each segment between two knots
+_MOST_POINTS = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class ToolMotion:
+    """The way of U over one turn."""
+
+    u_nm: Floats  # shape (n,); at angles that divide the turn evenly
+    rpm: float  # spindle speed, its mean where it is modulated
+
+    @property
+    def s(self) -> Complexes:
+        """J times the angular frequency [rad/s] of each harmonic, from 0."""
+        order = np.arange(self.u_nm.size // 2 + 1)
+        return np.asarray(1j * omega_rad_s(self.rpm) * order, np.complex128)
+
+    @property
+    def harmonics(self) -> Complexes:
+        """Spectrum of the way, as of numpy.fft.rfft."""
+        return np.asarray(np.fft.rfft(self.u_nm))
+
+    def over_turn(self, harmonics: Complexes) -> Floats:
+        """Return what a spectrum is over the turn."""
+        return np.asarray(np.fft.irfft(harmonics, self.u_nm.size))
+
+    @property
+    def peak_speed_mm_s(self) -> float:
+        """Highest speed of U."""
+        return float(np.max(np.abs(self.over_turn(self.harmonics * self.s)))) * 1e-6
+
+    @property
+    def peak_acceleration_m_s2(self) -> float:
+        """Highest acceleration of U."""
+        return float(np.max(np.abs(self.over_turn(self.harmonics * self.s**2)))) * 1e-9
+
+
+def motion_of(table: Table, rpm: float) -> ToolMotion:
+    """Return the fastest turn of a table: that whose speed of U is highest."""
+    channel = table.channel(KIND_U)
+    if channel.has_patterns:
+        heights = np.arange(channel.n_slices, dtype=np.float64)
+    else:
+        heights = np.linspace(channel.z_first_nm, channel.z_last_nm, channel.n_slices)
+    values = evaluate_grid(channel, heights, np.arange(_POINTS) / _POINTS)
+    row = int(np.argmax(np.max(np.abs(values.d1), axis=1)))
+    u_nm = np.tile(values.value[row], 1 << channel.log2_repeat)
+    return ToolMotion(u_nm[:: max(1, u_nm.size // _MOST_POINTS)], rpm)
+
+
+def form_error_nm(motion: ToolMotion, believed: Floats, response: Complexes) -> float:
+    """Return the largest error of form that feed-forward with believed constants leaves."""
+    s = motion.s
+    error = (response / second_order(s, believed) - 1) * motion.harmonics
+    error[0] = 0
+    return float(np.max(np.abs(motion.over_turn(error))))
+
+
+def constants_for(motion: ToolMotion, response: Complexes, lead_s: float) -> Floats:
+    """Return k1 and k2 for a lead that leave a part the least error, by least squares."""
+    s = motion.s[1:]
+    moved = (response[1:] * np.exp(lead_s * s)) * motion.harmonics[1:]
+    (k1_s, k2_s2), _ = solved([moved * s, moved * s**2], motion.harmonics[1:] - moved)
+    values = np.zeros(4)
+    values[K1], values[K2], values[LEAD] = k1_s, k2_s2, lead_s
+    return values
+
+
+def mode_sigma_nm(motion: ToolMotion, found: ModeFit) -> float:
+    """Return the standard deviation of the error of form, the drive having a mode."""
+    by = np.array([motion.over_turn(share) for share in found.shares(motion.s) * motion.harmonics])
+    return float(np.sqrt(np.max(np.einsum("in,ij,jn->n", by, found.place_covariance, by))))
+
+
+def form_sigma_nm(motion: ToolMotion, values: Floats, covariance: Floats) -> float:
+    """Return the deviation of the error of form from those of the constants."""
+    s = motion.s
+    inverse = slide_of(s, values)
+    by = np.zeros((4, motion.u_nm.size))
+    for i, term in ((K1, s / inverse), (K2, s**2 / inverse), (LEAD, s)):
+        by[i] = motion.over_turn(term * motion.harmonics)
+    return float(np.sqrt(np.max(np.einsum("in,ij,jn->n", by, covariance, by))))
+
+
+def friction_error_nm(motion: ToolMotion, values: Floats) -> float:
+    """Return the largest error that friction leaves, which feed-forward does not know."""
+    speed = motion.over_turn(motion.harmonics * motion.s)
+    direction = np.fft.rfft(np.clip(speed / STICTION_NM_S, -1.0, 1.0))
+    rubbed = values[FRICTION] * direction / slide_of(motion.s, values)
+    return float(np.max(np.abs(motion.over_turn(rubbed))))
+
 
 _SIGMAS = 2.0
 _NOTHING_UM = 1e-6
@@ -44,8 +134,8 @@ def _derived(values: Floats) -> tuple[float, float]:
     return 1 / (2 * np.pi * k2_s2**0.5), float(values[K1]) / (2 * k2_s2**0.5)
 
 
-def _entries(found: Identified, believed: Believed, limits: Limits) -> Iterator[_Entry]:
-    values, covariance = found.judged(limits).values, found.judged(limits).covariance
+def _entries(found: Identified, believed: Believed) -> Iterator[_Entry]:
+    values, covariance = found.judged.values, found.judged.covariance
     k1_s, k2_s2, friction_nm, lead_s = (float(value) for value in values)
     (hz, damping), held = _derived(values), _derived(believed.values)
     held_hz, held_damping = held if believed.k2_us2 > 0 else (None, None)
@@ -72,9 +162,9 @@ def _number(value: float, sigma: float) -> str:
     return f"{value:.{min(max(places, 0), 6)}f}"
 
 
-def _table(found: Identified, believed: Believed, limits: Limits) -> Iterator[str]:
+def _table(found: Identified, believed: Believed) -> Iterator[str]:
     yield f"{'':<18}{'found':>12}{'deviation':>12}{'believed':>12}{'off':>9}"
-    for row in _entries(found, believed, limits):
+    for row in _entries(found, believed):
         name = row.name if row.name.endswith(("_ns", "_us2")) else f"{row.name} {row.unit}".strip()
         figures = (_number(value, row.deviation) for value in (row.found, row.deviation))
         text = f"{name:<18}" + "".join(f"{figure:>12}" for figure in figures)
@@ -121,9 +211,9 @@ def set_lines(settings: Mapping[str, int]) -> list[str]:
 
 
 def _part_lines(
-    found: Identified, believed: Believed, limits: Limits, motion: ToolMotion, name: str
+    found: Identified, believed: Believed, motion: ToolMotion, name: str
 ) -> Iterator[str]:
-    left = form_left(found, believed, limits, motion)
+    left = form_left(found, believed, motion)
     yield (
         f"{name} at {motion.rpm:g} r/min: U moves at up to {motion.peak_speed_mm_s:.3g} mm/s and "
         f"{motion.peak_acceleration_m_s2:.3g} m/s2"
@@ -137,14 +227,15 @@ def _part_lines(
         yield f"friction adds up to {length_text(rubbing_um)}; u_friction_nm and learning remove it"
 
 
-def chosen(found: Identified, limits: Limits, motion: ToolMotion | None) -> Floats:
+def chosen(found: Identified, motion: ToolMotion | None) -> Floats:
     """Return the constants for the feed-forward: of the fit, or beside a mode that biases it."""
-    if found.with_mode is None or not found.is_biased(limits):
+    biasing = found.biasing
+    if biasing is None:
         return found.plain.values
     if motion is None:
-        return found.with_mode.slow_values
-    beside = found.with_mode.values
-    values = constants_for(motion, found.with_mode.response(motion.s), float(beside[LEAD]))
+        return biasing.slow_values
+    beside = biasing.values
+    values = constants_for(motion, biasing.response(motion.s), float(beside[LEAD]))
     values[FRICTION] = beside[FRICTION]
     return values
 
@@ -157,58 +248,55 @@ class FormLeft(NamedTuple):
     doubt_um: float  # two deviations of the constants
 
 
-def form_left(
-    found: Identified, believed: Believed, limits: Limits, motion: ToolMotion
-) -> FormLeft:
+def form_left(found: Identified, believed: Believed, motion: ToolMotion) -> FormLeft:
     """Return what a part is off by with the believed and with the identified constants."""
-    with_mode = found.with_mode if found.is_biased(limits) else None
-    response = (with_mode or found.plain).response(motion.s)
+    response = found.judged.response(motion.s)
     now_um = form_error_nm(motion, believed.values, response) * 1e-3
-    then_um = form_error_nm(motion, chosen(found, limits, motion), response) * 1e-3
-    plain = found.plain
-    sigma_nm = form_sigma_nm(motion, plain.values, plain.covariance)
-    sigma_um = 1e-3 * (sigma_nm if with_mode is None else mode_sigma_nm(motion, with_mode))
+    then_um = form_error_nm(motion, chosen(found, motion), response) * 1e-3
+    if found.biasing is not None:
+        sigma_um = 1e-3 * mode_sigma_nm(motion, found.biasing)
+    else:
+        sigma_um = 1e-3 * form_sigma_nm(motion, found.plain.values, found.plain.covariance)
     return FormLeft(now_um, then_um if then_um > _NOTHING_UM else 0.0, _SIGMAS * sigma_um)
 
 
 def report(
     found: Identified,
     believed: Believed,
-    limits: Limits,
     motion: ToolMotion | None = None,
     part: str = "",
     *,
     is_good: bool,
 ) -> list[str]:
     """Return the whole report, line by line; with settings where they are to be set."""
-    lines = [*_table(found, believed, limits), *_fit_lines(found, believed)]
+    lines = [*_table(found, believed), *_fit_lines(found, believed)]
     what = "doubtful" if is_good else "not to be applied"
-    lines += [f"{what}: {problem}" for problem in found.problems(limits)]
+    lines += [f"{what}: {problem}" for problem in found.problems()]
     if is_good:
-        values = chosen(found, limits, motion)
+        values = chosen(found, motion)
         lines += ["", *set_lines(believed.settings(values))]
         keys = believed.machine_keys(values)
         lines += ["", "[believed.u]", *(f"{name} = {value:.10g}" for name, value in keys.items())]
     if motion is not None:
-        lines += ["", *_part_lines(found, believed, limits, motion, part)]
+        lines += ["", *_part_lines(found, believed, motion, part)]
     return lines
 
 
 def numbers(
-    found: Identified, believed: Believed, limits: Limits, motion: ToolMotion | None = None
+    found: Identified, believed: Believed, motion: ToolMotion | None = None
 ) -> dict[str, object]:
     """Return what the report says for other programs, as JSON has it."""
     result: dict[str, object] = {
         "parameters": {
             row.name.replace(" ", "_"): {k: v for k, v in row._asdict().items() if k != "name"}
-            for row in _entries(found, believed, limits)
+            for row in _entries(found, believed)
         },
         "misfit": found.plain.misfit,
         "lines": int(found.spectra.bins.size),
         "lost_lines": found.spectra.n_lost,
-        "gain": found.gain.share,
-        "problems": found.problems(limits),
-        "settings": believed.settings(chosen(found, limits, motion)),
+        "gain": found.gain,
+        "problems": found.problems(),
+        "settings": believed.settings(chosen(found, motion)),
     }
     if found.with_mode is not None and found.has_mode:
         beside = believed.settings(found.with_mode.values)
@@ -222,66 +310,7 @@ def numbers(
             "beside": beside,
         }
     if motion is not None:
-        left = form_left(found, believed, limits, motion)
+        left = form_left(found, believed, motion)
         names = ("believed", "identified", "doubt")
         result["form_error_um"] = dict(zip(names, left, strict=True))
     return result
-
-
-_NS, _US2, _UM = 1e9, 1e12, 1e6  # per s, s2 and m
-
-
-def constants_of(values: Floats, command: str) -> dict[str, float]:
-    """Return constants, as of `LinearModel`, by name and unit; the command's column chooses."""
-    static, rate, second, delay_s = (float(values[i]) for i in (STATIC, RATE, SECOND, DELAY))
-    ringing = max(static / second, 0.0) ** 0.5 if second else 0.0  # rad/s
-    shape = {
-        "delay ns": delay_s * _NS,
-        "natural frequency Hz": ringing / (2 * np.pi),
-        "damping": rate / (2 * second * ringing) if ringing else float("inf"),
-    }
-    if command in FORCES:
-        return {"mass kg": second, "viscous N s/m": rate, "stiffness N/m": static} | shape
-    gain, unit = (_UM / static, "um/V") if command == "command_v" else (1 / static, "")
-    drive = {"k1 ns": rate / static * _NS, "k2 us2": second / static * _US2}
-    return {f"gain {unit}".strip(): gain} | drive | shape
-
-
-def _uncertain(found: LinearModel, command: str) -> list[tuple[str, float, float]]:
-    """Return name, value and deviation of each constant."""
-    constants = constants_of(found.values, command)
-    rows = [list(constants_of(one, command).values()) for one in found.replicas]
-    return [*zip(constants, constants.values(), jackknife(np.array(rows)).tolist(), strict=True)]
-
-
-def record_lines(found: LinearModel, record: ForeignRecord) -> Iterator[str]:
-    """Yield the report, line by line."""
-    hz = np.abs(found.lines.s) / (2 * np.pi)
-    coherence = found.lines.coherence
-    held = "held for each step" if found.lines.hold_s else "continuous"
-    yield (
-        f"record: {record.u.size} rows at {record.rate_hz:.6g} Hz; command {held}; {hz.size} lines "
-        f"{hz[0]:.3g} .. {hz[-1]:.4g} Hz, coherence {np.median(coherence):.4g} in the median, "
-        f"{coherence.min():.3g} at least"
-    )
-    yield f"{'':<22}{'found':>14}{'deviation':>12}"
-    for name, value, sigma in _uncertain(found, record.command):
-        yield f"{name:<22}{value:>14.6g}{sigma:>12.2g}"
-    yield f"misfit {100 * found.misfit:.3g} %, {found.chi:.3g} times the deviations of the lines"
-    yield from (f"a linear model does not hold: {one}" for one in found.problems)
-
-
-def record_numbers(found: LinearModel, record: ForeignRecord) -> Json:
-    """Return the report for other programs."""
-    return {
-        "constants": {
-            name: {"found": value, "deviation": sigma}
-            for name, value, sigma in _uncertain(found, record.command)
-        },
-        "command_hold_s": found.lines.hold_s,
-        "lines": int(found.lines.s.size),
-        "coherence_median": float(np.median(found.lines.coherence)),
-        "misfit": found.misfit,
-        "misfit_deviations": found.chi,
-        "problems": found.problems,
-    }

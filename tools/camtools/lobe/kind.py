@@ -36,7 +36,7 @@ from camtools.pipeline.kind import (
     ratio_of,
 )
 from camtools.sim.machine_file import machine_text
-from camtools.sim.results import TRACE, Measured, read_swing
+from camtools.sim.results import TRACE, Cut, read_swing
 from camtools.table.channel import Channel
 
 _STEP_RAD = 1e-4
@@ -181,9 +181,9 @@ class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
         wheel = f"[wheel]\nwear_um_per_lobe = {wear_um!r}\n" if part.process.is_plunge else ""
         return lobe_machine_text(part.machine.limits) + wheel
 
-    def outcome(self, made: GeneratedLobes, measured: Measured, rig: Rig) -> LobeOutcome:
+    def outcome(self, cut: Cut[GeneratedLobes], rig: Rig) -> LobeOutcome:
         """Return the cut with the swing of the tool that the trace holds."""
-        return LobeOutcome(made, *measured, read_swing(Path(TRACE)))
+        return LobeOutcome(**vars(cut), swing_deg=read_swing(Path(TRACE)))
 
     def facts(self, made: GeneratedLobes) -> Json:
         """See `Kind.facts`."""

@@ -25,8 +25,6 @@ correction that suits the next turns would add as much there. MATHS.md (160).
     harmonic  2: 3 um at most, noise 0.01 um, corrected at 0 .. 62 mm, 1 um left
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 

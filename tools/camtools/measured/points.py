@@ -13,8 +13,6 @@ The header names quantities and units. A deviation above 0 is metal left standin
 ([0.0, 10.0, 20.0, 30.0, 40.0], 16)
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

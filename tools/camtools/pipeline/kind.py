@@ -10,7 +10,7 @@ derived from `Kind`. The registry finds it; nothing else names it.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar, cast
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from camtools.base.text import Json
 from camtools.cut.correction import Correction, Drawing
 from camtools.part.common import PartFile
 from camtools.part.model import TomlTable
-from camtools.sim.results import AnyCut, Measured
+from camtools.sim.results import AnyCut, Cut
 from camtools.sim.simulate import Result
 from camtools.table.channel import RATIO_ONE, Channel
 from camtools.table.evaluate import evaluate_at
@@ -187,9 +187,9 @@ class Kind(ABC, Generic[PartT, MadeT, CutT]):
     def machine(self, part: PartT) -> str:
         """Return camsim's machine file: a machine with the limits of the part."""
 
-    @abstractmethod
-    def outcome(self, made: MadeT, measured: Measured, rig: Rig) -> CutT:
-        """Return all that is known about a cut; what the kind measures besides is done here."""
+    def outcome(self, cut: Cut[MadeT], rig: Rig) -> CutT:
+        """Return all that is known about a cut; a kind that measures more does so here."""
+        return cast(CutT, cut)
 
     @abstractmethod
     def facts(self, made: MadeT) -> Json:

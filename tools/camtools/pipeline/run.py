@@ -34,7 +34,7 @@ from camtools.sim.results import (
     SUMMARY,
     TRACE,
     AnyCut,
-    Measured,
+    Cut,
     read_trace,
     sections_of,
     surface_of,
@@ -115,7 +115,8 @@ def _simulate(job: RunJob, made: Made, folder: Path, origin: Origin) -> AnyCut:
             result = cut_part(
                 *(table, words, plan, window, every), sections_mm=sections_mm, keeps_text=job.csv
             )
-            measured = Measured(
+            seen: AnyCut = Cut(
+                made.table,
                 result.summary,
                 surface_of(result.surface),
                 read_trace(Path(TRACE)),
@@ -126,7 +127,7 @@ def _simulate(job: RunJob, made: Made, folder: Path, origin: Origin) -> AnyCut:
                 sections_of(result.sections),
                 job.upr,
             )
-            outcome: AnyCut = kind.outcome(made.table, measured, Rig(result, table, plain, turns))
+            outcome: AnyCut = kind.outcome(seen, Rig(result, table, plain, turns))
     except OSError as error:
         raise cannot_write(folder.parent, error) from error
     return outcome

@@ -15,12 +15,11 @@ import numpy as np
 
 from camtools.base.quantities import NM_PER_MM
 from camtools.base.text import Json
-from camtools.pipeline.kind import Exact, HeightCurve, Kind, ProfileOver, Rig
+from camtools.pipeline.kind import Exact, HeightCurve, Kind, ProfileOver
 from camtools.polygon.generate import GeneratedPolygon, generate_polygon, shapes_of
 from camtools.polygon.part import PolygonPart
 from camtools.polygon.summary import PolygonCut, emit_polygon_text, make_polygon_summary
 from camtools.sim.machine_file import machine_text
-from camtools.sim.results import Measured
 from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.tool.exact_shape import ExactGeometry
 from camtools.skirt.tool.nose import tip_geometry
@@ -95,10 +94,6 @@ class PolygonKind(Kind[PolygonPart, GeneratedPolygon, PolygonCut]):
     def machine(self, part: PolygonPart) -> str:
         """Return the machine with an encoder that is fine enough for steep flanks."""
         return machine_text(part.machine.limits, part.tool.wear_um) + _ENCODER
-
-    def outcome(self, made: GeneratedPolygon, measured: Measured, rig: Rig) -> PolygonCut:
-        """See `Kind.outcome`."""
-        return PolygonCut(made, *measured)
 
     def facts(self, made: GeneratedPolygon) -> Json:
         """See `Kind.facts`."""

@@ -12,8 +12,13 @@ import numpy as np
 from camtools.base.quantities import UM_PER_MM, Floats
 from camtools.part.common import Tolerances
 from camtools.report.text import ReportRow, origin_rows
-from camtools.roundness.circles import Straightness, straightness
-from camtools.roundness.section import POINTS_PER_WAVE, SectionFigures, section_of
+from camtools.roundness.section import (
+    POINTS_PER_WAVE,
+    SectionFigures,
+    Straightness,
+    section_of,
+    straightness,
+)
 from camtools.sim.results import PLACES, AnyCut, GaugedLine
 
 GOOD, OUT, NO_TOLERANCE = "good", "out of tolerance", "no tolerance given"

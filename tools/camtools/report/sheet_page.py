@@ -25,8 +25,7 @@ from camtools.report.sheet import (
 )
 from camtools.report.sheet_plots import draw_lines, draw_section
 from camtools.report.text import ReportRow
-from camtools.roundness.circles import Circle, Roundness
-from camtools.roundness.section import RoundWave
+from camtools.roundness.section import Circle, Roundness, RoundWave
 from camtools.sim.results import AnyCut
 
 SHEETS = "sheets.json"

@@ -6,8 +6,6 @@
 'libcamsim.so'
 """
 
-from __future__ import annotations
-
 import ctypes
 import json
 import os
@@ -15,7 +13,7 @@ from collections.abc import Sequence
 from ctypes import c_bool, c_char_p, c_double, c_int, c_int64, c_size_t, c_uint64, c_void_p
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -125,7 +123,7 @@ class SimSession:
         if not self._session:
             raise CamtoolsError(["simulator: not enough memory; free some"])
 
-    def __enter__(self) -> SimSession:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -6,8 +6,6 @@
 ['u.amplifier_hz', 'u.delay_us', 'u.mass_kg']
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple

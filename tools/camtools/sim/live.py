@@ -8,8 +8,6 @@ host_sim/live/sim_live.h tells what they do, and what each does when the other i
 {'speed_mm_per_s': 200.0, 'home_mm': 102.0, 'home_side': 1}
 """
 
-from __future__ import annotations
-
 import socket
 import subprocess
 from collections.abc import Sequence

@@ -19,8 +19,6 @@ Meanings are the comments of host_sim/machines/default.toml.
 {'u.damping': '', 'u.kind': 'takes forces'}
 """
 
-from __future__ import annotations
-
 import copy
 import json
 import math
@@ -43,31 +41,6 @@ MACHINES = ROOT / "host_sim" / "machines"
 BELIEVED = "believed"
 _MAX_BYTES = 1 << 20
 _INERTIA_KGM2 = 0.1  # of the default machine
-_MACHINE = """\
-# The simulator's default machine with the limits of the part file.
-[machine]
-name = "{name}"
-tick_hz = {tick_hz!r}
-[spindle]
-limit_rpm = {rpm!r}
-torque_Nm = {torque!r}
-inertia_kgm2 = {inertia!r}
-bandwidth_rad_per_s = {bandwidth!r}
-ripple = {ripple!r}
-[u]
-speed_mm_per_s = {speed!r}
-acceleration_mm_per_s2 = {acceleration!r}
-stroke_mm = {stroke!r}
-[z]
-speed_mm_per_s = {z_speed!r}
-acceleration_mm_per_s2 = {z_acceleration!r}
-"""
-_WORN = """\
-[tool]
-wear_um = {!r}
-[controller]
-x_trim_nm = {}
-"""
 _NM_PER_UM = 1000
 
 
@@ -123,20 +96,31 @@ def machine_text(limits: MachineLimits, wear_um: float = 0.0) -> str:
     [tool] | wear_um = 25.0 | [controller] | x_trim_nm = -25000
     """
     inertia = limits.spindle_inertia_kgm2 or _INERTIA_KGM2
-    return _MACHINE.format(
-        name="default, limits of the part file",
-        tick_hz=limits.tick_hz,
-        rpm=limits.spindle_rpm,
-        torque=inertia * limits.alpha_rad_s2,
-        inertia=inertia,
-        bandwidth=limits.spindle_bandwidth_rad_s,
-        ripple=limits.spindle_ripple,
-        speed=min(max(limits.u_speed_mm_s, 0.1), 10_000.0),
-        acceleration=min(max(limits.u_acceleration_mm_s2, 10.0), 1e7),
-        stroke=limits.u_stroke_mm,
-        z_speed=limits.z_speed_mm_s,
-        z_acceleration=limits.z_acceleration_mm_s2,
-    ) + (_WORN.format(wear_um, round(-wear_um * _NM_PER_UM)) if wear_um else "")
+    tree: Tree = {
+        "machine": {"name": "default, limits of the part file", "tick_hz": limits.tick_hz},
+        "spindle": {
+            "limit_rpm": limits.spindle_rpm,
+            "torque_Nm": inertia * limits.alpha_rad_s2,
+            "inertia_kgm2": inertia,
+            "bandwidth_rad_per_s": limits.spindle_bandwidth_rad_s,
+            "ripple": limits.spindle_ripple,
+        },
+        "u": {
+            "speed_mm_per_s": min(max(limits.u_speed_mm_s, 0.1), 10_000.0),
+            "acceleration_mm_per_s2": min(max(limits.u_acceleration_mm_s2, 10.0), 1e7),
+            "stroke_mm": limits.u_stroke_mm,
+        },
+        "z": {
+            "speed_mm_per_s": limits.z_speed_mm_s,
+            "acceleration_mm_per_s2": limits.z_acceleration_mm_s2,
+        },
+    }
+    if wear_um:
+        trim_nm = round(-wear_um * _NM_PER_UM)
+        tree |= {"tool": {"wear_um": wear_um}, "controller": {"x_trim_nm": trim_nm}}
+    return (
+        f"# The simulator's default machine with the limits of the part file.\n{emit_machine(tree)}"
+    )
 
 
 def read_machine(text: str, name: str) -> Tree:

@@ -8,11 +8,9 @@
 ([-3e-05], 90.0)
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, NamedTuple, Self, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -76,9 +74,9 @@ class CutTrace(NamedTuple):
         """Return 1 where the drawing's angle rises in time (M3), -1 where it falls (M4)."""
         return -1 if self.turn.size and self.turn[-1] < self.turn[0] else 1
 
-    def pick(self, rows: slice | npt.NDArray[Any]) -> CutTrace:
+    def pick(self, rows: slice | npt.NDArray[Any]) -> Self:
         """Return some of the ticks."""
-        return CutTrace(*(column[rows] for column in self))
+        return type(self)(*(column[rows] for column in self))
 
 
 PLACES = 3600  # of a whole section
@@ -183,11 +181,8 @@ def read_surface(path: Path) -> GaugedSurface:
             problem = f"has no column {name}"
             raise InputError(path.name, "", None, problem, "build camsim again, as tools/run does")
     places = [header.index(name) for name in _SURFACE_COLUMNS]
-    rows = (
-        np.empty((0, 4))
-        if is_empty
-        else np.loadtxt(path, delimiter=",", skiprows=1, usecols=places, encoding="ascii", ndmin=2)
-    )
+    form: dict[str, Any] = {"delimiter": ",", "skiprows": 1, "encoding": "ascii", "ndmin": 2}
+    rows = np.empty((0, 4)) if is_empty else np.loadtxt(path, usecols=places, **form)
     turn, z_mm, radius_mm, error_nm = np.ascontiguousarray(rows.T)
     return GaugedSurface(turn, z_mm, radius_mm, error_nm * 1e-3)
 
@@ -218,20 +213,6 @@ class CutVariant(NamedTuple):
     name: str
     max_um: float  # control error
     rms_um: float
-
-
-class Measured(NamedTuple):
-    """What the simulator wrote of a cut."""
-
-    summary: Json
-    surface: GaugedSurface
-    trace: CutTrace
-    is_trace_complete: bool
-    variants: tuple[CutVariant, ...]
-    overview: CutTrace | None = None
-    origin: Origin | None = None
-    sections: GaugedSections = NO_SECTIONS
-    cutoff_upr: int = DEFAULT_UPR
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,8 +11,6 @@ in a process; many at once take processes.
 ['--rpm', '2500.0', '--turns-limit', '20']
 """
 
-from __future__ import annotations
-
 import json
 import re
 import threading

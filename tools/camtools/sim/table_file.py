@@ -23,16 +23,15 @@ at most a quarter of the last digit.
 'tick,t_s,state\n0,0.10,off\n1,0.15,ready\n'
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from camtools.sim.binding import Column
@@ -73,7 +72,7 @@ class CsvFile:
         self._line = ",".join(formats) + "\n"
         self._stream.write(",".join(one.name for one in columns) + "\n")
 
-    def __enter__(self) -> CsvFile:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -132,7 +131,7 @@ class ParquetFile:
             write_statistics=False,
         )
 
-    def __enter__(self) -> ParquetFile:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -166,20 +165,10 @@ def read_columns(path: Path, names: Sequence[str]) -> dict[str, npt.NDArray[Any]
     for name in names:
         field, values = table.schema.field(name), table.column(name)
         if pa.types.is_dictionary(field.type):
-            found[name] = _state_numbers(values)
+            places = pc.index_in(values.cast(pa.string()), pa.array(STATES))
+            found[name] = places.to_numpy().astype(np.int64)
             continue
         numbers = values.to_numpy()
         decimals = int((field.metadata or {}).get(_DECIMALS, b"0"))
         found[name] = np.round(numbers, decimals) if decimals else numbers
     return found
-
-
-def _state_numbers(values: pa.ChunkedArray) -> npt.NDArray[np.int64]:
-    places = {name: number for number, name in enumerate(STATES)}
-    empty = np.empty(0, dtype=np.int64)
-    parts = [
-        np.array([places[name] for name in one.dictionary.to_pylist()])[one.indices.to_numpy()]
-        for one in values.chunks
-        if len(one)
-    ]
-    return np.concatenate([empty, *parts])

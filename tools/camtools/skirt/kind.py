@@ -16,7 +16,7 @@ from camtools.cut.correction import Correction, Drawing
 from camtools.cut.path import ToolPath
 from camtools.pipeline.kind import Exact, Kind, Rig
 from camtools.sim.machine_file import machine_text
-from camtools.sim.results import Measured, control_of
+from camtools.sim.results import Cut, control_of
 from camtools.skirt.geometry.profile import smoothing_takes_um
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.part.part_file import SkirtPart, margin_mm, spread
@@ -113,10 +113,10 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
         """See `Kind.machine`."""
         return machine_text(part.machine.limits, part.tool.wear_um)
 
-    def outcome(self, made: GeneratedSkirt, measured: Measured, rig: Rig) -> SkirtOutcome:
+    def outcome(self, cut: Cut[GeneratedSkirt], rig: Rig) -> SkirtOutcome:
         """Return the cut; a part with a modulated spindle is cut uniformly for comparison."""
-        control = control_of(rig.result.surface)
-        return SkirtOutcome(made, *measured, compare_removal(rig, made), control)
+        even, control = compare_removal(rig, cut.generated), control_of(rig.result.surface)
+        return SkirtOutcome(**vars(cut), even=even, control=control)
 
     def facts(self, made: GeneratedSkirt) -> Json:
         """See `Kind.facts`."""

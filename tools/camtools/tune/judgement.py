@@ -1,23 +1,35 @@
-r"""What a loop does on its drive, why it is refused, and as text.
+r"""What a loop does on its drive, measured or described: proposals, refusals, reports.
 
->>> drive = Plant(mass_kg=1.5, amplifier_hz=1500.0, delay_s=25e-6, step_hz=20000.0)
->>> judged = judge(Loop(250.0, 20.0, 4000.0, 10.0, 4000.0, 0.5, 0.5), drive)
+A measured open loop has no model of the drive: it is the reading over the whole force, times the
+response of the controller's parameters.
+
+>>> plant = Plant(mass_kg=1.5, amplifier_hz=1500.0, delay_s=25e-6, step_hz=20000.0)
+>>> judged = judge(Loop(250.0, 20.0, 4000.0, 10.0, 4000.0, 0.5, 0.5), plant)
 >>> f"{judged.crossing_hz:.0f} Hz, {judged.stiffness_n_per_um:.2f} N/um"
 '244 Hz, 1.60 N/um'
 >>> refusal(judged, is_proposal=False).split("; ")[-1]
 'most to blame is the lag of the amplifier of 1500 Hz: take a faster one'
+
+>>> hz = np.linspace(10.0, 990.0, 99)
+>>> response = 100.0 / (1j * hz) * np.exp(-2j * np.pi * hz * 0.5e-3)
+>>> print(loop_text(OpenLoop(hz, response)))
+crossover 100 Hz, phase margin 72.0 degrees, gain margin 14.0 dB at 500 Hz
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import astuple, dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from camtools.tune.drive import Drive
+from camtools.identify.recording import Spectra
+from camtools.tune.excited import Measured
 from camtools.tune.loop_design import (
     LEAST_GAIN_DB,
     LEAST_PHASE_DEG,
     MASSES,
+    Complexes,
     Loop,
     Margins,
     Plant,
@@ -30,6 +42,8 @@ from camtools.tune.loop_design import (
     response_grid,
     step_response,
 )
+from camtools.tune.parameters import Drive, drive_of, loop_of, parameters_of, plant_of, read_loop
+from camtools.tune.plant_fit import fit_lines_of, with_fit
 
 STEP_N = 10.0
 BACK_UM = 0.1
@@ -167,14 +181,120 @@ def lines_of(judged: Judgement, drive: Drive) -> Iterator[str]:
 
 
 def _task_lines(drive: Drive) -> Iterator[str]:
-    needed = drive.needed()
-    limits = (
-        ("peak", needed.peak_n, drive.force_limit_n, "force_limit_n"),
-        ("rms", needed.rms_n, drive.continuous_n, "continuous_n"),
-    )
-    for name, force, limit, key in limits:
-        verdict = ""
+    limits = (("peak", "force_limit_n"), ("rms", "continuous_n"))
+    for force, (name, key) in zip(drive.needed_n(), limits, strict=True):
+        limit, verdict = getattr(drive, key), ""
         if limit is not None:
             word = "enough" if force <= limit else "NOT ENOUGH"
             verdict = f"; {key} = {limit:g}: {word}"
         yield f"task without cutting force: {force:.0f} N {name}{verdict}"
+
+
+class OpenLoop(NamedTuple):
+    """An open loop at some frequencies, which rise."""
+
+    hz: Reals
+    response: Complexes
+
+
+class Figures(NamedTuple):
+    """Crossover and margins; None: not within the lines."""
+
+    crossover_hz: float | None = None  # the last crossing of 0 dB
+    phase_deg: float | None = None
+    gain_db: float | None = None  # above the crossover
+    gain_hz: float | None = None
+
+
+def measured_loop(lines: Spectra, values: Mapping[str, int], drive: Drive) -> OpenLoop:
+    """Return what lines of force [N] and position [nm] show of the loop in force."""
+    hz = lines.frequency_hz
+    row = np.array(astuple(loop_of(values, drive)))
+    control = controller_response(row, plant_of(values, drive)[0], hz)
+    force = lines.u / np.sinc(hz / drive.tick_hz)  # as it was commanded, without its hold
+    return OpenLoop(hz, np.asarray(control * 1e-9 * lines.y / force))
+
+
+def model_loop(values: Mapping[str, int], drive: Drive) -> OpenLoop:
+    """Return what a model of the drive shows; arguments of `measured_loop`."""
+    plant, mass = plant_of(values, drive)
+    hz = response_grid(plant)
+    return OpenLoop(hz, open_loop(np.array(astuple(loop_of(values, drive))), plant, hz, mass))
+
+
+def _at_zeros(values: Reals, *others: Reals) -> list[Reals]:
+    """Return others where values cross 0, linear between the lines."""
+    i = np.flatnonzero(values[1:] * values[:-1] < 0.0)
+    part = values[i] / (values[i] - values[i + 1])
+    return [other[i] + part * (other[i + 1] - other[i]) for other in others]
+
+
+def figures(one: OpenLoop) -> Figures:
+    """Return crossover and margins."""
+    log_hz, level_db = np.log(one.hz), 20.0 * np.log10(np.abs(one.response))
+    angle_deg = np.degrees(np.unwrap(np.angle(-one.response)))
+    crossing, angle = _at_zeros(level_db, log_hz, angle_deg)
+    if crossing.size == 0:
+        return Figures()
+    phase_deg = float(np.abs((angle + 180.0) % 360.0 - 180.0).min())
+    found = Figures(float(np.exp(crossing[-1])), phase_deg)
+    imag, real = one.response.imag, one.response.real
+    turned, level, real = _at_zeros(imag, log_hz, level_db, real)
+    is_one = (real < 0.0) & (turned > crossing[-1])
+    if not is_one.any():
+        return found
+    least = int(np.argmax(np.where(is_one, level, -np.inf)))
+    return found._replace(gain_db=-float(level[least]), gain_hz=float(np.exp(turned[least])))
+
+
+def loop_text(one: OpenLoop) -> str:
+    """Return crossover and margins in a line."""
+    found = figures(one)
+    missing = f"not within the lines of {one.hz[0]:.0f} .. {one.hz[-1]:.0f} Hz"
+    if found.crossover_hz is None:
+        return f"crossover {missing}"
+    text = f"crossover {found.crossover_hz:.0f} Hz, phase margin {found.phase_deg:.1f} degrees"
+    if found.gain_db is None:
+        return f"{text}, gain margin {missing}"
+    return f"{text}, gain margin {found.gain_db:.1f} dB at {found.gain_hz:.0f} Hz"
+
+
+class Subject(NamedTuple):
+    """What is tuned."""
+
+    name: str  # of files
+    where: str  # in errors
+    drive: Drive
+    lines: list[str]  # of its constants, and of its loop as it is
+    measured: OpenLoop | None = None
+
+
+class Proposal(NamedTuple):
+    """A loop for a drive."""
+
+    values: dict[str, int]  # its parameters
+    judged: Judgement
+    problem: str  # why it is refused; "" where it has the margins
+    lines: list[str]  # the report
+
+
+def subject_of(found: Measured, keys: dict[str, Any], name: str, where: str) -> Subject:
+    """Return the drive that an excitation shows, with keys of a drive file, and its loop."""
+    drive = drive_of(with_fit(keys, found.fit, found.tick_hz), where)
+    measured = measured_loop(found.lines, found.values, drive)
+    lines = [
+        *fit_lines_of(found.fit),
+        f"as it is (measured): {loop_text(measured)}",
+        f"as it is (model): {loop_text(model_loop(found.values, drive))}",
+    ]
+    return Subject(name, where, drive, lines, measured)
+
+
+def proposed(one: Subject, given: Path | None = None) -> Proposal:
+    """Return the best loop for a drive, or the given one, which may be for another mass."""
+    drive = one.drive
+    values = read_loop(given, drive) if given else parameters_of(best(drive.plant), drive)
+    judged = judge(loop_of(values, drive), *plant_of(values, drive))
+    problem = refusal(judged, is_proposal=given is None)
+    head = ["given:" if given else "proposed:"] if one.measured else []
+    return Proposal(values, judged, problem, [*one.lines, *head, *lines_of(judged, drive)])

@@ -113,11 +113,10 @@ def compliance(plant: Plant, hz: Reals, mass: float = 1.0) -> Complexes:
     return np.asarray((1.0 - mode) / slide)
 
 
-def actuator_response(plant: Plant, hz: Reals) -> Complexes:
-    """Return force per command: amplifier, delay, hold."""
-    s = 2j * np.pi * hz
-    delay = np.exp(-s * (plant.delay_s + 0.5 / plant.step_hz))
-    return np.asarray(delay * np.sinc(hz / plant.step_hz) / (1.0 + hz * 1j / plant.amplifier_hz))
+def late_response(plant: Plant, hz: Reals) -> Complexes:
+    """Return force per command: amplifier, delay, and the hold without its attenuation."""
+    delay = np.exp(-2j * np.pi * hz * (plant.delay_s + 0.5 / plant.step_hz))
+    return np.asarray(delay / (1.0 + hz * 1j / plant.amplifier_hz))
 
 
 def response_grid(plant: Plant) -> Reals:
@@ -168,8 +167,8 @@ def _is_stable(opened: Complexes) -> NDArray[np.bool_]:
 
 def open_loop(loops: Reals, plant: Plant, hz: Reals, mass: float = 1.0) -> Complexes:
     """Return the response of loops, made for the mass of the plant, at a relative real mass."""
-    outside = actuator_response(plant, hz) * compliance(plant, hz, mass)
-    return controller_response(loops, plant, hz) * outside
+    held = late_response(plant, hz) * np.sinc(hz / plant.step_hz)
+    return controller_response(loops, plant, hz) * (held * compliance(plant, hz, mass))
 
 
 def margins(loop: Loop, plant: Plant, mass: float = 1.0) -> Margins:

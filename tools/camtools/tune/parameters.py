@@ -1,6 +1,10 @@
-"""The servo's parameters of a controller: from a loop and a drive, and back to a loop.
+r"""A drive file, which has what is known of a force drive and its task, and parameters of its loop.
 
->>> drive = Drive(mass_kg=1.5, amplifier_hz=1500.0, delay_us=75.0, tick_hz=20000.0)
+>>> keys = {"mass_kg": 1.5, "amplifier_hz": 1500.0, "delay_us": 75.0, "tick_hz": 20000.0}
+>>> task = {"travel_mm": 1.0, "spindle_rpm": 3000.0, "lobes": 2}
+>>> drive = drive_of(keys | {"task": task}, "a.toml")
+>>> [f"{newton:.0f}" for newton in drive.needed_n()]
+['296', '209']
 >>> values = parameters_of(Loop(395.3, 60.21, 3976.8, 48.36, 1252.0, 0.066, 0.102), drive)
 >>> values["servo_crossover_hz"], values["servo_force_delay_ns"], loop_of(values, drive).pole_hz
 (395, 206103, 3976)
@@ -10,14 +14,95 @@ import math
 from collections.abc import Mapping
 from dataclasses import astuple, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import Field, ValidationError
 
-from camtools.base.errors import InputError
+from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.files import read_limited
 from camtools.link.kept_values import INFOS
-from camtools.tune.drive import Drive, read_tree
+from camtools.part.file import describe_all
+from camtools.part.model import TomlTable
+from camtools.sim.machine_file import read_machine
 from camtools.tune.loop_design import Loop, Plant, word_shares
+
+_MOST_BYTES = 100_000
+_STICTION_M_S = 1e-4  # friction counts in full from this speed on
+
+
+def _between(least: float, most: float) -> Any:  # noqa: ANN401 - pydantic's FieldInfo is untyped
+    return Field(ge=least, le=most)
+
+
+class Task(TomlTable):
+    """A sinusoidal motion of U."""
+
+    travel_mm: Annotated[float, _between(0.001, 100.0)]  # peak to peak
+    spindle_rpm: Annotated[float, _between(1.0, 60_000.0)]
+    lobes: Annotated[int, _between(1, 100)]  # periods per turn
+
+
+class Drive(TomlTable):
+    """A force drive; what is not known is left out.
+
+    The ranges are those of CAM_SERVO_PARAMS in firmware/feasible/cam_feasible_inner.h.
+    """
+
+    mass_kg: Annotated[float, _between(0.01, 100.0)]
+    amplifier_hz: Annotated[float, _between(10.0, 100_000.0)]
+    delay_us: Annotated[float, _between(0.0, 400.0)]  # latch of the scale to force, without hold
+    tick_hz: Annotated[float, _between(1000.0, 200_000.0)]
+    drag_n_s_per_m: Annotated[float, _between(0.0, 10_000.0)] = 0.0
+    friction_n: Annotated[float, _between(0.0, 200.0)] = 0.0
+    stiffness_n_per_m: Annotated[float, _between(0.0, 1e8)] = 0.0
+    mode_hz: Annotated[float, _between(0.0, 50_000.0)] = 0.0  # 0: none
+    mode_damping: Annotated[float, _between(0.0001, 1.0)] = 0.03
+    mode_share: Annotated[float, _between(-10.0, 10.0)] = 0.0
+    scale_quantum_nm: Annotated[float, _between(0.0, 10_000.0)] = 0.0  # 0: not known
+    force_limit_n: Annotated[float, _between(0.2, 4000.0)] | None = None
+    continuous_n: Annotated[float, _between(0.2, 4000.0)] | None = None
+    thermal_s: Annotated[float, _between(0.1, 200.0)] | None = None
+    force_rate_n_per_ms: Annotated[float, _between(1.0, 1e6)] | None = None
+    task: Task | None = None
+
+    @property
+    def plant(self) -> Plant:
+        """The drive as the design of loops takes it."""
+        return Plant(
+            self.mass_kg, self.amplifier_hz, self.delay_us * 1e-6, self.tick_hz, self.mode_hz,
+            self.mode_damping, self.mode_share, self.drag_n_s_per_m, self.stiffness_n_per_m,
+        )  # fmt: skip
+
+    def needed_n(self) -> tuple[float, float]:
+        """Return peak and rms of the force that the task takes, without cutting force [N]."""
+        assert self.task is not None
+        omega = 2.0 * np.pi * self.task.lobes * self.task.spindle_rpm / 60.0
+        turn = np.exp(2j * np.pi * np.arange(3600) / 3600)
+        position = 0.5e-3 * self.task.travel_mm * turn.imag
+        speed, acc = 0.5e-3 * self.task.travel_mm * omega * turn.real, -(omega**2) * position
+        force = self.mass_kg * acc + self.drag_n_s_per_m * speed + self.stiffness_n_per_m * position
+        force += self.friction_n * np.clip(speed / _STICTION_M_S, -1.0, 1.0)
+        return float(np.abs(force).max()), float(np.sqrt(np.mean(force**2)))
+
+
+def read_tree(path: Path) -> dict[str, Any]:
+    """Return the tables of a TOML file, or refuse what cannot be read or is no TOML."""
+    try:
+        text = read_limited(path, _MOST_BYTES).decode("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        problem = f"cannot be read: {getattr(error, 'strerror', None) or 'not UTF-8 text'}"
+        raise InputError(str(path), "", None, problem, "give a TOML file") from error
+    return read_machine(text, str(path))
+
+
+def drive_of(tree: dict[str, Any], file: str) -> Drive:
+    """Return the drive of some keys, or refuse wrong ones, a line each."""
+    try:
+        return Drive.model_validate(tree)
+    except ValidationError as error:
+        raise CamtoolsError(describe_all(file, error)) from error
+
 
 PREFIX = "servo_"
 # The firmware's loop has no lag of a position drive.

@@ -4,9 +4,9 @@ An injected signal that repeats every period is what the means over the periods 
 the loop feeds back into the force goes, so that it does not bias position over force.
 
 >>> grid = Grid.of(20_000.0, 1600.0)
->>> s = 2j * np.pi * grid.excited * grid.line_hz
->>> true = np.array([1.5, 8.0, 2000.0, 0.0, 75e-6, 1 / (2 * np.pi * 1500.0)])
->>> y = 1e9 * response_of(true, s, grid.tick_hz)
+>>> hz = grid.excited * grid.line_hz
+>>> true = Plant(1.5, 1500.0, 75e-6, grid.tick_hz, drag_n_s_per_m=8.0, stiffness_n_per_m=2000.0)
+>>> s, y = 2j * np.pi * hz, 1e9 * late_response(true, hz) * compliance(true, hz)
 >>> one = Spectra(grid, grid.excited, 0, s, 1 + 0 * s, y, 0 * s, 1 + 0 * s[None], y[None],
 ...               0 * s[None], 1e-4 * abs(y))
 >>> found = fit_lines(one)
@@ -15,7 +15,7 @@ the loop feeds back into the force goes, so that it does not bias position over 
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -25,8 +25,8 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.identify.fit import stacked
 from camtools.identify.foreign_record import FORCES, LENGTHS, POSITIONS, Table, parse_table
-from camtools.identify.multisine import LINE_HZ, Complexes, Grid
-from camtools.identify.recording import Spectra, spectra_of
+from camtools.identify.recording import LINE_HZ, Grid, Spectra, spectra_of
+from camtools.tune.loop_design import Plant, compliance, late_response
 
 MASS, DRAG, STIFFNESS, FRICTION, DELAY, LAG, MODE_HZ, MODE_DAMPING, MODE_SHARE = range(9)
 N_PLAIN = 6
@@ -77,28 +77,12 @@ class PlantFit:
         return self.values.size > N_PLAIN
 
 
-def _mode_factor(values: Floats, s: Complexes) -> Complexes | float:
-    if values.size <= N_PLAIN:
-        return 1.0
-    omega = 2.0 * np.pi * values[MODE_HZ]
-    below = s * s + 2.0 * values[MODE_DAMPING] * omega * s + omega**2
-    return np.asarray(1.0 - values[MODE_SHARE] * s * s / below)
-
-
-def _slide(values: Floats, s: Complexes) -> Complexes:
-    """Return what moves the scale, in m per N at the mass."""
-    below = values[MASS] * s * s + values[DRAG] * s + values[STIFFNESS]
-    return np.asarray(_mode_factor(values, s) / below)
-
-
-def _late(values: Floats, s: Complexes, tick_hz: float) -> Complexes:
-    delay = np.exp(-s * (values[DELAY] + 0.5 / tick_hz))
-    return np.asarray(delay / (1.0 + s * values[LAG]))
-
-
-def response_of(values: Floats, s: Complexes, tick_hz: float) -> Complexes:
-    """Return position per force [m/N], without friction; the hold's attenuation is left out."""
-    return np.asarray(_slide(values, s) * _late(values, s, tick_hz))
+def plant_at(values: Floats, tick_hz: float) -> Plant:
+    """Return the drive of constants, in the order of MASS .. MODE_SHARE."""
+    mass_kg, drag, stiffness, _, delay_s, lag_s, *mode = (float(value) for value in values)
+    amplifier_hz = 0.5 / np.pi / max(lag_s, 1e-15)
+    plant = Plant(mass_kg, amplifier_hz, delay_s, tick_hz, *mode)
+    return replace(plant, drag_n_s_per_m=drag, stiffness_n_per_m=stiffness)
 
 
 class _Residual:
@@ -129,8 +113,9 @@ class _Residual:
 
     def __call__(self, x: Floats) -> Floats:
         one, values = self.one, self.values(x)
-        push = one.u * _late(values, one.s, one.grid.tick_hz) - values[FRICTION] * one.friction
-        return stacked((push * _slide(values, one.s) - one.y / _NM) / self.noise)
+        plant, hz = plant_at(values, one.grid.tick_hz), one.frequency_hz
+        push = one.u * late_response(plant, hz) - values[FRICTION] * one.friction
+        return stacked((push * compliance(plant, hz) - one.y / _NM) / self.noise)
 
 
 def _starts(plain: Floats) -> Iterator[Floats]:
@@ -173,7 +158,8 @@ def _fit_at(residual: _Residual, x: Floats, cost: float) -> PlantFit:
     by = [2.0 * d.sum() if (x - d >= _LOW[: x.size]).all() else d.sum() for d in steps]
     jac = np.column_stack([side / width for side, width in zip(sides, by, strict=True)])
     per_line = max(1.0, cost / (2 * residual.one.s.size - x.size))
-    raw = np.sqrt(np.diag(np.linalg.pinv(jac.T @ jac)) * per_line) * residual.scale[: x.size]
+    variance = np.maximum(np.diag(np.linalg.pinv(jac.T @ jac)), 0.0) * per_line
+    raw = np.sqrt(variance) * residual.scale[: x.size]
     sigmas, late = raw.copy(), float(raw[DELAY])
     square = x[LAG] * residual.scale[LAG]
     sigmas[LAG] = np.sqrt(square + raw[LAG]) - np.sqrt(square)
@@ -181,13 +167,6 @@ def _fit_at(residual: _Residual, x: Floats, cost: float) -> PlantFit:
     sigmas[DELAY] = np.hypot(late, sigmas[LAG])
     misfit = float(np.sqrt(cost / (2 * residual.one.s.size)))
     return PlantFit(residual.values(x), sigmas, late, misfit, residual.one.s.size)
-
-
-def fit_record(
-    tick_hz: float, injected: Floats, force_n: Floats, position_m: Floats, quantum_nm: float = 0.0
-) -> PlantFit:
-    """Return the constants of a record; arguments and errors of `record_lines`."""
-    return fit_lines(record_lines(tick_hz, injected, force_n, position_m, quantum_nm))
 
 
 def record_lines(
@@ -236,9 +215,9 @@ def parse_loop_record(text: str, file: str) -> Table:
 
 
 def fit_table(record: Table, quantum_nm: float) -> PlantFit:
-    """Return the constants of a record; errors as of `fit_record`."""
+    """Return the constants of a record; errors as of `record_lines` and `fit_lines`."""
     injected, force_n, position_m = record.values.values()
-    return fit_record(record.rate_hz, injected, force_n, position_m, quantum_nm)
+    return fit_lines(record_lines(record.rate_hz, injected, force_n, position_m, quantum_nm))
 
 
 def with_fit(keys: dict[str, Any], found: PlantFit, tick_hz: float) -> dict[str, Any]:

@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from camtools.plots import style
-from camtools.tune.judgement import BACK_UM, STEP_N, Judgement
+from camtools.tune.judgement import BACK_UM, STEP_N, Judgement, OpenLoop
 from camtools.tune.loop_design import (
     LEAST_GAIN_DB,
     LEAST_PHASE_DEG,
@@ -23,7 +23,6 @@ from camtools.tune.loop_design import (
     open_loop,
     response_grid,
 )
-from camtools.tune.measured_loop import OpenLoop
 
 _COLOURS = dict(zip(MASSES, (style.ORANGE, style.BLUE, style.RED), strict=True))
 _LOWEST_HZ = 5.0

@@ -19,8 +19,8 @@ from camtools.tune.excited import (
     pulse_settings,
     recorded,
 )
+from camtools.tune.judgement import proposed, subject_of
 from camtools.tune.parameters import settings_of
-from camtools.tune.proposal import proposed, subject_of
 
 _LOOK_S = 1.0
 _NAME = "U"
