@@ -13,7 +13,7 @@ from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.quantities import Floats
 from camtools.forecast.cuts import TABLE, Task, build_of, folder_of
 from camtools.forecast.vary import DEFAULT_VARY, Unknown, default_vary, draw, read_vary
-from camtools.part.file import read_part_file
+from camtools.part.model import read_part_file
 from camtools.pipeline.load import Made, load, make
 from camtools.sim.binding import library_path
 from camtools.sim.machine_file import (
@@ -91,7 +91,7 @@ def plan_of(question: Question) -> ForecastPlan:
     drawn = (dict(zip(keys, map(float, row), strict=True)) for row in inputs)
     texts = [emit_machine(mistaken(tree, numbers)) for numbers in drawn]
     given_um = question.tolerance_um
-    tolerance_um = made.kind.form_error_um(part) if given_um is None else given_um
+    tolerance_um = part.process.form_error_um if given_um is None else given_um
     tolerance_um -= made.kind.taken_um(made.table)
     if tolerance_um <= 0:
         raise CamtoolsError(["--tolerance-um: smoothing takes all of it; allow more"])

@@ -220,20 +220,6 @@ class CutVariant(NamedTuple):
     rms_um: float
 
 
-class Measured(NamedTuple):
-    """What the simulator wrote of a cut."""
-
-    summary: Json
-    surface: GaugedSurface
-    trace: CutTrace
-    is_trace_complete: bool
-    variants: tuple[CutVariant, ...]
-    overview: CutTrace | None = None
-    origin: Origin | None = None
-    sections: GaugedSections = NO_SECTIONS
-    cutoff_upr: int = DEFAULT_UPR
-
-
 @dataclass(frozen=True, eq=False)
 class Cut(Generic[MadeT]):
     """What is known about the cut of a part of any kind.

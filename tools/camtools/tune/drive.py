@@ -16,8 +16,7 @@ from pydantic import Field, ValidationError
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.files import read_limited
 from camtools.base.text import toml_tree
-from camtools.part.file import describe_all
-from camtools.part.model import TomlTable
+from camtools.part.model import TomlTable, describe_all
 from camtools.tune.loop_design import Plant
 
 _MOST_BYTES = 100_000

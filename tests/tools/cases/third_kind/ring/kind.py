@@ -14,16 +14,15 @@ from camtools.base.text import Json
 from camtools.cut.verdict import check_table
 from camtools.part.common import Machine, PartInfo, Process, check_feed
 from camtools.part.model import HeightMm, TomlTable, rising
-from camtools.pipeline.kind import Kind, Rig
+from camtools.pipeline.kind import Kind
 from camtools.report.kind_report import KindReport
 from camtools.report.sheet import Subject
 from camtools.report.text import error_pair, quantity
 from camtools.sim.machine_file import machine_text
-from camtools.sim.results import Cut, Measured
+from camtools.sim.results import Cut
 from camtools.table.channel import KIND_U, KIND_X, segment_coefficients
-from camtools.table.header import check_tolerance, table_of, u_bounds
+from camtools.table.header import check_tolerance, quantise, table_of, u_bounds, with_bounds
 from camtools.table.image import Table
-from camtools.table.quantise import quantise, with_bounds
 from camtools.table.summary import about_image
 
 _LOG2_KNOTS = 6
@@ -40,12 +39,18 @@ class Ring(TomlTable):
     _check_z = field_validator("z_mm")(rising)
 
 
+class RingProcess(Process):
+    """[process]: the keys that every kind has, and the largest form error of a good ring."""
+
+    form_error_um: float = 2.0
+
+
 class RingPart(TomlTable):
     """The whole part file of a ring."""
 
     part: PartInfo
     ring: Ring
-    process: Process
+    process: RingProcess
     machine: Machine = Field(default_factory=Machine)
 
     @property
@@ -123,33 +128,13 @@ class RingKind(Kind[RingPart, MadeRing, RingCut]):
         """See `Kind.text`."""
         return f"{summary['part']['name']}: ring, table of {summary['table_bytes']} bytes\n"
 
-    def plots(self, made: MadeRing) -> dict[str, bytes]:
-        """Return nothing: a circle needs no picture."""
-        return {}
-
-    def at_speed(self, part: RingPart, rpm: float | None) -> RingPart:
-        """Return the part: its table is the same at every speed."""
-        return part
-
-    def mean_rpm(self, made: MadeRing, rpm: float | None) -> float:
-        """See `Kind.mean_rpm`."""
-        return rpm or made.part.process.spindle_rpm
-
     def turns(self, made: MadeRing, feed_mm: float) -> float:
         """See `Kind.turns`."""
         return made.part.height_mm / feed_mm
 
-    def form_error_um(self, part: RingPart) -> float:
-        """See `Kind.form_error_um`."""
-        return 2.0
-
     def machine(self, part: RingPart) -> str:
         """See `Kind.machine`."""
         return machine_text(part.machine.limits)
-
-    def outcome(self, made: MadeRing, measured: Measured, rig: Rig) -> RingCut:
-        """See `Kind.outcome`."""
-        return Cut(made, *measured)
 
     def facts(self, made: MadeRing) -> Json:
         """See `Kind.facts`."""
