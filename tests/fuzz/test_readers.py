@@ -17,15 +17,14 @@ from camtools.base.errors import CamtoolsError
 from camtools.forecast.vary import read_vary
 from camtools.link.kept_values import INFOS, learned_values
 from camtools.link.kept_values import parse as parse_parameters
-from camtools.lobe.listed_lift import parse_points as parse_listed
+from camtools.lobe.lift import parse_points as parse_listed
 from camtools.measured.points import parse_points as parse_measured
 from camtools.pipeline.load import parse as parse_part
 from camtools.sim.machine_file import read_machine
-from camtools.skirt.geometry.measured_sections import parse_sections
-from camtools.skirt.geometry.scan import parse_scan
+from camtools.skirt.geometry.scan import parse_scan, parse_sections
+from camtools.table.channel import ImageError
 from camtools.table.image import unpack
 from camtools.table.points import parse_points as parse_gauged
-from camtools.table.records import ImageError
 from tests.tools.cases.part_cases import ROOT
 
 Reader = Callable[[bytes], object]

@@ -10,7 +10,7 @@ from camtools.base.quantities import Floats
 from camtools.lobe.channels import N_GRID, SpindleLimits, surface_speed
 from camtools.lobe.contact import contact, follow
 from camtools.lobe.lift import Disc, LiftLaw, Poly345
-from camtools.skirt.geometry.refit import CANDIDATES, Recipe, judge, kept_sites, sites_rad
+from camtools.skirt.geometry.corner import CANDIDATES, Recipe, judge, kept_sites, sites_rad
 from camtools.skirt.geometry.sections import Joint, double_ellipse, ellipse
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.table.channel import segment_coefficients

@@ -5,12 +5,12 @@ from collections.abc import Callable
 import pytest
 
 from camtools.base.errors import InputError
-from camtools.lobe.listed_lift import CSV_HEADER
-from camtools.lobe.listed_lift import parse_points as parse_lift
+from camtools.lobe.lift import CSV_HEADER
+from camtools.lobe.lift import parse_points as parse_lift
 from camtools.measured.points import HEADER as GAUGED_HEADER
 from camtools.measured.points import parse_points as parse_gauged
-from camtools.skirt.geometry.measured_sections import HEADER as SCAN_HEADER
-from camtools.skirt.geometry.measured_sections import parse_sections
+from camtools.skirt.geometry.scan import HEADER as SCAN_HEADER
+from camtools.skirt.geometry.scan import parse_sections
 from camtools.table.points import parse_points
 
 READERS: dict[str, tuple[Callable[[str, str], object], str]] = {

@@ -89,6 +89,6 @@ def cut_made(
     """Cut a part on its own machine, to its own tolerance."""
     table = written(made, folder)
     part = made.table.part
-    tolerance, machine = made.kind.form_error_um(part), made.kind.machine(part)
+    tolerance, machine = part.process.form_error_um, made.kind.machine(part)
     words = ("--tolerance-um", str(tolerance), *words)
     return cut(table, *words, status=status, tables=tables, machine=machine)

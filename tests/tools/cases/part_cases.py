@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from camtools.base.errors import CamtoolsError
 from camtools.pipeline.load import load_for, parse_for
 from camtools.skirt.part.part_file import SkirtPart
 from tests.tools.cases.camsim_cases import BUILD
@@ -32,6 +33,14 @@ def load_part(path: Path) -> SkirtPart:
 def parse_part(data: bytes, file: str, folder: Path = Path()) -> SkirtPart:
     """Return the skirt that the bytes of a part file describe."""
     return parse_for("analyse", SkirtPart, data, file, folder)
+
+
+def refused(work: Callable[[], object], error: type[CamtoolsError] = CamtoolsError) -> str:
+    """Return the only line with which a call is refused."""
+    with pytest.raises(error) as info:
+        work()
+    [line] = info.value.lines
+    return line
 
 
 def listing(folder: Path) -> list[str]:

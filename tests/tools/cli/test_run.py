@@ -17,7 +17,7 @@ from camtools.cli.run import main
 from camtools.part.common import MachineLimits
 from camtools.pipeline.job import without_faults
 from camtools.pipeline.load import load
-from camtools.pipeline.part_cut import traced_turns, variant_of
+from camtools.pipeline.run import traced_turns, variant_of
 from camtools.sim.machine_file import machine_bytes, machine_text
 from camtools.sim.results import read_surface, read_trace
 from camtools.sim.table_file import Numbers, ParquetFile

@@ -1,23 +1,19 @@
 """Cams on the simulator: the profile that wheel and tool leave, the swing, what is refused."""
 
 import json
-import re
-import shutil
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from camtools.lobe.contact import contact
 from camtools.lobe.generate import generate_lobes
 from camtools.lobe.kind import KIND
 from camtools.lobe.lift import Poly345
 from camtools.pipeline.load import Made
-from camtools.sim.binding import Rows
-from tests.tools.cases.camsim_cases import ROOT, camsim, cut, only_error, plain, refusal, while_in
-from tests.tools.cases.cut_cases import PARTS, evaluated, made_of, written
+from tests.tools.cases.camsim_cases import ROOT, camsim, cut, only_error, plain, refusal
+from tests.tools.cases.cut_cases import PARTS, written
 from tests.tools.cases.lobe_cases import MACHINE, QUICK
 from tests.tools.cases.lobe_cases import cam as cam_of
 from tests.tools.cases.part_cases import TableOf
@@ -210,43 +206,6 @@ def test_swing_that_lags_shows_in_the_rake(table_of: TableOf) -> None:
     assert largest == pytest.approx(speed_deg_s * 1e-3, rel=0.05)
 
 
-def test_cam_without_its_report_has_no_profile(table_of: TableOf, tmp_path: Path) -> None:
-    """Only U can be compared with the table then, and a warning tells; nor does another report."""
-    table = tmp_path / "lonely.camtab"
-    table.write_bytes(table_of("cam-disc").read_bytes())
-    words = (*SHORT, "--turns-limit", "1", "--summary", tmp_path / "s.json")
-    done = camsim("run", table, "--machine", MACHINE, *words)
-    assert done.returncode == 0, done.stderr
-    assert "lonely.json: missing, so the gauge compares with the table itself" in done.stderr
-    summary = json.loads((tmp_path / "s.json").read_text())
-    assert summary["gauge"]["reference"] == "table"
-    assert "cam" not in summary and "removal" not in summary
-    other = table_of("cam-345-ground").with_suffix(".json")
-    line = refusal(table, "--machine", MACHINE, "--design", other)
-    assert "belongs to another table" in line
-
-
-@pytest.mark.parametrize(
-    ("key", "value", "named"),
-    [
-        ("lobes", [], "design.lobes"),
-        ("base_mm", 0, "design.base_mm"),
-        ("roller_mm", 1e300, "design.roller_mm"),
-        ("operation", "milling", 'design.operation = "milling"'),
-        ("operation", "turning", "table and design disagree"),
-    ],
-)
-def test_bad_report_is_refused_by_field(
-    key: str, value: object, named: str, table_of: TableOf, tmp_path: Path
-) -> None:
-    """A report that was spoilt is refused."""
-    table = table_of("cam-disc")
-    report = json.loads(table.with_suffix(".json").read_text())
-    report["design"][key] = value
-    (tmp_path / "bad.json").write_text(json.dumps(report))
-    assert named in refusal(table, "--machine", MACHINE, "--design", tmp_path / "bad.json")
-
-
 OPTIONS = [
     ("cam-disc", "--removal", "r.csv", "leave it out"),
     ("cam-disc", "--tool-tip-mm", "1", "leave it out"),
@@ -275,171 +234,7 @@ def test_feed_beyond_the_height_names_the_feed(tmp_path: Path) -> None:
     assert line.startswith("--feed 10: infeasible:") and "at most --feed 5" in line
 
 
-@pytest.mark.long
-def test_speed_that_counts_as_stopped_is_not_recommended(tmp_path: Path) -> None:
-    """Of the two remedies only the feed is left, and works; where less counts, the speed, too."""
-    table = changed(
-        tmp_path,
-        *(("[5, 8]", "[3.2, 6.2]"), ("[10, 13]", "[6.4, 40]")),
-        ("u_acceleration_mm_s2 = 20000", "u_acceleration_mm_s2 = 3500"),
-        ("u_speed_mm_s = 400", "u_speed_mm_s = 2000"),
-        text=(PARTS / "camshaft.toml").read_text(),
-    )
-    fast = ("--set", "u_speed_um_per_s=2000000")
-    words = (table, "--machine", MACHINE, *QUICK, *fast)
-    line = refusal(*words, "--feed", "5")
-    found = re.search(r"mm/s2; give at most --feed (\S+)$", line)
-    assert found, line
-    cut(*words, "--feed", found[1], "--turns-limit", "0.2")
-    slow = ("--feed", "5", "--set", "stopped_mrpm=2000")
-    line = refusal(*words, *slow)
-    found = re.search(r"mm/s2; give at most --rpm (\S+) or --feed \S+$", line)
-    assert found, line
-    cut(*words, *slow, "--rpm", found[1], "--turns-limit", "0.2")
-
-
-def test_spindle_that_counts_as_stopped_is_refused_before_motion(tmp_path: Path) -> None:
-    """A slow cam ground at constant surface speed: what the line tells instead is cut."""
-    text = re.sub(r"(?m)^spindle_rpm = 60\b", "spindle_rpm = 20", GROUND)
-    words = (changed(tmp_path, text=text), "--machine", MACHINE, "--turns-limit", "1", *QUICK)
-    line = refusal(*words)
-    told = "--rpm 18.26: in a turn it falls to 2.262, and for 172 ms below 5 (stopped_mrpm), which "
-    told += "is a fault after 100 ms (stopped_ms); make the table for a faster spindle, or "
-    assert line == f"{told}--set stopped_mrpm=2262"
-    cut(*words, "--set", "stopped_mrpm=2262")
-    line = refusal(*words, "--rpm", "4")
-    assert "--rpm 4: below 5 (stopped_mrpm) the spindle counts as stopped; " in line
-
-
 def test_bus_has_no_gauge_for_cams(table_of: TableOf) -> None:
     """The machine on a bus gauges skirts only, and says so before it opens the bus."""
     line = only_error(camsim("bus", table_of("cam-disc"), "--can", "none0", "--gpiochip", "none0"))
     assert "the bus cannot gauge" in line and "camsim run" in line
-
-
-TICK_S = 50e-6
-LAG_S = 100e-6 + 2 * 0.7 / (2 * np.pi * 200) + TICK_S / 2  # of the default drive of the swing
-SPEED_DEG_S, ACCELERATION_DEG_S2 = 1000.0, 100_000.0
-LIFT_MM = 8.0
-OUT_NM = -(1.25 * LIFT_MM + 0.5) * 1e6  # of U beyond the highest point, largest amplitude
-FAST = ("--no-learning", "--feed", "4", "--set", "engage_turns=2", "--set", "disengage_turns=2")
-
-
-@pytest.fixture(scope="module")
-def cam(table_of: TableOf, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the table of cam-345 alone."""
-    return Path(shutil.copy(table_of("cam-345"), tmp_path_factory.mktemp("cam")))
-
-
-def traced(cam: Path, *words: str, status: int = 0) -> Rows:
-    """Cut with a coarse feed, engaging fast; return the trace."""
-    words = ("--machine", str(MACHINE), *FAST, *words)
-    return cut(cam, *words, status=status, tables=["trace"]).trace
-
-
-@pytest.fixture(scope="module")
-def whole(cam: Path) -> Rows:
-    """Return the trace of a whole cut at 60 r/min."""
-    return traced(cam)
-
-
-def swing_of_table(folder: Path, turn: NDArray[Any], z_mm: NDArray[Any]) -> NDArray[Any]:
-    """Return the firmware's own evaluation of the swing [degrees]."""
-    return evaluated(folder, made_of("cam-345").table.table, np.mod(turn, 1), z_mm)["swing_deg"]
-
-
-@pytest.mark.long
-def test_tool_swings_as_the_table_wants(whole: Rows, tmp_path: Path) -> None:
-    """Set-points to 6e-4 degrees, index edges included; the drive to 6e-3, where it jumps."""
-    in_cut = while_in(whole, "cutting")[::3]
-    ahead = in_cut["speed_q32"] / 2**32 * LAG_S / TICK_S
-    wanted = swing_of_table(tmp_path, in_cut["turn"] + ahead, in_cut["z_mm"])
-    error_deg = in_cut["swing_set_deg"] - wanted
-    assert 1e-4 < np.abs(error_deg).max() < 6e-4
-    assert np.sqrt(np.mean(error_deg**2)) < 1.2e-4
-    wanted = swing_of_table(tmp_path, in_cut["true_turn"], in_cut["z_mm"])
-    error_deg = in_cut["swing_act_deg"] - wanted
-    assert np.abs(error_deg).max() < 6e-3
-    assert np.sqrt(np.mean(error_deg**2)) < 5e-4
-
-
-def test_swing_rises_and_falls_with_the_envelope(whole: Rows) -> None:
-    """From 0 and back to rest at 0; in the traced the pressure angle of the cam to either side."""
-    swing_deg = whole["swing_set_deg"]
-    assert np.all(np.abs(while_in(whole, "homing")["swing_set_deg"]) < 1e-6)
-    most = np.abs(while_in(whole, "cutting")["swing_set_deg"]).max()
-    assert most == pytest.approx(19.967381, abs=1e-3)
-    assert np.abs(swing_deg).max() <= most + 1e-5
-    rest = swing_deg[-8:]
-    assert np.all(np.abs(rest) < 1e-5)
-    assert np.ptp(rest) == 0
-    # the clearance of X contains the lift: the roller's centre comes from outside everywhere
-    in_work = while_in(whole, "engaging", "cutting", "disengaging")
-    assert in_work["error_nm"].min() > -200
-
-
-def check_set_points(trace: Rows) -> None:
-    """Check speed and acceleration of the set-point, over the distance of two of them."""
-    speed_deg_s = np.diff(trace["swing_set_deg"]) / TICK_S
-    assert np.abs(speed_deg_s).max() <= 1.001 * SPEED_DEG_S
-    change = np.abs(speed_deg_s[8:] - speed_deg_s[:-8]) / (8 * TICK_S)
-    assert change.max() <= 1.05 * ACCELERATION_DEG_S2
-
-
-@pytest.mark.parametrize("at_s", ["0.82", pytest.param("1.0", marks=pytest.mark.long)])
-def test_emergency_stop_brings_the_swing_back(cam: Path, at_s: str) -> None:
-    """Within its limits, and enable holds until it rests at 0; U and X leave beyond the lift."""
-    trace = traced(cam, "--inject", f"estop@{at_s}", status=1)
-    check_set_points(trace)
-    fault = while_in(trace, "fault")
-    held = fault["swing_set_deg"][fault["out_outputs"].astype(int) & 1 == 0]
-    assert len(held) > 0
-    assert np.all(np.abs(held) < 1e-4)
-    assert trace["u_set_nm"][-1] == pytest.approx(OUT_NM, abs=2)
-    off_mm = (trace["out_x_nm"][-1] - fault["out_x_nm"][0]) * 1e-6
-    assert off_mm == pytest.approx(1.25 * LIFT_MM + 1, abs=1e-3)
-
-
-def test_stop_of_the_operator_ends_at_rest(cam: Path) -> None:
-    """By the envelope, as any traced."""
-    trace = traced(cam, "--inject", "stop@0.3")
-    check_set_points(trace)
-    assert abs(trace["swing_set_deg"][-1]) < 1e-5
-
-
-def test_blocked_swing_is_a_fault(cam: Path) -> None:
-    """It is detected a plan after it is off by its limit of a degree; the tool leaves the work."""
-    trace = traced(cam, "--inject", "swing-block@0.85", status=1)
-    fault = while_in(trace, "fault")[0]
-    assert 0 < fault["t_s"] - while_in(trace, "cutting")["t_s"][0] - 0.85 < 0.02
-    assert 1 < abs(fault["swing_set_deg"] - fault["swing_act_deg"]) < 4
-    assert trace["u_set_nm"][-1] == pytest.approx(OUT_NM, abs=2)
-
-
-REFUSED = {
-    "swing_speed_mdeg_per_s=0": "swings the tool, for which there is no axis: needs 1",
-    "swing_range_mdeg=15000": "swing farther than it can: needs 19.968 degrees, limit 15",
-    "swing_speed_mdeg_per_s=100000": "swing faster than it can: needs 347",
-    "swing_acceleration_deg_per_s2=5000": "have to accelerate more than it can: needs 2",
-}
-
-
-@pytest.mark.parametrize("name", REFUSED)
-def test_infeasible_swing_is_refused_before_motion(cam: Path, name: str) -> None:
-    """With the numbers, and the highest speed where one helps, which then passes."""
-    line = refusal(cam, "--machine", MACHINE, *FAST, "--set", name)
-    assert REFUSED[name] in line
-    if "give at most --rpm" in line:
-        rpm = line.rsplit(" ", 1)[1]
-        words = ("--set", name, "--rpm", rpm, "--turns-limit", "0.1")
-        cut(cam, "--machine", MACHINE, *FAST, *words)
-    else:
-        assert "no speed helps" in line
-
-
-def test_machine_without_the_axis_refuses(cam: Path, table_of: TableOf) -> None:
-    """A speed of 0 in the machine file says that there is none; a skirt does not ask for it."""
-    line = refusal(cam, machine=MACHINE.read_text() + "\n[swing]\nspeed_deg_per_s = 0\n")
-    assert "for which there is no axis" in line
-    trace = cut(table_of("perkins240"), "--turns-limit", "1", tables=["trace"]).trace
-    assert not [name for name in trace.dtype.names or () if "swing" in name]

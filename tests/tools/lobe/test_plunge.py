@@ -16,9 +16,9 @@ from camtools.lobe.summary import design_of_lobes, make_lobe_summary
 from camtools.ngc.lobe_program import LobeJob, lobe_program
 from camtools.pipeline.load import Made
 from camtools.sim.binding import Rows
+from camtools.table.channel import ImageError
+from camtools.table.header import with_bounds
 from camtools.table.image import pack, unpack
-from camtools.table.quantise import with_bounds
-from camtools.table.records import ImageError
 from tests.tools.cases.camsim_cases import ROOT, camsim, cut, refusal, while_in
 from tests.tools.cases.cut_cases import made_of, written
 from tests.tools.cases.lobe_cases import MACHINE, cam, evaluate

@@ -13,8 +13,7 @@ from camtools.base.quantities import Floats
 from camtools.cli.run import main as run
 from camtools.lobe.generate import generate_lobes
 from camtools.lobe.kind import KIND
-from camtools.lobe.lift import Listed
-from camtools.lobe.listed_lift import band_for
+from camtools.lobe.lift import Listed, band_for
 from camtools.lobe.motion import make_lobes
 from camtools.pipeline.load import Made
 from camtools.table.points import PointedTurn
@@ -119,7 +118,7 @@ def test_residuals_and_peaks_are_shown(tmp_path: Path) -> None:
     listed = rounded(polynomial)
     text = with_list(listed, "smooth_um = 0.5\n")
     made = Made(KIND, KIND.make(cam(text)))
-    assert "smoothing" in KIND.plots(made.table)
+    assert "smoothing" in KIND.report().pictures(made.table)
     [one] = KIND.summary(made.table)["lobes"]
     off_um = 1000 * (law_of(text).evaluate(np.radians(DEG)).lift - listed)
     found = one["smoothing"]

@@ -26,7 +26,7 @@ from camtools.table.channel import KIND_SPEED, KIND_U, MAX_CHANNEL_BYTES
 from camtools.table.image import pack, unpack
 from tests.tools.cases.cut_cases import PARTS, made_of
 from tests.tools.cases.lobe_cases import NM, cam, evaluate
-from tests.tools.cases.lobe_tables import DISC, POLY345
+from tests.tools.cases.lobe_tables import DISC
 
 TEXT = (PARTS / "cam-345.toml").read_text()
 DISC_TEXT = (PARTS / "cam-disc.toml").read_text()
@@ -41,18 +41,6 @@ def ground(text: str, speed: str = "constant-surface") -> str:
 def columns(lines: list[str]) -> Floats:
     """Return a table of worked numbers, shape (columns, rows)."""
     return np.array([[float(word) for word in line.split()] for line in lines]).T
-
-
-def test_eval_gives_the_turned_cam_of_the_notes(tmp_path: Path) -> None:
-    """Golden B: lift to 10 nm, swing to 1e-4 degrees, in the firmware's own evaluation."""
-    theta, lift, swing = columns(POLY345)[:3]
-    result = made_of("cam-345").table
-    got = evaluate(tmp_path, result, theta / 360, np.full(theta.size, 5.0))
-    assert got["u_nm"] * NM == pytest.approx(lift, abs=10e-6)
-    assert got["swing_deg"] == pytest.approx(swing, abs=1e-4)
-    assert np.all(got["speed_ratio"] == 1)
-    assert np.all(got["x_nm"] == 30e6)
-    assert np.array_equal(got["contact_deg"], got["swing_deg"])
 
 
 def test_eval_gives_the_ground_disc_of_the_notes(tmp_path: Path) -> None:

@@ -7,8 +7,7 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.panel.design.part_library import EXAMPLE, OWN, PartLibrary
-from camtools.part.file import files_named
-from camtools.part.model import is_inside
+from camtools.part.model import files_named, is_inside
 from tests.tools.cases.preview_cases import PARTS, answers, problems, text_of
 
 LEAVING = (

@@ -15,7 +15,7 @@ from camtools.panel.design.document import edited, lines_of
 from camtools.panel.operate import command_card
 from camtools.panel.operate.command_card import CommandCard
 from camtools.panel.orders.snapshot import Snapshot
-from camtools.part.file import read_tree
+from camtools.part.model import read_tree
 from camtools.sim.machine_file import read_machine
 
 HOSTILE = {

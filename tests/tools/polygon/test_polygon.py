@@ -11,16 +11,14 @@ import pytest
 from camtools.base.errors import CamtoolsError
 from camtools.cli.run import main as run
 from camtools.pipeline.load import Made, load, make, parse
-from camtools.polygon.blend import bend_of, blended
-from camtools.polygon.generate import GeneratedPolygon, generate_polygon
-from camtools.polygon.outline import Outline, measures_of
+from camtools.polygon.generate import GeneratedPolygon, bend_of, blended, generate_polygon
+from camtools.polygon.outline import Outline, cornered, measures_of, p3g, p4c, regular
 from camtools.polygon.part import P3G, P4C, PolygonPart
-from camtools.polygon.plots import draw_motion
-from camtools.polygon.shapes import cornered, p3g, p4c, regular
+from camtools.polygon.report import draw_motion
 from tests.tools.cases import polygon_cases as cases
 from tests.tools.cases.camsim_cases import columns_of, plain
 from tests.tools.cases.cut_cases import PARTS, cut_made, evaluated, made_of, tip_mm
-from tests.tools.cases.part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT, refused
 
 _SAME_MM = 1e-11
 PHI = np.linspace(-1.0, 7.5, 701)
@@ -39,15 +37,10 @@ def derivatives_hold(outline: Outline, at: cases.Floats, h: float = 1e-4) -> Non
 
 @pytest.mark.parametrize("size", P3G.values(), ids=str)
 def test_p3g_is_the_envelope_of_its_tangents(size: tuple[float, float]) -> None:
-    """Every nominal size of DIN 32711."""
+    """Every nominal size of DIN 32711; a calliper finds one width, the circles are d2 and d3."""
     phi = PHI[::35]
     r = p3g(*size, 0.0).polar(phi).r
     assert np.abs(r - cases.p3g_mm(phi, *size)).max() < _SAME_MM
-
-
-@pytest.mark.parametrize("size", P3G.values(), ids=str)
-def test_p3g_has_one_width(size: tuple[float, float]) -> None:
-    """A calliper finds the mean diameter in every direction; the circles are d2 and d3."""
     measures, (mean, e) = measures_of(p3g(*size, 0.1)), size
     assert measures.least_width_mm == pytest.approx(mean, abs=1e-5)
     assert measures.largest_width_mm == pytest.approx(mean, abs=1e-5)
@@ -374,9 +367,7 @@ WRONG = [
 @pytest.mark.parametrize(("lines", "message"), WRONG, ids=[message for _, message in WRONG])
 def test_wrong_part_files(lines: str, message: str) -> None:
     """One line with file, field, value and remedy."""
-    with pytest.raises(CamtoolsError) as info:
-        part_of(lines)
-    [line] = info.value.lines
+    line = refused(lambda: part_of(lines))
     assert line.startswith(f"a.toml: {message}") and "; " in line
 
 
@@ -422,9 +413,10 @@ def test_about_the_mean_with_run_in(tmp_path: Path) -> None:
 
 STRONG = TAIL + "u_acceleration_mm_s2 = 1e8\nu_speed_mm_s = 10000\n"
 NEVER = [
-    (
+    pytest.param(
         'form = "p4c"\nsize_mm = 35\nz_mm = [0, 20]\n',
         r"blend_um = 2: U would need 6\d{3}\.\d+ mm/rad2, a table holds 2147\.48; allow 6\.",
+        marks=pytest.mark.long,
     ),
     (
         'form = "regular"\nsides = 6\nacross_flats_mm = 20\nz_mm = [0, 20]\nblend_um = 9\n',
@@ -442,15 +434,7 @@ NEVER = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("lines", "message"),
-    [
-        pytest.param(*NEVER[0], id="p4c", marks=pytest.mark.long),
-        pytest.param(*NEVER[1], id="sharp"),
-        pytest.param(*NEVER[2], id="arcs"),
-        pytest.param(*NEVER[3], id="large"),
-    ],
-)
+@pytest.mark.parametrize(("lines", "message"), NEVER)
 def test_what_no_table_holds(lines: str, message: str, tmp_path: Path) -> None:
     """Refused with numbers and remedy, where the image would not take it or the firmware refuse.
 

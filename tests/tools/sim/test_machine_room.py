@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from camtools.cli.mktables import main as mktables
-from camtools.part.passes import FeedLaw
+from camtools.part.common import FeedLaw
 from camtools.sim.results import CUTTING
 from tests.tools.cases.camsim_cases import cut as played
 from tests.tools.cases.camsim_cases import refusal, while_in

@@ -9,8 +9,7 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.part.common import DEFAULT_ALPHA_RAD_S2
-from camtools.part.file import MAX_FILE_BYTES
-from camtools.part.model import rising
+from camtools.part.model import MAX_FILE_BYTES, rising
 from camtools.skirt.part.part_file import SkirtPart
 from tests.tools.cases.cut_cases import PARTS
 from tests.tools.cases.part_cases import PERKINS, ROOT, load_part, parse_part

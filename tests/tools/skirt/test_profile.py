@@ -29,12 +29,11 @@ from camtools.skirt.geometry.profile import (
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.kind import KIND
 from camtools.skirt.part.curves import LAW_ERROR_MM
+from camtools.skirt.part.keys import Ovality, Profile
 from camtools.skirt.part.part_file import SkirtPart, example_part
-from camtools.skirt.part.profile_keys import Ovality, Profile
-from camtools.skirt.report.summary import make_summary
-from camtools.skirt.report.summary_text import emit_text
+from camtools.skirt.report.summary import emit_text, make_summary
+from camtools.skirt.table.accuracy import UnreachableError
 from camtools.skirt.table.generate import generate
-from camtools.skirt.table.search import UnreachableError
 from tests.tools.cases.camsim_cases import cut
 from tests.tools.cases.cut_cases import made_skirt, written
 from tests.tools.cases.part_cases import PERKINS, ROOT, load_part, parse_part

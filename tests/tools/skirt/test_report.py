@@ -39,7 +39,10 @@ from camtools.sim.results import (
 )
 from camtools.sim.table_file import ParquetFile
 from camtools.skirt.geometry.sections import fold
-from camtools.skirt.report.cut_plots import (
+from camtools.skirt.report.outcome import Even, SkirtOutcome, limited_turns, uniform_twin
+from camtools.skirt.report.plots import draw_skirt, enlargement_of, radius_grid
+from camtools.skirt.report.report import (
+    REPORT,
     around_joint,
     draw_corner,
     draw_even,
@@ -49,9 +52,6 @@ from camtools.skirt.report.cut_plots import (
     ripple_by_turn,
     turn_near,
 )
-from camtools.skirt.report.outcome import Even, SkirtOutcome, limited_turns, uniform_twin
-from camtools.skirt.report.plots import draw_skirt, enlargement_of, radius_grid
-from camtools.skirt.report.report import REPORT
 from camtools.skirt.table.generate import GeneratedSkirt
 from tests.tools.cases.cut_cases import skirt_of
 from tests.tools.cases.part_cases import ROOT

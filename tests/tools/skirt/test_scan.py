@@ -12,13 +12,15 @@ from hypothesis import strategies as st
 
 from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import Floats
-from camtools.skirt.geometry.measured_sections import HEADER, MAX_POINTS, read_scan_text
 from camtools.skirt.geometry.scan import (
+    HEADER,
+    MAX_POINTS,
     Scan,
     filtered,
     joined,
     ovality_of,
     parse_scan,
+    read_scan_text,
     scan_surface,
 )
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
@@ -26,7 +28,7 @@ from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import generate
 from tests.tools.cases.camsim_cases import cut, form_um, plain
 from tests.tools.cases.cut_cases import PARTS, made_skirt, written
-from tests.tools.cases.part_cases import load_part
+from tests.tools.cases.part_cases import load_part, refused
 
 MEASURED = PARTS / "scan90.toml"
 ANGLES = range(0, 360, 10)
@@ -170,9 +172,7 @@ BAD = {
 def test_bad_scans_are_refused(name: str, tmp_path: Path) -> None:
     """One line that names the line or height, and what to do."""
     text, problem = BAD[name]
-    with pytest.raises(CamtoolsError) as info:
-        geometry_of(tmp_path, text)
-    (line,) = info.value.lines
+    line = refused(lambda: geometry_of(tmp_path, text))
     assert problem in line
     assert "; " in line
 

@@ -24,8 +24,8 @@ from camtools.skirt.geometry.sections import (
     power_oval,
 )
 from camtools.skirt.geometry.skirt_geometry import Geometry, OvalSurface, make_geometry
+from camtools.skirt.part.keys import Ovality, Profile
 from camtools.skirt.part.part_file import SkirtPart
-from camtools.skirt.part.profile_keys import Ovality, Profile
 from camtools.skirt.tool.turning import turning_at
 from tests.tools.cases.camsim_cases import cut, plain, refusal
 from tests.tools.cases.cut_cases import (
@@ -147,27 +147,6 @@ def test_ends_ovality_and_axes_are_golden(geometry: Geometry) -> None:
     motion = turning_at(geometry, 2500.0, 0.1 * turns, turns)
     np.testing.assert_allclose(motion.x_mm[[0, 2, 3]], [45.97, 46.0, 45.8685])
     np.testing.assert_allclose(motion.u_mm[[0, 1]], [0, 0.15 / 2 + 0.025 * 0.0025 / 2], atol=1e-12)
-
-
-def test_natural_spline_has_no_end_moments() -> None:
-    """A natural spline is straight at its ends and agrees with a library spline of diameters."""
-    heights, diameters = [0.0, 20, 50, 80, 140, 210], [239.3, 239.36, 239.42, 239.44, 239.36, 239]
-    spline = profile_spline(Profile(height_mm=heights, diameter_mm=diameters, spline="natural"))
-    np.testing.assert_allclose(spline([0, 210], nu=2), 0, atol=1e-15)
-    whole = CubicSpline(np.array(heights), diameters, bc_type="natural")
-    np.testing.assert_allclose(2 * spline(65), whole(65), rtol=1e-14)
-
-
-@pytest.mark.parametrize("n_points", [2, 3, 4])
-def test_few_ovality_points_still_make_a_spline(n_points: int) -> None:
-    """Two points give a line, three a parabola, four a cubic."""
-    z = np.arange(n_points) * 10.0
-    ovality = Ovality(
-        height_mm=z.tolist(),
-        ovality_mm=((z / 10) ** (n_points - 1)).tolist(),
-        interpolation="spline",
-    )
-    assert float(ovality_spline(ovality)(7.0)) == pytest.approx(0.7 ** (n_points - 1))
 
 
 @pytest.mark.parametrize("row", PEAKS)

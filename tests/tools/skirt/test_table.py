@@ -16,14 +16,14 @@ from scipy.interpolate import PPoly
 from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import Floats
 from camtools.cut.correction import Correction, correction_of, nodes_of
-from camtools.part.passes import FeedLaw
+from camtools.part.common import FeedLaw
 from camtools.pipeline.load import Made, load, make
 from camtools.skirt.geometry.run_in import continued, with_run
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.kind import KIND
 from camtools.skirt.part.part_file import SkirtPart, example_part
+from camtools.skirt.table.accuracy import DERIVATIVE_SHARE, UnreachableError
 from camtools.skirt.table.generate import GeneratedSkirt, generate
-from camtools.skirt.table.search import DERIVATIVE_SHARE, UnreachableError
 from camtools.skirt.tool.turning import (
     TOLERANCE_NM,
     height_at_mm,
@@ -31,13 +31,12 @@ from camtools.skirt.tool.turning import (
     middle_nm,
     way_channel,
 )
-from camtools.table.channel import KIND_U, KIND_X
+from camtools.table.channel import KIND_U, KIND_X, ImageError
 from camtools.table.evaluate import evaluate_at, evaluate_x, jumps
 from camtools.table.image import pack, unpack
-from camtools.table.records import ImageError
 from tests.tools.cases.camsim_cases import cut, refusal
 from tests.tools.cases.cut_cases import PARTS, evaluated, made_skirt, tip_mm, written
-from tests.tools.cases.part_cases import PERKINS, load_part
+from tests.tools.cases.part_cases import PERKINS, load_part, refused
 
 
 def random_points(result: GeneratedSkirt, n: int = 4000) -> tuple[np.ndarray, np.ndarray]:
@@ -188,9 +187,7 @@ def test_infeasible_part_is_refused_with_numbers(limit: str, value: float, neede
     """A limit that is too low is refused with the number needed and the speed that would do."""
     tree = load_part(PERKINS).model_dump()
     tree["machine"]["limits"][limit] = value
-    with pytest.raises(CamtoolsError) as info:
-        generate(SkirtPart.model_validate(tree))
-    (line,) = info.value.lines
+    line = refused(lambda: generate(SkirtPart.model_validate(tree)))
     assert line.startswith(f"machine.limits.{limit} = {value:.9g}")
     assert float(line.split("needs ")[1].split()[0]) == pytest.approx(needed, rel=1e-3)
     assert "at most" in line or "no speed helps" in line

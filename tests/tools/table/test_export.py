@@ -15,7 +15,7 @@ from camtools.table.export import Export, export_files
 from camtools.table.image import Table, pack
 from camtools.table.points import parse_points, quintics_of
 from tests.tools.cases.cut_cases import PARTS, evaluated, made_of, skirt_of
-from tests.tools.cases.part_cases import PERKINS
+from tests.tools.cases.part_cases import PERKINS, refused
 
 NM_PER_MM, XYVA = 1e6, Export("xyva")
 IMPORTED = '[piston.section]\nshape = "points"\n'
@@ -250,9 +250,7 @@ WRONG = [
 @pytest.mark.parametrize(("lines", "place", "problem"), WRONG, ids=[one[2] for one in WRONG])
 def test_wrong_files(lines: list[str], place: str, problem: str) -> None:
     """One line with the file, its line, what is wrong and what to do."""
-    with pytest.raises(InputError) as info:
-        parse_points("\n".join(lines), "points.csv")
-    [line] = info.value.lines
+    line = refused(lambda: parse_points("\n".join(lines), "points.csv"), InputError)
     assert line.startswith(f"points.csv: {place}") and problem in line and "; " in line
 
 

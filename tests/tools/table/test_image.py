@@ -12,11 +12,14 @@ from hypothesis import strategies as st
 
 from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.channel import (
+    ENTRY,
+    HEADER,
     KIND_U,
     KIND_X,
     SUM_LIMIT,
     Bounds,
     Channel,
+    ImageError,
     ImageLimits,
     channel_coefficients,
     largest_sum,
@@ -24,7 +27,6 @@ from camtools.table.channel import (
     slices_per_nm_q48,
 )
 from camtools.table.image import Table, pack, unpack
-from camtools.table.records import ENTRY, HEADER, ImageError
 from tests.tools.cases.part_cases import ROOT
 
 

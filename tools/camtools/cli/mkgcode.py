@@ -30,8 +30,8 @@ from camtools.pipeline.load import load_able
 from camtools.skirt.geometry.run_in import with_run
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.part.part_file import SkirtPart
-from camtools.skirt.tool.heel import check_heel
 from camtools.skirt.tool.nose import tip_geometry
+from camtools.skirt.tool.turning import check_heel
 
 MIN_CHORD_UM, MAX_CHORD_UM = 0.002, 1000.0
 DEFAULT_CHORD_UM = 0.1

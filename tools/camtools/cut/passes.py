@@ -13,11 +13,10 @@ from typing import Any, Protocol, Self, TypeVar
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
 from camtools.cut.feasibility import HighestSpeed
-from camtools.part.common import PartFile, Tool, check_feed, check_tracks
-from camtools.part.passes import Pass, SectionProcess
+from camtools.part.common import PartFile, Pass, SectionProcess, Tool, check_feed, check_tracks
+from camtools.table.channel import PassRecord
 from camtools.table.header import check_tolerance
 from camtools.table.image import Table
-from camtools.table.records import PassRecord
 
 _NM_PER_UM = 1000.0
 

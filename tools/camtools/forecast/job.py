@@ -13,7 +13,7 @@ from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.quantities import Floats
 from camtools.forecast.cuts import TABLE, Task, build_of, folder_of
 from camtools.forecast.vary import DEFAULT_VARY, Unknown, default_vary, draw, read_vary
-from camtools.part.file import read_part_file
+from camtools.part.model import read_part_file
 from camtools.pipeline.load import Made, load, make
 from camtools.sim.binding import library_path
 from camtools.sim.machine_file import (
@@ -83,7 +83,7 @@ def plan_of(
     keys = [one.key for one in unknowns]
     drawn = (dict(zip(keys, map(float, row), strict=True)) for row in inputs)
     texts = [emit_machine(mistaken(tree, numbers)) for numbers in drawn]
-    allowed_um = made.kind.form_error_um(part) if tolerance_um is None else tolerance_um
+    allowed_um = part.process.form_error_um if tolerance_um is None else tolerance_um
     allowed_um -= made.kind.taken_um(made.table)
     if allowed_um <= 0:
         raise CamtoolsError(["--tolerance-um: smoothing takes all of it; allow more"])

@@ -18,8 +18,7 @@ from pydantic import Field, model_validator
 
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.quantities import Floats, FloatsLike
-from camtools.part.file import read_tree, validated
-from camtools.part.model import TomlTable, wrong
+from camtools.part.model import TomlTable, read_tree, validated, wrong
 from camtools.sim.machine_file import nominal_of
 
 DEFAULT_VARY = Path(__file__).with_name("vary.toml")

@@ -10,8 +10,6 @@ speed rises and falls along straight lines below it, MATHS.md (36): no slower th
 True
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
@@ -29,6 +27,7 @@ from camtools.table.channel import (
     KIND_SWING,
     KIND_U,
     KIND_X,
+    KNOT_SIZE,
     MAX_CHANNEL_BYTES,
     MAX_LOG2_KNOTS,
     MAX_RATIO,
@@ -36,6 +35,7 @@ from camtools.table.channel import (
     MIN_RATIO,
     RATIO_ONE,
     Channel,
+    LobePlace,
     angle_in_sense,
 )
 from camtools.table.evaluate import (
@@ -46,8 +46,7 @@ from camtools.table.evaluate import (
     knot_interval,
     raw_bounds,
 )
-from camtools.table.quantise import TooLargeError, quantise, with_bounds
-from camtools.table.records import KNOT_SIZE, LobePlace
+from camtools.table.header import TooLargeError, quantise, with_bounds
 
 N_GRID = 1 << 15  # places of a turn
 _MARGIN = 0.94  # of the acceleration: the table overshoots where straight lines meet
@@ -205,7 +204,6 @@ def _measured(
 
 
 def _too_large(kind: int, n_patterns: int, log2_knots: int) -> GeometryError:
-    """Return the refusal of a channel of more bytes than there may be."""
     size = KNOT_SIZE << log2_knots
     problem = (
         f"has {n_patterns} different profiles: the {_NAMES[kind]} channel needs {1 << log2_knots} "

@@ -16,8 +16,6 @@ direction. A tool that swings about a centre, and a wheel, touch it there as wel
 followers of the same contacts.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -197,7 +195,6 @@ class Shape(NamedTuple):
     """Extremes of a lobe all round."""
 
     least_radius_mm: float  # of the convex curvature
-    least_radius_deg: float  # direction of the follower there
     hollow_radius_mm: float  # of the hollow curvature, infinite without any
     largest_swing_deg: float  # magnitude of the pressure angle
 
@@ -221,10 +218,8 @@ def shape_of(law: LiftLaw, base_mm: float, roller_mm: float, *, is_flat: bool = 
     sharpest, hollowest = int(touch.curvature.argmax()), int(touch.curvature.argmin())
     swing = int(np.abs(touch.gamma).argmax())
     least = touch.curvature[hollowest]
-    degrees = np.degrees(touch.theta)
     return Shape(
         1 / float(touch.curvature[sharpest]),
-        abs(float(degrees[sharpest])),
         float(-1 / least) if least < 0 else float("inf"),
         abs(float(np.degrees(touch.gamma[swing]))),
     )

@@ -1,21 +1,25 @@
 """From the part file of a camshaft to its table, checked against the machine's limits.
 
+The heel, MATHS.md (111): the tool stands along the normal of its contact, so that at the edge the
+lobe neither rises nor falls. After the edge a lobe that is convex falls away; a hollow rises, the
+more the longer the flank is.
+
 >>> from camtools.lobe.motion import example_lobe
 >>> result = generate_lobes(example_lobe())
 >>> result.lift.error <= 10.0, result.angle.error <= 1e-4
 (True, True)
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import ceil, pi
+from math import ceil, floor, pi
+from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from camtools.base.cache import recall
-from camtools.base.errors import CamtoolsError
+from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
 from camtools.cut.feasibility import HighestSpeed, Peaks, given_of, needed_of, peaks_of
 from camtools.cut.verdict import check_table, needs_of_peaks
@@ -34,18 +38,95 @@ from camtools.lobe.channels import (
     speed_channel,
     surface_speed,
 )
-from camtools.lobe.contact import Follower
-from camtools.lobe.heel import LobeHeel, check_lobe_heel
+from camtools.lobe.contact import Follower, all_round
 from camtools.lobe.lift import LiftLaw
 from camtools.lobe.motion import ShaftLobe, channels_key, lobes_of, noise_hint
 from camtools.lobe.part import LobePart
 from camtools.lobe.plunge import Plan, plan_of, stations_of, way_channel, x_channel
-from camtools.part.common import check_feed
-from camtools.table.channel import ANGLE_TURN, RATIO_ONE, Channel
+from camtools.part.common import SwungTool, check_feed
+from camtools.table.channel import ANGLE_TURN, RATIO_ONE, Channel, change_nm
 from camtools.table.evaluate import knot_interval, moving_bounds, peaks_together, raw_bounds
 from camtools.table.header import check_tolerance, table_of, u_bounds
 from camtools.table.image import Table
-from camtools.table.records import change_nm
+
+_PLACES = 3600
+_HEEL_BISECTIONS = 20
+_MARGIN = 0.99  # of a length that would do
+
+Complexes = npt.NDArray[np.complexfloating[Any, Any]]
+
+
+class LobeHeel(NamedTuple):
+    """The place where the flank comes nearest to a lobe."""
+
+    needed_deg: float  # least clearance angle that just does
+    lobe: int
+    angle_deg: float  # direction of the follower in the lobe's own frame
+
+
+def needed_clearance_deg(
+    places_mm: Complexes, outward: Complexes, heel_mm: float, direction: int
+) -> Floats:
+    """Return the least clearance angle of every place of a closed contour [degrees], at least 0.
+
+    `places_mm`, counter-clockwise round the axis, and `outward`, their normals of length 1 to which
+    the tool stands parallel, are complex numbers of shape (n,). Places within the length of the
+    flank count. `direction` is 1 where the tool runs counter-clockwise round the work, or -1.
+    """
+    needed = np.zeros(places_mm.size)
+    came_from = -1j * direction * outward
+    for k in range(1, places_mm.size // 2):
+        behind = np.roll(places_mm, direction * k) - places_mm
+        is_near = np.abs(behind) <= heel_mm
+        if not is_near.any():
+            break
+        angle = np.arctan2((behind * outward.conj()).real, (behind * came_from.conj()).real)
+        needed = np.where(is_near, np.maximum(needed, angle), needed)
+    return np.asarray(np.degrees(needed), dtype=np.float64)
+
+
+def nearest_heel(lobes: list[ShaftLobe], heel_mm: float, direction: int) -> LobeHeel:
+    """Return the largest clearance angle that the lobes of a shaft need, and where."""
+    firsts = {lobe.profile: i for i, lobe in reversed(list(enumerate(lobes)))}
+    return max(
+        (_of_lobe(i, lobes[i], heel_mm, direction) for i in firsts.values()),
+        key=lambda one: one.needed_deg,
+    )
+
+
+def _of_lobe(i: int, lobe: ShaftLobe, heel_mm: float, direction: int) -> LobeHeel:
+    touch = all_round(lobe.law, lobe.base_mm, lobe.roller_mm, is_flat=lobe.is_flat)
+    travel = np.cumsum(touch.ds)
+    evenly = np.searchsorted(travel, travel[-1] * (np.arange(_PLACES) + 0.5) / _PLACES)
+    places = (touch.radius * np.exp(1j * touch.alpha))[evenly]
+    normals = np.exp(1j * (touch.theta - touch.gamma))[evenly]
+    needed = needed_clearance_deg(places, normals, heel_mm, direction)
+    worst = int(needed.argmax())
+    return LobeHeel(float(needed[worst]), i, float(np.degrees(touch.theta[evenly[worst]])))
+
+
+def check_lobe_heel(lobes: list[ShaftLobe], tool: SwungTool, direction: int) -> LobeHeel:
+    """Return where the flank comes nearest to a lobe, or refuse a tool whose heel rubs.
+
+    Raises GeometryError with the place, the least clearance angle and the longest flank that do.
+    """
+    found = nearest_heel(lobes, tool.heel_mm, direction)
+    if found.needed_deg < tool.clearance_deg:
+        return found
+    low, high = 0.0, tool.heel_mm
+    for _ in range(_HEEL_BISECTIONS):
+        middle = (low + high) / 2
+        is_clear = nearest_heel(lobes, middle, direction).needed_deg < tool.clearance_deg
+        low, high = (middle, high) if is_clear else (low, middle)
+    problem = (
+        f"the heel of {tool.clearance_deg:g} degrees rubs on the hollow flank of "
+        f"cam.lobe.{found.lobe} at {found.angle_deg:.4g} degrees, which rises after the edge by "
+        f"{found.needed_deg:.2f} degrees within {tool.heel_mm:g} mm"
+    )
+    least_deg = ceil(found.needed_deg * 10 + 0.1) / 10
+    remedy = f"give a tool with at least {least_deg:.1f}, or with heel_mm at most "
+    raise GeometryError("tool.clearance_deg", problem, f"{remedy}{floor(_MARGIN * low * 10) / 10}")
+
 
 DEFAULT_TOLERANCE_NM = 10.0
 _BISECTIONS = 40
@@ -96,11 +177,13 @@ def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> Generat
 
 
 def _generated(part: LobePart, lobes: list[ShaftLobe], tolerance_nm: float) -> GeneratedLobes:
-    """Return the table of lobes."""
     plunge = plan_of(part, lobes) if part.process.is_plunge else None
     if plunge is None:
         check_feed(part)
-    placed = _at_stations(lobes, plunge)
+    placed = lobes  # where the table finds them: on the shaft, or on the station
+    if plunge is not None:
+        ends = [(a / NM_PER_MM, b / NM_PER_MM) for a, b in stations_of(plunge, lobes)]
+        placed = [replace(lobe, z_mm=z_mm) for lobe, z_mm in zip(lobes, ends, strict=True)]
     is_swung = part.process.operation == "turning"
     heel = check_lobe_heel(lobes, part.tool, part.process.direction) if is_swung else None
     key = channels_key(part, tolerance_nm)
@@ -124,18 +207,13 @@ def _generated(part: LobePart, lobes: list[ShaftLobe], tolerance_nm: float) -> G
         peaks = _with_swing(peaks, angle.channel, speed.channel if speed else None)
     fed = _feeding(table)
     peaks = peaks._replace(feed_mm=fed.feed_mm, change_mm=fed.change_mm)
-    best = _judge(part, lobes, table, fed)
+    best, asked_rpm = None, None
+    if part.process.speed != "uniform":
+        best, asked_rpm = _highest_surface_speed(part, _paths(lobes), fed), part.process.spindle_rpm
+    best = check_table(table, part.machine.limits, best, asked_rpm)
     return GeneratedLobes(
         *(part, lobes, tolerance_nm, table, lift, angle, speed, mean_rpm, peaks, best, heel), plunge
     )
-
-
-def _at_stations(lobes: list[ShaftLobe], plunge: Plan | None) -> list[ShaftLobe]:
-    """Return the lobes where the table finds them: on the shaft, or on the station."""
-    if plunge is None:
-        return lobes
-    ends = [(a / NM_PER_MM, b / NM_PER_MM) for a, b in stations_of(plunge, lobes)]
-    return [replace(lobe, z_mm=z_mm) for lobe, z_mm in zip(lobes, ends, strict=True)]
 
 
 def _plunged(table: Table, plunge: Plan, part: LobePart, lobes: list[ShaftLobe]) -> Table:
@@ -199,15 +277,6 @@ def _feeding(table: Table) -> Peaks:
     least_nm = min((change_nm(*two) for two in pairwise(table.lobes)), default=0)
     change_mm = (least_nm if table.speed is None else least_nm // 2) / NM_PER_MM
     return Peaks(0.0, 0.0, 0.0, feed_mm=table.feed_nm / NM_PER_MM, change_mm=change_mm)
-
-
-def _judge(part: LobePart, lobes: list[ShaftLobe], table: Table, fed: Peaks) -> HighestSpeed:
-    """Return the highest speed of the part file that would do, or refuse."""
-    limits, asked_rpm = part.machine.limits, part.process.spindle_rpm
-    if part.process.speed == "uniform":
-        return check_table(table, limits)
-    best = _highest_surface_speed(part, _paths(lobes), fed)
-    return check_table(table, limits, best, asked_rpm)
 
 
 def _needs(part: LobePart, paths: list[Follower], fed: Peaks, rpm: float) -> dict[str, float]:

@@ -8,10 +8,7 @@
 30.0
 """
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -98,10 +95,6 @@ class ExactLobes(Exact):
         return ratio_of(speed, phi_rad, float(range_of(self._lobes)[0]))
 
 
-if TYPE_CHECKING:
-    from camtools.report.kind_report import KindReport
-
-
 _CAM_MACHINE = """\
 [encoder]
 counts_per_turn = 1000000
@@ -132,16 +125,11 @@ class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
     make = staticmethod(generate_lobes)
     summary = staticmethod(make_lobe_summary)
     text = staticmethod(emit_lobe_text)
+    reported = "camtools.lobe.report"
 
     def exact(self, part: LobePart) -> Exact:
         """See `Kind.exact`."""
         return ExactLobes(lobes_of(part))
-
-    def plots(self, made: GeneratedLobes) -> dict[str, bytes]:
-        """See `Kind.plots`."""
-        from camtools.lobe.plots import draw_lobes  # matplotlib loads longer than all the rest
-
-        return draw_lobes(made)
 
     def at_speed(self, part: LobePart, rpm: float | None) -> LobePart:
         """Return the part for another speed on the base circle, which a part file must allow."""
@@ -167,10 +155,6 @@ class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
             return made.plunge.turns(len(made.lobes))
         return (made.table.z_last_nm - made.table.z_first_nm) / NM_PER_MM / feed_mm
 
-    def form_error_um(self, part: LobePart) -> float:
-        """See `Kind.form_error_um`."""
-        return part.process.form_error_um
-
     def taken_um(self, made: GeneratedLobes) -> float:
         """See `Kind.taken_um`."""
         return smoothing_takes_um(made.laws)
@@ -189,12 +173,6 @@ class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
         """See `Kind.facts`."""
         error = {"u_nm": made.lift.error, "angle_deg": made.angle.error}
         return {"table_error": error | {"tolerance_nm": made.tolerance_nm}}
-
-    def report(self) -> KindReport[LobeOutcome]:
-        """See `Kind.report`."""
-        from camtools.lobe.report import REPORT  # matplotlib, see above
-
-        return REPORT
 
 
 KIND = LobeKind()

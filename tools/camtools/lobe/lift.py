@@ -2,34 +2,321 @@
 
 A new law is one class with `evaluate`.
 
+The flanks of lobes are rises from the base circle to the nose, over 0 .. 1. A new rise is one
+function in `_RISES`, which gives the derivatives up to the third. Peaks Cv of the speed and Ca of
+the acceleration are those of the handbooks (Norton; Rothbart).
+
+| rise | Cv | Ca | continuous at both ends |
+|---|---|---|---|
+| poly345 | 1.875 | 5.774 | acceleration; the jerk steps |
+| cycloidal | 2 | 6.283 | acceleration; the jerk steps |
+| modified-sine | 1.760 | 5.528 | acceleration; the jerk steps |
+| modified-trapezoid | 2 | 4.888 | acceleration; the jerk steps |
+| harmonic | 1.571 | 4.935 | speed; the acceleration steps |
+| polydyne | 2.461 | 9.372 | acceleration; the jerk steps; of the driven mass alone |
+
+A list of points is read from the part file or another one, and smoothed within a band.
+
 >>> law = Poly345(8.0, np.radians(70.0))
 >>> [f"{mm:.7f}" for mm in law.evaluate(np.radians([-60.0, 0.0, 80.0])).lift]
 ['0.1861129', '8.0000000', '0.0000000']
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from scipy.interpolate import BSpline, PPoly
+from numpy.polynomial import Polynomial
+from scipy.interpolate import BSpline, PPoly, make_interp_spline
 
-from camtools.base.errors import GeometryError
-from camtools.base.quantities import Floats, rounded_up
-from camtools.lobe.listed_lift import (
-    Smoothing,
-    band_for,
-    opened,
-    periodic_spline,
-    points_of,
-    smooth_list,
+from camtools.base.errors import GeometryError, InputError, numbers_shown
+from camtools.base.files import read_whole_table
+from camtools.base.quantities import UM_PER_MM, Floats, rounded_up
+from camtools.lobe.part import (
+    CRANK_HINT,
+    MAX_LIFT_MM,
+    MIN_POINTS,
+    MIN_STEP_DEG,
+    RISES,
+    Camshaft,
+    Lobe,
+    fits_turn,
+    is_step,
+    is_turn,
 )
-from camtools.lobe.lobe_keys import RISES, Lobe, is_turn
-from camtools.lobe.part import Camshaft
-from camtools.lobe.rise_laws import RiseLaw
-from camtools.part.model import SAME_MM
-from camtools.table.points import PointedTurn, quintics_of
+from camtools.part.model import MAX_FILE_BYTES, SAME_MM
+from camtools.part.smoothing import bands_um, first_enough, smoothed
+from camtools.table.points import MM_PER_INCH, PointedTurn, Units, quintics_of
+from camtools.table.points import parse_points as foreign_points
+
+CSV_HEADER = "angle_deg,lift_mm"
+_MAX_ROWS = 10_000
+
+
+def parse_points(text: str, file: str, turns: int = 1) -> tuple[Floats, Floats]:
+    """Return angles [degrees of the cam] and lifts [mm] of a CSV text.
+
+    Its angle turns once or twice for one of the cam. Raises InputError with the line: wrong header,
+    no two numbers, angles that do not rise, lifts out of range.
+    """
+    lines = text.splitlines()
+    if not lines or lines[0].strip() != CSV_HEADER:
+        raise InputError(file, "line 1", None, "wrong header", f'write "{CSV_HEADER}"')
+    rows: list[tuple[float, float]] = []
+    for number, line in enumerate(lines[1 : _MAX_ROWS + 1], start=2):
+        if line.strip():
+            rows.append(_row(file, number, line, rows, turns))
+    if len(rows) < MIN_POINTS or len(lines) > _MAX_ROWS + 1:
+        problem = f"has {len(lines) - 1} points, must have {MIN_POINTS} .. {_MAX_ROWS}"
+        raise InputError(file, "angle_deg", None, problem, "list one turn of the cam")
+    angle_deg, lift_mm = np.array(rows).T
+    return angle_deg, lift_mm
+
+
+def _row(
+    file: str, number: int, line: str, before: list[tuple[float, float]], turns: int
+) -> tuple[float, float]:
+    place = f"line {number}"
+    try:
+        angle, lift_mm = (float(cell) for cell in line.split(","))
+    except ValueError as error:
+        problem = "not two numbers"
+        shown = numbers_shown(line)
+        raise InputError(file, place, shown, problem, f"write {CSV_HEADER}") from error
+    if not (-360 <= angle <= 720 and 0 <= lift_mm <= MAX_LIFT_MM):
+        problem = f"angle not -360 .. 720 or lift not 0 .. {MAX_LIFT_MM:g}"
+        raise InputError(file, place, line, problem, "give degrees and mm above the base circle")
+    angle /= turns
+    if before and not (is_step(angle - before[-1][0]) and fits_turn(angle - before[0][0])):
+        problem = f"angles must rise by at least {MIN_STEP_DEG} degrees within one turn"
+        is_longer = angle - before[0][0] > 360
+        remedy = "sort the points" + CRANK_HINT[turns] * is_longer
+        raise InputError(file, place, line, problem, remedy)
+    return angle, lift_mm
+
+
+def _points_of_file(text: str, file: str, lobe: Lobe) -> PointedTurn:
+    """Return the points of a text: with our own header, or of another system."""
+    inch_mm = MM_PER_INCH if lobe.lift_unit == "inch" else None
+    turns, most_mm = lobe.turns_listed, lobe.largest_lift_mm or MAX_LIFT_MM
+    units = Units(turns, lobe.largest_lift_mm or inch_mm, CRANK_HINT[turns])
+    if text.lstrip()[: len(CSV_HEADER)] == CSV_HEADER and units.value_mm is None:
+        angle_deg, lift_mm = parse_points(text, file, units.turns)
+        return PointedTurn(angle_deg, lift_mm, *np.zeros((2, 0)))
+    found = foreign_points(text, file, units)
+    turn = found.sections[0]
+    if len(found.sections) > 1:
+        problem = f"has {len(found.sections)} heights"
+        raise InputError(file, "Z_mm", None, problem, "give the points of one lobe")
+    low, high = float(turn.y_mm.min()), float(turn.y_mm.max())
+    if low < -SAME_MM or high > most_mm + SAME_MM:
+        problem = f"lifts of {low:g} .. {high:g} mm, not 0 .. {most_mm:g}"
+        remedy = "give mm above the base circle"
+        if lobe.largest_lift_mm:
+            problem = f"shares of {low / most_mm:g} .. {high / most_mm:g}, not 0 .. 1"
+            remedy = "give shares of 0 .. 1 of largest_lift_mm, or remove it"
+        raise InputError(file, "Y_mm", None, problem, remedy)
+    return turn if found.has_motion else turn._replace(v=turn.v[:0], a=turn.a[:0])
+
+
+def opened(points: PointedTurn) -> PointedTurn:
+    """Return points of a turn without a repeated end."""
+    n = points.x_deg.size - is_turn(points.x_deg[-1] - points.x_deg[0])
+    return PointedTurn(*(column[:n] for column in points))
+
+
+def points_of(lobe: Lobe, field: str) -> PointedTurn:
+    """Return the points of a listed lobe, from the part file or from its file.
+
+    Without velocity and acceleration those columns are empty. Raises GeometryError, which names the
+    lobe by `field`, where the file is no good.
+    """
+    if lobe.csv is None:
+        assert lobe.angle_deg is not None
+        angle_deg = np.asarray(lobe.angle_deg, dtype=float) / lobe.turns_listed
+        return PointedTurn(angle_deg, np.asarray(lobe.lift_mm, dtype=float), *np.zeros((2, 0)))
+    path = Path(lobe.csv)
+    try:
+        return _points_of_file(read_whole_table(path, MAX_FILE_BYTES), path.name, lobe)
+    except InputError as error:
+        problem, _, remedy = error.lines[0].rpartition("; ")
+        raise GeometryError(f"{field}.csv", problem, remedy) from error
+
+
+_PER_STEP = 16  # angles between two points at which peaks are sought
+
+
+class PeaksOfList(NamedTuple):
+    """Largest magnitudes over a turn."""
+
+    acceleration: float  # mm/rad^2
+    jerk: float  # mm/rad^3
+
+
+class Smoothing(NamedTuple):
+    """A list within its band, and the curves through it."""
+
+    band_um: float
+    angle_deg: Floats  # of the points, degrees of the cam
+    off_um: Floats  # smoothed less listed lift
+    before: BSpline  # lift [mm] over the angle [rad] through the listed points
+    after: BSpline  # through the smoothed ones
+
+    @property
+    def largest_um(self) -> float:
+        """Return the largest residual."""
+        return float(np.abs(self.off_um).max())
+
+
+def periodic_spline(angle_deg: Floats, lift_mm: Floats) -> BSpline:
+    """Return the periodic quintic spline through points whose angles span a turn at most.
+
+    Where they span it, both ends have the same lift.
+    """
+    n = lift_mm.size - is_turn(angle_deg[-1] - angle_deg[0])
+    # the end is made from the beginning: written out, both differ in the last digits
+    angle_deg = np.append(angle_deg[:n], angle_deg[0] + 360)
+    lift_mm = np.append(lift_mm[:n], lift_mm[0])
+    return make_interp_spline(np.radians(angle_deg), lift_mm, k=5, bc_type="periodic")
+
+
+def smooth_list(angle_deg: Floats, lift_mm: Floats, band_um: float) -> Smoothing:
+    """Return a list with the least third derivative within a band to either side of its lifts.
+
+    Points of lift 0 stay 0; the end of the turn is not repeated.
+    """
+    held = lift_mm == 0
+    found_mm = smoothed(angle_deg, lift_mm, band_um / UM_PER_MM, period=360.0, held=held)
+    off_um = (found_mm - lift_mm) * UM_PER_MM
+    curves = (periodic_spline(angle_deg, mm) for mm in (lift_mm, found_mm))
+    return Smoothing(band_um, angle_deg, off_um, *curves)
+
+
+def peaks_of(curve: BSpline) -> PeaksOfList:
+    """Return the peaks of a periodic quintic."""
+    knots = curve.t[curve.k : -curve.k]
+    x = np.linspace(knots[:-1], knots[1:], _PER_STEP, axis=-1).ravel()
+    return PeaksOfList(*(float(np.abs(curve(x, nu=n)).max()) for n in (2, 3)))
+
+
+def bands_of(points: PointedTurn) -> list[float]:
+    """Return bands [um] that may remove the noise of a list, rising; none without noise."""
+    return [] if points.v.size else bands_um(points.x_deg, points.y_mm, 360.0)
+
+
+def band_for(points: PointedTurn) -> Smoothing | None:
+    """Return the smoothing that a list without one needs; None where it needs none."""
+
+    def peaks(one: Smoothing) -> tuple[float, float]:
+        return peaks_of(one.before).acceleration, peaks_of(one.after).acceleration
+
+    def smooth(band_um: float) -> Smoothing:
+        return smooth_list(points.x_deg, points.y_mm, band_um)
+
+    return first_enough(bands_of(points), smooth, peaks)
+
+
+class Rise(NamedTuple):
+    """A rise of height 1 and its derivatives by the share of its angle."""
+
+    y: Floats
+    d1: Floats
+    d2: Floats
+    d3: Floats
+
+
+def _cycloidal(x: Floats) -> Rise:
+    turn = 2 * np.pi * x
+    sin, cos = np.sin(turn), np.cos(turn)
+    return Rise(x - sin / (2 * np.pi), 1 - cos, 2 * np.pi * sin, 4 * np.pi**2 * cos)
+
+
+def _harmonic(x: Floats) -> Rise:
+    sin, cos = np.sin(np.pi * x), np.cos(np.pi * x)
+    return Rise((1 - cos) / 2, np.pi / 2 * sin, np.pi**2 / 2 * cos, -(np.pi**3) / 2 * sin)
+
+
+def _polynomial(x: Floats, law: Polynomial) -> Rise:
+    return Rise(law(x), law.deriv(1)(x), law.deriv(2)(x), law.deriv(3)(x))
+
+
+class _Wave(NamedTuple):
+    """A piece of an acceleration: level + size sin(rate x + phase), up to an end."""
+
+    end: float
+    level: float
+    size: float
+    rate: float
+    phase: float
+
+
+def _integrated(x: Floats, waves: tuple[_Wave, ...]) -> Rise:
+    """Return the rise whose acceleration is made of pieces, up to a factor that makes it end at 1.
+
+    Speed and place of each piece continue those of the one before.
+    """
+    y, d1, d2, d3 = (np.zeros_like(x) for _ in range(4))
+    begin = speed = place = 0.0
+    for wave in waves:
+        inside = (x >= begin) & (x <= wave.end)
+        at = np.append(x[inside], wave.end)
+        s, angle, before = at - begin, wave.rate * at + wave.phase, wave.rate * begin + wave.phase
+        by = wave.size / wave.rate
+        slope = speed + by * np.cos(before)
+        rising = speed + wave.level * s - by * (np.cos(angle) - np.cos(before))
+        risen = place + slope * s + wave.level * s**2 / 2
+        risen -= by / wave.rate * (np.sin(angle) - np.sin(before))
+        y[inside], d1[inside] = risen[:-1], rising[:-1]
+        d2[inside] = wave.level + wave.size * np.sin(angle[:-1])
+        d3[inside] = wave.size * wave.rate * np.cos(angle[:-1])
+        begin, speed, place = wave.end, float(rising[-1]), float(risen[-1])
+    return Rise(y / place, d1 / place, d2 / place, d3 / place)
+
+
+_FAST, _SLOW = 4 * np.pi, 4 * np.pi / 3
+_MODIFIED_SINE = (
+    _Wave(0.125, 0, 1, _FAST, 0),
+    _Wave(0.875, 0, 1, _SLOW, np.pi / 3),
+    _Wave(1.0, 0, 1, _FAST, 0),
+)
+_MODIFIED_TRAPEZOID = (
+    _Wave(0.125, 0, 1, _FAST, 0),
+    _Wave(0.375, 1, 0, _FAST, 0),
+    _Wave(0.625, 0, 1, _FAST, -np.pi),
+    _Wave(0.875, -1, 0, _FAST, 0),
+    _Wave(1.0, 0, 1, _FAST, 0),
+)
+_RISES: dict[str, Callable[[Floats], Rise]] = {  # MATHS.md (37), (89) .. (91)
+    "poly345": partial(_polynomial, law=Polynomial([0, 0, 0, 10, -15, 6])),
+    "cycloidal": _cycloidal,
+    "harmonic": _harmonic,
+    "modified-sine": partial(_integrated, waves=_MODIFIED_SINE),
+    "modified-trapezoid": partial(_integrated, waves=_MODIFIED_TRAPEZOID),
+}
+_DRIVEN = Polynomial([0, 0, 0, 0, 0, 126, -420, 540, -315, 70])
+
+
+@dataclass(frozen=True)
+class RiseLaw:
+    """A rise from 0 at 0 to 1 at 1, at rest at both ends.
+
+    A polydyne rise lets an elastic follower move by a polynomial, MATHS.md (92). `deflection` is
+    the lift that deflects the follower over the acceleration of its mass, in the square of the
+    angle of the rise: (speed of the cam / natural frequency / angle of the rise)^2.
+    """
+
+    name: str
+    deflection: float = 0.0
+
+    def evaluate(self, x: Floats) -> Rise:
+        """Return rise and derivatives at shares 0 .. 1."""
+        if self.name == "polydyne":
+            return _polynomial(x, _DRIVEN + self.deflection * _DRIVEN.deriv(2))
+        return _RISES[self.name](x)
+
 
 _STRAY_MM = 1e-3  # of a spline from what its points promise
 _PER_PIECE = 64
@@ -183,7 +470,6 @@ def _rise(lobe: Lobe, angle_rad: float, field: str) -> RiseLaw:
 
 
 def _risen(lobe: Lobe, field: str) -> LiftLaw:
-    """Return a law of flanks and nose."""
     assert isinstance(lobe.lift_mm, float | int)
     if lobe.half_angle_deg is not None and lobe.law == "poly345":
         return Poly345(float(lobe.lift_mm), float(np.radians(lobe.half_angle_deg)))
@@ -195,7 +481,6 @@ def _risen(lobe: Lobe, field: str) -> LiftLaw:
 
 
 def _listed(lobe: Lobe, field: str) -> LiftLaw:
-    """Return the spline through the points of a lobe."""
     points = points_of(lobe, field)
     angle_deg, lift_mm = points.x_deg, points.y_mm
     if is_turn(angle_deg[-1] - angle_deg[0]) and abs(lift_mm[0] - lift_mm[-1]) > SAME_MM:
@@ -212,7 +497,6 @@ def _listed(lobe: Lobe, field: str) -> LiftLaw:
 
 
 def _curve_through(points: PointedTurn, band_um: float | None, field: str) -> Listed:
-    """Return the curve of a list, smoothed where a band is given."""
     if band_um is None:
         through = pieces_of(points) if points.v.size else periodic_spline(points.x_deg, points.y_mm)
         return Listed(through, needed=band_for(points))

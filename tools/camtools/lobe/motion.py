@@ -5,8 +5,6 @@
 '8.0'
 """
 
-from __future__ import annotations
-
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
 
@@ -29,10 +27,8 @@ from camtools.lobe.contact import (
     solved_at,
     touch_of,
 )
-from camtools.lobe.lift import LiftLaw, Listed, make_lift
-from camtools.lobe.listed_lift import Smoothing, bands_of, peaks_of, points_of
-from camtools.lobe.lobe_keys import Lobe
-from camtools.lobe.part import Camshaft, LobePart, LobeProcess
+from camtools.lobe.lift import LiftLaw, Listed, Smoothing, bands_of, make_lift, peaks_of, points_of
+from camtools.lobe.part import Camshaft, Lobe, LobePart, LobeProcess
 from camtools.part.common import PartInfo
 from camtools.part.smoothing import (
     PeakChange,
@@ -173,7 +169,6 @@ def _shaped(part: LobePart, lobe: Lobe, field: str) -> ShaftLobe:
 
 
 def _with_band(error: GeometryError, part: LobePart, lobe: Lobe, field: str) -> GeometryError:
-    """Return a refusal that names the band within which the list would do once it is smoothed."""
     if lobe.law != "list":
         return error
     form_error_um = part.process.form_error_um

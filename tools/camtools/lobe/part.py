@@ -1,21 +1,269 @@
-"""The part file of a camshaft: base circle, roller, lobes, and how they are turned or ground.
+"""The part file of a camshaft: circles, lobes with their laws, and how they are turned or ground.
 
 >>> LobeProcess(operation="turning", spindle_rpm=60).feed_mm
 0.1
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from math import floor
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, Tag, ValidationInfo, field_validator, model_validator
 
 from camtools.base.quantities import NM_PER_MM
-from camtools.lobe.lobe_keys import Lobe, RadiusMm
 from camtools.part.common import FeedMm, Machine, PartInfo, Process, SwingLimits, SwungTool
-from camtools.part.model import TomlTable, wrong
+from camtools.part.model import (
+    LIST_OR_ONE,
+    FilePath,
+    HeightMm,
+    Only,
+    TomlTable,
+    beside_the_part,
+    rising,
+    wrong,
+)
+from camtools.part.smoothing import SmoothUm
+
+MAX_LIFT_MM = 15.0
+MIN_POINTS = 8
+MIN_STEP_DEG = 0.01
+SAME_DEG = 1e-6  # decimal angles differ by less from what they are written as
+
+RadiusMm = Annotated[float, Field(ge=0.1, le=2000)]
+LiftMm = Annotated[float, Field(gt=0, le=MAX_LIFT_MM)]
+PointLiftMm = Annotated[float, Field(ge=0, le=MAX_LIFT_MM)]
+FlankDeg = Annotated[float, Field(ge=5, le=355)]
+PointDeg = Annotated[float, Field(ge=-360, le=720)]
+
+
+def is_turn(span_deg: float) -> bool:
+    """Return whether points of this span end where they began."""
+    return abs(span_deg - 360) < SAME_DEG
+
+
+def is_step(step_deg: float) -> bool:
+    """Return whether two angles are far enough apart for a spline."""
+    return step_deg >= MIN_STEP_DEG - SAME_DEG
+
+
+def fits_turn(span_deg: float) -> bool:
+    """Return whether points of this span close a turn, or leave a step of it."""
+    return is_turn(span_deg) or is_step(360 - span_deg)
+
+
+CRANK_HINT = {1: ', or set degrees_of = "crank"', 2: ""}  # by turns of the list's angle
+_TURNS = {"cam": 1, "crank": 2}  # of the list's angle for one turn of the cam
+_LONG = Field(min_length=MIN_POINTS, max_length=10_000)
+Lifts = Annotated[
+    Annotated[list[PointLiftMm], _LONG, Tag("(list)")] | Annotated[LiftMm, Tag("(one)")],
+    LIST_OR_ONE,
+]
+
+RISES = (*("poly345", "cycloidal", "modified-sine", "modified-trapezoid", "harmonic"), "polydyne")
+_ANGLES = "of a flank, instead of `half_angle_deg`, 360 together; 0 is the middle of the nose"
+_RAMP = "up to this lift the curve opens and closes at most this fast, per degree of the cam"
+_FLANK = Only("law", RISES)
+_POLYDYNE = Only("law", ("polydyne",), ("polydyne",))
+_DISC = Only("law", ("disc",), ("disc",))
+_LIST = Only("law", ("list",))
+
+
+class Lobe(TomlTable):
+    """[[cam.lobe]]: upwards, 0.2 mm apart, at most 64 with 42 profiles of 2048 knots per turn.
+
+    Lobes that differ in place and phase alone share a profile. The angle of a law is counted from
+    the middle of its nose, from its largest radius (disc) or from the zero of the list, in the
+    sense in which the follower runs round the cam.
+    """
+
+    z_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=2)] = Field(
+        description="from, to, at least 1 mm long; between two lobes the follower goes down to the "
+        "base circle"
+    )
+    phase_deg: float = Field(0.0, ge=-360, le=360, description="drawing's angle of the law's zero")
+    law: Literal[
+        "cycloidal",
+        "modified-sine",
+        "modified-trapezoid",
+        "harmonic",
+        "polydyne",
+        "poly345",
+        "disc",
+        "list",
+    ] = Field(description="[flanks](CAMS.md#laws-of-the-flanks), a disc, points")
+    lift_mm: Annotated[Lifts | None, Only("law", (*RISES, "list"), RISES)] = Field(
+        None, description="of a flank: the lift at the nose; of a list: one per angle"
+    )
+    rise_deg: Annotated[FlankDeg | None, _FLANK] = Field(None, description=_ANGLES)
+    dwell_deg: Annotated[float | None, _FLANK] = Field(
+        None, ge=0, le=355, description=f"{_ANGLES}; without it 0"
+    )
+    fall_deg: Annotated[FlankDeg | None, _FLANK] = Field(None, description=_ANGLES)
+    half_angle_deg: Annotated[float | None, _FLANK] = Field(
+        None,
+        ge=5,
+        le=180,
+        description="of a flank: from the nose to the base circle, on both sides",
+    )
+    design_rpm: Annotated[float | None, _POLYDYNE] = Field(
+        None, gt=0, le=60_000, description="speed of the cam in the engine"
+    )
+    natural_hz: Annotated[float | None, _POLYDYNE] = Field(
+        None, gt=0, le=100_000, description="natural frequency of the valve train"
+    )
+    disc_radius_mm: Annotated[RadiusMm | None, _DISC] = Field(
+        None, description="less `offset_mm` the base circle's radius"
+    )
+    offset_mm: Annotated[LiftMm | None, _DISC] = Field(
+        None, description="of the centre of the disc"
+    )
+    degrees_of: Annotated[Literal["cam", "crank"], _LIST] = Field(
+        "cam",
+        validate_default=False,
+        description="the angles are degrees of the cam, or of the crank, which turns twice as far",
+    )
+    angle_deg: Annotated[Annotated[list[PointDeg], _LONG] | None, _LIST] = Field(
+        None,
+        description="rising angles of one turn, its end repeated or at least 0.01 degrees away; "
+        "[periodic quintic spline](CAMS.md#tables-of-rounded-lifts), refused if it leaves 0 .. the "
+        "largest lift by more than 1 um",
+    )
+    csv: Annotated[FilePath | None, _LIST] = Field(
+        None,
+        description="path relative to the part file: `angle_deg,lift_mm` instead, or [points of "
+        "another system](TABLES.md#export-and-import)",
+    )
+    lift_unit: Annotated[Literal["mm", "inch"], _LIST] = Field(
+        "mm", validate_default=False, description="of the lifts of a csv whose header names none"
+    )
+    largest_lift_mm: Annotated[LiftMm | None, _LIST] = Field(
+        None, description="the lifts of the csv are shares 0 .. 1 of it"
+    )
+    smooth_um: Annotated[SmoothUm | None, _LIST] = Field(
+        None,
+        description="the smoothest curve within this of every point; points of zero lift stay 0",
+    )
+    ramp_height_mm: Annotated[LiftMm | None, _LIST] = Field(None, description=_RAMP)
+    ramp_um_per_deg: Annotated[float | None, _LIST] = Field(
+        None, ge=0.1, le=1000, description=_RAMP
+    )
+
+    _check_z = field_validator("z_mm")(rising)
+
+    @field_validator("half_angle_deg")
+    @classmethod
+    def _check_half(cls, value: float | None, info: ValidationInfo) -> float | None:
+        law = info.data.get("law")
+        is_given = value or info.data.get("rise_deg") or info.data.get("fall_deg")
+        if law in RISES and not is_given:
+            raise wrong("needed", f'is missing for law = "{law}"', "add it")
+        return value
+
+    @field_validator("lift_mm")
+    @classmethod
+    def _check_lift(cls, value: object, info: ValidationInfo) -> object:
+        law = info.data.get("law")
+        if law in RISES and isinstance(value, list):
+            raise wrong("one", f'is a list, law = "{law}" has one lift', "give the largest lift")
+        if law == "list" and isinstance(value, float):
+            raise wrong("many", 'is one number, law = "list" needs one per angle', "give a list")
+        return value
+
+    @field_validator("angle_deg")
+    @classmethod
+    def _check_angles(cls, value: list[float] | None, info: ValidationInfo) -> list[float] | None:
+        turns = _TURNS.get(info.data.get("degrees_of", "cam"), 1)
+        for before, behind in pairwise(value or []):
+            if not is_step((behind - before) / turns):
+                least_deg = turns * MIN_STEP_DEG
+                problem = f"angles must rise by at least {least_deg} degrees, but {behind:g} "
+                raise wrong("rising", problem + f"follows {before:g}", "sort the points")
+        if value and not fits_turn((value[-1] - value[0]) / turns):
+            problem = (
+                f"the points span {value[-1] - value[0]:.9g} degrees, neither a turn of the cam "
+                f"({360 * turns}) nor {turns * MIN_STEP_DEG} degrees less"
+            )
+            is_longer = value[-1] - value[0] > 360 * turns
+            raise wrong("turn", problem, "list one turn" + CRANK_HINT[turns] * is_longer)
+        return value
+
+    _beside_the_part = field_validator("csv")(beside_the_part)
+
+    @model_validator(mode="after")
+    def _check_flanks(self) -> Self:
+        flanks = {"rise_deg": self.rise_deg, "fall_deg": self.fall_deg}
+        given = [name for name, value in flanks.items() if value is not None]
+        if self.half_angle_deg is not None and (given or self.dwell_deg is not None):
+            problem = "cannot be combined with rise_deg, dwell_deg or fall_deg"
+            context = {"field": "half_angle_deg", "value": self.half_angle_deg}
+            raise wrong("flanks", problem, "give either of them", **context)
+        if len(given) == 1:
+            [name] = flanks.keys() - given
+            raise wrong(
+                "fall", f"is missing, but {given[0]} needs it", "add it", field=name, value=None
+            )
+        if given and sum(self.angles_deg) > 360 + SAME_DEG:
+            problem = f"rise, dwell and fall take {sum(self.angles_deg):g} degrees"
+            context = {"field": "rise_deg", "value": self.rise_deg}
+            raise wrong("turn", problem, "give 360 degrees at most", **context)
+        return self
+
+    @property
+    def angles_deg(self) -> tuple[float, float, float]:
+        """Return the angles of rise, dwell at the nose, and fall."""
+        if self.half_angle_deg is not None:
+            return self.half_angle_deg, 0.0, self.half_angle_deg
+        return self.rise_deg or 0.0, self.dwell_deg or 0.0, self.fall_deg or 0.0
+
+    @model_validator(mode="after")
+    def _check_points(self) -> Self:
+        if self.law != "list":
+            return self
+        is_listed = self.lift_mm is not None or self.angle_deg is not None
+        if is_listed == (self.csv is not None):
+            problem = 'law = "list" needs either angle_deg and lift_mm, or csv'
+            raise wrong("points", problem, "give one of them", field="csv", value=self.csv)
+        self._check_units()
+        if not is_listed:
+            return self
+        if not isinstance(self.lift_mm, list) or self.angle_deg is None:
+            problem = "angle_deg and lift_mm belong together"
+            raise wrong("half", problem, "give both", value=None)
+        if len(self.lift_mm) != len(self.angle_deg):
+            problem = f"has {len(self.lift_mm)} entries, angle_deg has {len(self.angle_deg)}"
+            context = {"field": "lift_mm", "value": self.lift_mm}
+            raise wrong("length", problem, "give one value for each angle", **context)
+        return self
+
+    def _check_units(self) -> None:
+        """Refuse units of a file where there is none or where they disagree, and half a ramp."""
+        given = {"lift_unit", "largest_lift_mm"} & self.model_fields_set
+        if given and (self.csv is None or len(given) > 1):
+            field = max(given)
+            problem = "is for the lifts of a csv, lift_mm is in mm"
+            remedy = "remove it, or move the points into a csv"
+            if self.csv is not None:
+                problem, remedy = "shares of largest_lift_mm have no unit", "remove one of both"
+            raise wrong("unit", problem, remedy, field=field, value=getattr(self, field))
+        if (self.ramp_height_mm is None) != (self.ramp_um_per_deg is None):
+            missing = "ramp_height_mm" if self.ramp_height_mm is None else "ramp_um_per_deg"
+            problem = "is missing, the other key of the ramp needs it"
+            raise wrong("ramp", problem, "add it", field=missing, value=None)
+
+    @property
+    def turns_listed(self) -> int:
+        """Return the turns of the list's angle for one turn of the cam."""
+        return _TURNS[self.degrees_of]
+
+    @property
+    def largest_mm(self) -> float:
+        """Return the largest lift; of a CSV file, which is read later, the largest there may be."""
+        if self.law == "disc":
+            return 2 * (self.offset_mm or 0.0)
+        if self.csv is not None or self.lift_mm is None:
+            return MAX_LIFT_MM
+        return max(self.lift_mm) if isinstance(self.lift_mm, list) else self.lift_mm
+
 
 MIN_GAP_MM = 0.2
 MAX_LOBES = 64  # of a part file; fewer where the bytes of a channel do not last

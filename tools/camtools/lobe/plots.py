@@ -11,8 +11,6 @@ b'PNG'
 [28.0]
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
@@ -23,8 +21,7 @@ from camtools.base.quantities import MM_PER_M, NM_PER_MM, Floats, Ints, length_u
 from camtools.lobe.channels import patterns_of
 from camtools.lobe.contact import Contact, Follower
 from camtools.lobe.generate import GeneratedLobes
-from camtools.lobe.lift import Listed
-from camtools.lobe.listed_lift import Smoothing
+from camtools.lobe.lift import Listed, Smoothing
 from camtools.lobe.motion import ShaftLobe, profiles_of
 from camtools.lobe.summary import LobeOutcome
 from camtools.plots.style import (
@@ -70,7 +67,6 @@ def name_of(result: GeneratedLobes, profile: int) -> str:
 def _outline(
     axes: Axes, lobe: ShaftLobe, *, turned_rad: float = 0.0, number: int | None = None
 ) -> None:
-    """Draw the lobe and the path of the follower's centre, nose upwards."""
     phi = np.linspace(0, 2 * np.pi, _N_ANGLES) + lobe.phase_rad
     touch, path = lobe.contacts(phi)
     up = np.pi / 2 + turned_rad
@@ -93,7 +89,6 @@ def _segment(axes: Axes, start: complex, end: complex, colour: str, width: float
 
 
 def _followers(axes: Axes, lobe: ShaftLobe, *, is_turned: bool) -> None:
-    """Draw the tool swung about the roller's centre, or the wheel, at some angles."""
     degrees = np.array(_TOOLS_DEG if is_turned else _WHEELS_DEG, dtype=float)
     touch, path = lobe.contacts(np.radians(degrees) + lobe.phase_rad)
     around = np.exp(1j * np.linspace(0, 2 * np.pi, _N_ANGLES))
@@ -119,7 +114,6 @@ def _followers(axes: Axes, lobe: ShaftLobe, *, is_turned: bool) -> None:
 
 
 def _reach(lobes: list[ShaftLobe]) -> float:
-    """Return the largest radius of lobes [mm]."""
     phi = np.linspace(-np.pi, np.pi, 361)
     return max(float(lobe.contacts(phi)[0].radius.max()) for lobe in lobes)
 
@@ -134,7 +128,6 @@ def _square(axes: Axes, reach_mm: float, title: str) -> None:
 
 
 def _shaft(axes: Axes, result: GeneratedLobes) -> None:
-    """Draw all lobes at their angles, as the tool runs round them; the angle 0 is upwards."""
     reach = 1.35 * _reach(profiles_of(result.lobes))
     for i, lobe in enumerate(result.lobes):
         _outline(axes, lobe, turned_rad=lobe.phase_rad, number=i)

@@ -11,8 +11,6 @@ per turn, eases out over a turn, stays for the spark-out, and goes off; then Z m
 [0.105, 0.095, 0.000938, 0.0, 0.0]
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from math import ceil, cos, sin, sqrt
 from typing import NamedTuple
@@ -24,7 +22,7 @@ from camtools.base.quantities import NM_PER_MM, Floats
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.part import LobePart
 from camtools.table.channel import KIND_WAY, KIND_X, MAX_SLICES, MIN_SPACING_NM, Channel
-from camtools.table.quantise import TooLargeError, quantise, with_bounds
+from camtools.table.header import TooLargeError, quantise, with_bounds
 
 CLEAR_MM = 1.0  # between the wheel and all that stands out, while Z moves
 _AHEAD_MM = 40.0  # by which the station may run ahead of Z: a channel holds 67 mm of difference

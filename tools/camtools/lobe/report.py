@@ -4,11 +4,10 @@
 ('fault', 'compare')
 """
 
-from __future__ import annotations
-
 from camtools.lobe.motion import smoothing_takes_um
 from camtools.lobe.plots import (
     ANGLE,
+    draw_lobes,
     draw_motion,
     draw_positions,
     draw_profile,
@@ -20,23 +19,12 @@ from camtools.lobe.plots import (
 )
 from camtools.lobe.summary import ROWS, LobeOutcome
 from camtools.part.smoothing import sheet_note
+from camtools.report import views
 from camtools.report.kind_report import KindReport
 from camtools.report.sheet import Subject
-from camtools.report.views import (
-    COMPARE,
-    LEARNING,
-    SEQUENCE,
-    View,
-    fault_view,
-    following_view,
-    has_turns,
-    motion_view,
-    surface_view,
-)
 
 
 def _modelled(outcome: LobeOutcome) -> str:
-    """Return what the simulator leaves out of the tool."""
     tool = (
         "The tip of the tool is a circle" if outcome.is_turned else "The wheel is a whole cylinder"
     )
@@ -44,7 +32,6 @@ def _modelled(outcome: LobeOutcome) -> str:
 
 
 def _subject(outcome: LobeOutcome) -> Subject:
-    """Return what of a sheet applies: the middle of each lobe, along its normals."""
     return Subject(
         is_oval=False,
         has_radius=False,
@@ -61,12 +48,12 @@ def _subject(outcome: LobeOutcome) -> Subject:
     )
 
 
-_VIEWS: tuple[View[LobeOutcome], ...] = (
-    fault_view(
+_VIEWS: tuple[views.View[LobeOutcome], ...] = (
+    views.fault_view(
         "U must leave the work first, beyond the nose of the cam, and no axis may move towards the "
         "axis after the dashed line. X follows more slowly; the spindle runs down by itself."
     ),
-    surface_view(
+    views.surface_view(
         "profile",
         "Error of the profile",
         "Error of the profile along its normal: above 0 metal left, below 0 cut too deep; the band "
@@ -75,21 +62,21 @@ _VIEWS: tuple[View[LobeOutcome], ...] = (
         draw_profile,
         "unrolled",
     ),
-    View(
+    views.View(
         "cam",
         "Cam and tool",
         "The profile with the tool or the wheel at some angles. The red lines are the normals at "
         "the contacts; the number at a tool is its swing, which equals the pressure angle.",
         lambda cut: draw_positions(cut.generated),
     ),
-    View(
+    views.View(
         "motion",
         "Lift, pressure angle, curvature and speeds",
         "One turn of the spindle as the table demands it. Where the flank is flat, the contact "
         "moves far within a degree; there a constant surface speed needs a slow spindle.",
         lambda cut: draw_motion(cut.generated),
     ),
-    View(
+    views.View(
         "smoothing",
         "Smoothing of a list",
         "Top: by how much smoothing moved each listed point; the dashed lines are the band of "
@@ -98,43 +85,43 @@ _VIEWS: tuple[View[LobeOutcome], ...] = (
         lambda cut: draw_smoothing(cut.generated),
         lambda cut: bool(smoothed_lists(cut.generated)),
     ),
-    motion_view(
+    views.motion_view(
         "U as the table demands it and as measured, in position and velocity; the peaks of "
         "velocity and acceleration are the required values in the table of machine limits above.",
         motion_of,
         "stroke",
     ),
-    View(
+    views.View(
         "speed",
         "Surface speed",
         "Speed of the contact along the profile, from the measured spindle speed. With a constant "
         "surface speed it stays near that of the base circle (dashed) and is lower where the "
         "spindle cannot accelerate or decelerate fast enough.",
         draw_speed,
-        has_turns,
+        views.has_turns,
     ),
-    View(
+    views.View(
         "rake",
         "Effective rake",
         "The angle between the tool and the normal of the profile, by which the ground rake "
         "changes. With the swing it stays at 0; without, it would be the pressure angle. Bottom: "
         "the remaining error of the swing drive and its set-points, enlarged.",
         draw_rake,
-        lambda cut: has_turns(cut) and cut.swing_deg is not None,
+        lambda cut: views.has_turns(cut) and cut.swing_deg is not None,
     ),
-    LEARNING,
-    following_view(
+    views.LEARNING,
+    views.following_view(
         "Difference between the actual and the demanded position of U; the band covers every turn. "
         "The shape of the lift's slope points to a wrong dead time or k1, that of its curvature "
         "to a wrong k2.",
         "spindle angle",
     ),
-    SEQUENCE._replace(
+    views.SEQUENCE._replace(
         text="X approaches from clear of the lobes while the lift grows from zero, so that the "
         "nose is never cut; disengaging is the reverse. Only the green stretch counts for the "
         "verdict."
     ),
-    COMPARE,
+    views.COMPARE,
 )
 
 REPORT = KindReport(
@@ -146,4 +133,5 @@ REPORT = KindReport(
     subject=_subject,
     modelled=_modelled,
     compared="what it leaves, along the normals of the profile,",
+    pictures=draw_lobes,
 )

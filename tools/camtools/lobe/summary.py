@@ -6,8 +6,6 @@
 'example: table of 55648 bytes, for turning'
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from camtools.base.quantities import NM_PER_MM, Floats, length_text
@@ -80,7 +78,6 @@ def make_lobe_summary(made: GeneratedLobes) -> Json:
 
 
 def _tool(result: GeneratedLobes) -> Json:
-    """Return the tool of a turned shaft, nothing of a wheel."""
     heel = result.heel
     if heel is None:
         return {}
@@ -89,7 +86,6 @@ def _tool(result: GeneratedLobes) -> Json:
 
 
 def _plunge(result: GeneratedLobes) -> Json:
-    """Return the turns of a plunge cut and what the wear of the wheel leaves."""
     plan, process = result.plunge, result.part.process
     if plan is None:
         return {}
@@ -200,7 +196,6 @@ def emit_lobe_text(summary: Json) -> str:
 
 
 def _plunge_lines(found: Json) -> list[str]:
-    """Return the plunge cut in words."""
     return [
         f"  plunge: {found['infeed_um']:g} um per turn over {found['infeed_turns']} turns and one "
         f"at reduced infeed, spark-out {found['spark_out_turns']} turns; {found['turns_per_lobe']} "
@@ -234,7 +229,6 @@ class LobeOutcome(Cut[GeneratedLobes]):
 
 
 def _lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
-    """Return the error of each lobe, where there are several."""
     found = outcome.summary["cam"]
     if len(found["lobes"]) < 2:
         return []
@@ -275,7 +269,6 @@ def _rake_rows(outcome: LobeOutcome) -> list[ReportRow]:
 
 
 def _plunge_rows(outcome: LobeOutcome) -> list[ReportRow]:
-    """Return the turns of a plunge cut."""
     made = outcome.generated
     plan, process = made.plunge, made.part.process
     if plan is None:
@@ -293,7 +286,6 @@ def _plunge_rows(outcome: LobeOutcome) -> list[ReportRow]:
 
 
 def _list_rows(outcome: LobeOutcome) -> list[ReportRow]:
-    """Return what smoothing did to lists, or would do."""
     made = outcome.generated
     allowed_um = made.part.process.form_error_um
     return [

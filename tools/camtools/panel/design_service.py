@@ -22,8 +22,7 @@ from camtools.panel.orders.commander import Visitor
 from camtools.panel.orders.order import Outcome
 from camtools.panel.runs.run_queue import RunQueue
 from camtools.panel.runs.store import DONE, OWN, REPORT, RunOptions, RunStore
-from camtools.part.file import files_named, read_tree
-from camtools.part.model import is_inside
+from camtools.part.model import files_named, is_inside, read_tree
 from camtools.pipeline.job import RUNS
 from camtools.pipeline.load import parse
 from camtools.sim.machine_file import names

@@ -22,10 +22,10 @@ from camtools.papers.declared import corner_of, declared, part_of, printed
 from camtools.papers.paths import cut_table
 from camtools.papers.refit import CUBIC, DELETED, curve_of
 from camtools.sim.machine_file import machine_text
-from camtools.skirt.geometry.refit import Recipe, deviation_mm
+from camtools.skirt.geometry.corner import Recipe, deviation_mm
 from camtools.skirt.geometry.sections import Joint
+from camtools.skirt.part.keys import Refit
 from camtools.skirt.part.part_file import SkirtPart
-from camtools.skirt.part.section_keys import Refit
 from camtools.skirt.report.summary import make_summary
 from camtools.skirt.table.generate import generate
 

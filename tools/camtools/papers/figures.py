@@ -30,7 +30,7 @@ from camtools.papers.drawings import (
 )
 from camtools.papers.pictures import draw_table
 from camtools.plots.style import Drawers
-from camtools.skirt.geometry.refit import Recipe
+from camtools.skirt.geometry.corner import Recipe
 
 _ROOM_DEG = 12.0  # beside the joint
 

@@ -20,7 +20,7 @@ from camtools.base.quantities import Floats, omega_rad_s
 from camtools.base.text import Columns
 from camtools.papers.declared import notes as declared_notes
 from camtools.papers.declared import printed
-from camtools.skirt.geometry.refit import (
+from camtools.skirt.geometry.corner import (
     PAPER_JERK_LIMIT_MM_S3,
     Recipe,
     RefitCandidate,

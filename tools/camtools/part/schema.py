@@ -138,7 +138,6 @@ class Keys:
         return node
 
     def _variants(self, node: Schema) -> list[Schema]:
-        """Return what a value may be, null left out."""
         node = self._resolved(node)
         inner = node.get("anyOf") or node.get("oneOf")
         if inner:

@@ -4,8 +4,6 @@
 ['--feed', '0.5']
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Callable, Sequence
@@ -99,7 +97,6 @@ def _count(text: str) -> int:
 
 
 def _above_0(option: str, unit: str) -> Callable[[str], float]:
-    """Return the reader of a finite number above 0; it raises CamtoolsError."""
 
     def read(text: str) -> float:
         try:
@@ -160,7 +157,7 @@ class RunJob:
         if self.keep is not None and self.output:
             raise CamtoolsError(["--keep: applies only to build/run; leave out -o or --keep"])
 
-    def with_words(self, words: Sequence[str]) -> RunJob:
+    def with_words(self, words: Sequence[str]) -> "RunJob":
         """Return the job with the user's words for camsim, which works in another folder."""
         for word in words:
             if word.split("=")[0] in _OURS:

@@ -4,16 +4,17 @@ A kind is one package of camtools with a module `kind` that holds an instance, K
 derived from `Kind`. The registry finds it; nothing else names it.
 
 >>> sorted(Kind.__abstractmethods__)[:3]
-['at_speed', 'facts', 'form_error_um']
+['facts', 'machine', 'make']
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar, cast
 
 import numpy as np
 
+from camtools.base.command import BAD_INPUT
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM, Floats
 from camtools.base.text import Json
@@ -21,10 +22,13 @@ from camtools.cut.correction import Correction, Drawing
 from camtools.part.common import PartFile
 from camtools.part.model import TomlTable
 from camtools.sim.results import AnyCut, Cut
-from camtools.sim.simulate import Result
+from camtools.sim.simulate import Result, cut
 from camtools.table.channel import RATIO_ONE, Channel
 from camtools.table.evaluate import evaluate_at
 from camtools.table.header import MadeTable
+
+if TYPE_CHECKING:  # it loads matplotlib, which takes longer than a table
+    from camtools.report.kind_report import KindReport
 
 
 class ExactTurn(NamedTuple):
@@ -96,9 +100,6 @@ def even_angles(n: int) -> Floats:
     return 2 * np.pi * np.arange(n, dtype=np.float64) / n
 
 
-if TYPE_CHECKING:  # it loads matplotlib, which takes longer than a table
-    from camtools.report.kind_report import KindReport
-
 PartT = TypeVar("PartT", bound=PartFile)
 MadeT = TypeVar("MadeT", bound=MadeTable)
 CutT = TypeVar("CutT", bound=AnyCut)
@@ -113,6 +114,14 @@ class Rig(NamedTuple):
     turns: float  # that the cut takes, about
 
 
+def made_cut(table: str, words: Sequence[str], **options: Any) -> Result:  # noqa: ANN401
+    """Cut as `cut` does, with its options, and refuse what the controller refuses."""
+    result = cut([table, *words], **options)
+    if result.status == BAD_INPUT:
+        raise CamtoolsError([result.message])
+    return result
+
+
 class Kind(ABC, Generic[PartT, MadeT, CutT]):
     """A kind of part."""
 
@@ -121,6 +130,7 @@ class Kind(ABC, Generic[PartT, MadeT, CutT]):
     rank: ClassVar[int]  # place in lists of kinds; the first one judges a part file that names none
     commands: ClassVar[tuple[str, ...]]  # of the project that can do something with such a part
     model: ClassVar[type[TomlTable]]  # of its part file: a TomlTable that is a PartFile
+    reported: ClassVar[str]  # module that holds its REPORT; loading it takes longer than a table
 
     @abstractmethod
     def make(self, part: PartT, tolerance_nm: float | None = None) -> MadeT:
@@ -151,17 +161,13 @@ class Kind(ABC, Generic[PartT, MadeT, CutT]):
     def text(self, summary: Json) -> str:
         """Return a summary as a few lines for people."""
 
-    @abstractmethod
-    def plots(self, made: MadeT) -> dict[str, bytes]:
-        """Return pictures of a table, as PNG by topic."""
-
-    @abstractmethod
     def at_speed(self, part: PartT, rpm: float | None) -> PartT:
         """Return the part for another speed, where its table depends on it."""
+        return part
 
-    @abstractmethod
     def mean_rpm(self, made: MadeT, rpm: float | None) -> float:
         """Return the mean speed of the cut [r/min] when this speed, or none, is asked for."""
+        return rpm or made.part.process.spindle_rpm
 
     def speed_words(self, rpm: float | None) -> list[str]:
         """Return camsim's options for the speed that is asked for."""
@@ -175,12 +181,8 @@ class Kind(ABC, Generic[PartT, MadeT, CutT]):
         """Return the heights of the sections that are gauged, rising; none: as camsim does."""
         return []
 
-    @abstractmethod
-    def form_error_um(self, part: PartT) -> float:
-        """Return the largest form error that a good part may have [um]."""
-
     def taken_um(self, made: MadeT) -> float:
-        """Return how much of it smoothing of the drawing's points takes before the cut [um]."""
+        """Return how much of the form error smoothing of the drawing's points takes [um]."""
         return 0.0
 
     @abstractmethod
@@ -195,9 +197,10 @@ class Kind(ABC, Generic[PartT, MadeT, CutT]):
     def facts(self, made: MadeT) -> Json:
         """Return what the summary of a cut says of the table's errors."""
 
-    @abstractmethod
-    def report(self) -> KindReport[CutT]:
-        """Return what reports of cuts show."""
+    def report(self) -> "KindReport[CutT]":
+        """Return what reports of cuts, and pictures of tables, show."""
+        found: KindReport[CutT] = import_module(self.reported).REPORT
+        return found
 
 
 AnyKind = Kind[Any, Any, Any]

@@ -22,7 +22,7 @@ from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.text import emit_json
 from camtools.cut.correction import Correction
 from camtools.part.common import PartFile
-from camtools.part.file import read_part_file, read_tree, validated
+from camtools.part.model import read_part_file, read_tree, validated
 from camtools.part.schema import Keys
 from camtools.pipeline.kind import AnyKind, Kind
 from camtools.sim.machine_file import machine_schema
@@ -141,7 +141,7 @@ class Made(NamedTuple):
         image = self.table.table
         files = table_files(image, self.kind.summary(self.table))
         if with_plots:
-            plots = self.kind.plots(self.table)
+            plots = self.kind.report().pictures(self.table)
             files |= {f"{image.part_name}_{topic}.png": png for topic, png in plots.items()}
         return files
 

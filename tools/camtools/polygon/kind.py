@@ -6,27 +6,20 @@
 '13.300 11.700'
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from camtools.base.quantities import NM_PER_MM
-from camtools.base.text import Json
 from camtools.pipeline.kind import Exact, HeightCurve, Kind, ProfileOver
 from camtools.polygon.generate import GeneratedPolygon, generate_polygon, shapes_of
 from camtools.polygon.part import PolygonPart
 from camtools.polygon.summary import PolygonCut, emit_polygon_text, make_polygon_summary
-from camtools.sim.machine_file import machine_text
 from camtools.skirt.geometry.skirt_geometry import Geometry
+from camtools.skirt.report.outcome import section_machine, table_errors
 from camtools.skirt.tool.exact_shape import ExactGeometry
 from camtools.skirt.tool.nose import tip_geometry
 from camtools.skirt.tool.turning import middle_nm
-
-if TYPE_CHECKING:
-    from camtools.report.kind_report import KindReport
 
 _ENCODER = "[encoder]\ncounts_per_turn = 1000000 # flanks of 10 mm per rad want it, as lobes do\n"
 
@@ -61,6 +54,8 @@ class PolygonKind(Kind[PolygonPart, GeneratedPolygon, PolygonCut]):
     make = staticmethod(generate_polygon)
     summary = staticmethod(make_polygon_summary)
     text = staticmethod(emit_polygon_text)
+    facts = staticmethod(table_errors)
+    reported = "camtools.polygon.report"
 
     def exact(self, part: PolygonPart) -> Exact:
         """See `Kind.exact`."""
@@ -69,42 +64,13 @@ class PolygonKind(Kind[PolygonPart, GeneratedPolygon, PolygonCut]):
         middle_mm = middle_nm(tip, part.process.u_zero) / NM_PER_MM
         return ExactPolygon(replace(geometry, drawn=design), tip, middle_mm)
 
-    def plots(self, made: GeneratedPolygon) -> dict[str, bytes]:
-        """See `Kind.plots`."""
-        from camtools.polygon.plots import draw_polygon  # matplotlib loads longer than the rest
-
-        return draw_polygon(made)
-
-    def at_speed(self, part: PolygonPart, rpm: float | None) -> PolygonPart:
-        """Return the part: its table is the same at every speed."""
-        return part
-
-    def mean_rpm(self, made: GeneratedPolygon, rpm: float | None) -> float:
-        """See `Kind.mean_rpm`."""
-        return rpm or made.part.process.spindle_rpm
-
     def turns(self, made: GeneratedPolygon, feed_mm: float) -> float:
         """See `Kind.turns`."""
         return made.part.height_mm / feed_mm
 
-    def form_error_um(self, part: PolygonPart) -> float:
-        """See `Kind.form_error_um`."""
-        return part.process.form_error_um
-
     def machine(self, part: PolygonPart) -> str:
         """Return the machine with an encoder that is fine enough for steep flanks."""
-        return machine_text(part.machine.limits, part.tool.wear_um) + _ENCODER
-
-    def facts(self, made: GeneratedPolygon) -> Json:
-        """See `Kind.facts`."""
-        error = {"u": made.accuracy_u.value_nm, "x": made.accuracy_x.value_nm}
-        return {"table_error_nm": error | {"tolerance": made.tolerance_nm}}
-
-    def report(self) -> KindReport[PolygonCut]:
-        """See `Kind.report`."""
-        from camtools.polygon.report import REPORT  # matplotlib, see above
-
-        return REPORT
+        return section_machine(part) + _ENCODER
 
 
 KIND = PolygonKind()

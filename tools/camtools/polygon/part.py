@@ -6,15 +6,12 @@ Where the numbers come from, and how far they are confirmed: tools/docs/POLYGONS
 0.8
 """
 
-from __future__ import annotations
-
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, Tag, field_validator, model_validator
 
-from camtools.part.common import FormTolerances, Machine, PartInfo, Tool
+from camtools.part.common import FormTolerances, Machine, PartInfo, SectionProcess, Tool
 from camtools.part.model import LIST_OR_ONE, HeightMm, Only, TomlTable, rising, wrong
-from camtools.part.passes import SectionProcess
 
 _P3G_SIZES = (
     *((14, 0.44), (16, 0.5), (18, 0.56), (20, 0.63), (22, 0.7), (25, 0.8), (28, 0.9), (30, 1.0)),

@@ -1,38 +1,153 @@
-"""The report of a polygon.
+"""The report of a polygon, and pictures of its section, the motion of U and the blend of a joint.
 
 >>> REPORT.views[0].key, REPORT.views[-1].key
 ('fault', 'compare')
 """
 
-from __future__ import annotations
+from functools import partial
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
 
 from camtools.base.quantities import MM_PER_M, NM_PER_MM, Floats, omega_rad_s
 from camtools.part.common import Tolerances
-from camtools.plots.style import RED, new_figure, nice_limit, stacked
-from camtools.polygon.plots import BLEND_NAMES, hardest_blend, paint_blend, paint_section
+from camtools.plots.style import (
+    BLUE,
+    GREY,
+    ORANGE,
+    PALE,
+    RED,
+    angle_axis,
+    around,
+    new_figure,
+    nice_limit,
+    pictures,
+    stacked,
+    titled_figure,
+)
+from camtools.polygon.generate import Blend, GeneratedPolygon
+from camtools.polygon.outline import measures_of
 from camtools.polygon.summary import ROWS, PolygonCut, angles_of, name_of
+from camtools.report import views
 from camtools.report.charts import ChartPanel, TurnOfU
 from camtools.report.kind_report import KindReport
 from camtools.report.sheet import Subject
 from camtools.report.surface import section_at
 from camtools.report.surface_plots import Extent, draw_roundness
-from camtools.report.views import (
-    COMPARE,
-    LEARNING,
-    SEQUENCE,
-    View,
-    fault_view,
-    following_view,
-    has_surface,
-    height_view,
-    map_view,
-    motion_view,
-    surface_view,
-)
 from camtools.sim.results import CUTTING, CutTrace
+
+_UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
+_WINDOW = 2.2  # half width of the picture of a blend over that of the blend
+_N_WINDOW = 801
+BLEND_NAMES = ("off the drawing, µm\n(above 0: metal left)", "acceleration of U, m/s²")
+
+
+def paint_section(axes: Axes, made: GeneratedPolygon) -> None:
+    """Draw the first section to scale between its circles, joints marked."""
+    measures, phi = measures_of(made.drawing), angles_of(made)
+    turn = np.linspace(0, 2 * np.pi, 361)
+    circles = (("inner", measures.inner_circle_mm, ":"), ("outer", measures.outer_circle_mm, "--"))
+    for name, diameter, style in circles:
+        label = f"{name} circle, diameter {diameter:.6g} mm"
+        axes.plot(
+            *around(np.full(turn.size, diameter / 2), turn),
+            color=GREY,
+            lw=0.9,
+            ls=style,
+            label=label,
+        )
+    x, y = (np.append(one, one[0]) for one in around(made.drawing.polar(phi).r, phi))
+    # As axes.fill, which looks for the limits of so many corners by itself: they are set below.
+    axes.add_artist(Polygon(np.column_stack((x, y)), color=PALE, alpha=0.5, lw=0))
+    axes.plot(x, y, color=BLUE, lw=1.8, label="drawing")
+    joints = np.array([blend.joint_rad for blend in made.blended.blends])
+    if joints.size:
+        r = made.drawing.polar(joints).r
+        axes.plot(r * np.cos(joints), r * np.sin(joints), "s", color="black", ms=4, label="joints")
+    room = 1.3 * measures.outer_circle_mm / 2
+    axes.set(xlim=(-room, room), ylim=(-room, room))
+    for degrees in (0, 90, 180, 270):
+        where = 1.08 * measures.outer_circle_mm / 2
+        x, y = where * np.cos(np.radians(degrees)), where * np.sin(np.radians(degrees))
+        side = {0: "left", 180: "right"}.get(degrees, "center")
+        axes.text(x, y, f"{degrees}°", ha=side, va="center", color=GREY, fontsize=9)
+    axes.set_aspect("equal")
+    axes.set_xlabel("mm, seen along Z from the headstock")
+    axes.set_ylabel("mm")
+    axes.grid(alpha=0.2)
+
+
+def draw_section(made: GeneratedPolygon) -> Figure:
+    """Return the section to scale."""
+    figure = titled_figure(7.5, 7.9, f"{made.part.part.name}: {name_of(made.part.polygon)}")
+    paint_section(figure.add_subplot(), made)
+    figure.legend(loc="outside lower center", ncols=2, frameon=False)
+    return figure
+
+
+def draw_motion(made: GeneratedPolygon) -> Figure:
+    """Return U, its velocity and acceleration over a turn at the part's speed."""
+    rpm, z_mm = made.part.process.spindle_rpm, made.geometry.z_first_mm
+    title = f"{made.part.part.name}: motion of U at {rpm:g} r/min"
+    figure = titled_figure(8.5, 8.0, title)
+    panels = stacked(figure, ("U towards the axis, mm", "velocity, mm/s", "acceleration, m/s²"))
+    phi, omega = angles_of(made), omega_rad_s(rpm)
+    u = made.geometry.delta(phi, z_mm)
+    from_zero_mm = u.delta - made.middle_nm / NM_PER_MM
+    curves = (from_zero_mm, u.d1 * omega, u.d2 * omega**2 / _MM_PER_M)
+    for axes, curve in zip(panels, curves, strict=True):
+        axes.plot(np.degrees(phi), curve, color=BLUE, lw=1.4)
+    limit = made.part.machine.limits.u_acceleration_mm_s2 / _MM_PER_M
+    for sign in (1, -1):
+        panels[2].axhline(sign * limit, color=RED, lw=1, ls="--")
+    panels[2].set_title("dashed: limit of the machine")
+    angle_axis(panels[-1], "angle of the drawing")
+    return figure
+
+
+def hardest_blend(made: GeneratedPolygon) -> Blend:
+    """Return the blend with the highest acceleration."""
+    return max(made.blended.blends, key=lambda one: one.acceleration_mm())
+
+
+def paint_blend(panels: list[Axes], made: GeneratedPolygon, blend: Blend) -> None:
+    """Draw what a blend does to radius and acceleration around its joint."""
+    half = _WINDOW * blend.half_rad
+    phi = blend.joint_rad + half * np.linspace(-1, 1, _N_WINDOW)
+    drawn, cut = made.drawing.polar(phi), made.blended.outline.polar(phi)
+    degrees, omega = np.degrees(phi), omega_rad_s(made.part.process.spindle_rpm)
+    panels[0].plot(degrees, drawn.r * 0, color=BLUE, lw=1.6, label="drawing")
+    off_um = (cut.r - drawn.r) * _UM_PER_MM
+    panels[0].plot(degrees, off_um, color=ORANGE, lw=1.6, label="blend")
+    behind, before = phi > blend.joint_rad, phi < blend.joint_rad
+    unit = -(omega**2) / _MM_PER_M
+    for side in (before, behind):
+        panels[1].plot(degrees[side], drawn.d2[side] * unit, color=BLUE, lw=1.6)
+    panels[1].plot(degrees, cut.d2 * unit, color=ORANGE, lw=1.6)
+    for axes in panels:
+        axes.axvline(float(np.degrees(blend.joint_rad)), color=GREY, lw=0.8, ls=":")
+        axes.ticklabel_format(useOffset=False)
+    panels[1].set_xlabel("angle of the drawing, degrees; dotted: the joint")
+    panels[1].set_xlim(float(degrees[0]), float(degrees[-1]))
+
+
+def draw_blend(made: GeneratedPolygon) -> Figure:
+    """Return the hardest joint: deviation from the drawing and acceleration."""
+    figure = titled_figure(8.5, 6.4, f"{made.part.part.name}: blend of a joint")
+    panels = stacked(figure, BLEND_NAMES)
+    paint_blend(panels, made, hardest_blend(made))
+    panels[0].legend(frameon=False)
+    return figure
+
+
+def draw_polygon(made: GeneratedPolygon) -> dict[str, bytes]:
+    """Return all pictures by topic."""
+    drawers = {"section": draw_section, "motion": draw_motion}
+    drawers |= {"blend": draw_blend} if made.blended.blends else {}
+    return pictures({topic: partial(draw, made) for topic, draw in drawers.items()})
+
 
 ANGLE = "spindle angle from the corner"
 _MOST_TICKS = 180  # of the measured motion
@@ -128,12 +243,12 @@ def _subject(cut: PolygonCut) -> Subject:
     return Subject(False, True, _LEFT_OUT, tolerances=stated)
 
 
-_VIEWS: tuple[View[PolygonCut], ...] = (
-    fault_view(
+_VIEWS: tuple[views.View[PolygonCut], ...] = (
+    views.fault_view(
         "U must leave the work first, within a few milliseconds, and the tool tip must not move "
         "towards the axis (below 0) after the dashed line."
     ),
-    surface_view(
+    views.surface_view(
         "section",
         "The section",
         "Left: the drawing to scale between its two circles, with cut points of the middle height. "
@@ -142,37 +257,37 @@ _VIEWS: tuple[View[PolygonCut], ...] = (
         draw_cut_section,
         "section",
     ),
-    View(
+    views.View(
         "blend",
         "The hardest joint",
         "Where two curves of the outline meet, U would need an acceleration that jumps or is "
         "infinite. The blend keeps it finite at the cost of the deviation at the top; the cut "
         "points must lie on the blend and within the tolerance.",
         draw_cut_blend,
-        lambda cut: has_surface(cut) and bool(cut.generated.blended.blends),
+        lambda cut: views.has_surface(cut) and bool(cut.generated.blended.blends),
     ),
-    map_view(
+    views.map_view(
         "Error map",
         "The shaft unrolled: red is metal left standing, blue is cut too deep. Stripes at the "
         "joints are the blends, which count as error; anything else comes from the machine.",
         _extent,
     ),
-    height_view(
+    views.height_view(
         "The band should be narrow and even from end to end: all sections are alike.", _extent
     ),
-    motion_view(
+    views.motion_view(
         "The measured points must lie on the curve of the table in position and velocity; the "
         "peaks are the required values in the table of machine limits above.",
         motion_of,
     ),
-    LEARNING,
-    following_view(
+    views.LEARNING,
+    views.following_view(
         "Difference between the actual and the demanded position of U; the band covers every turn "
         "of the cut.",
         ANGLE,
     ),
-    SEQUENCE,
-    COMPARE,
+    views.SEQUENCE,
+    views.COMPARE,
 )
 
 REPORT = KindReport(
@@ -182,4 +297,5 @@ REPORT = KindReport(
     rows=ROWS,
     views=_VIEWS,
     subject=_subject,
+    pictures=draw_polygon,
 )

@@ -8,16 +8,13 @@
 'P3G 25, e 0.8 mm (DIN 32711)'
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from camtools.base.quantities import NM_PER_MM, length_text
 from camtools.base.text import Json
 from camtools.cut.feasibility import feasibility_of
-from camtools.polygon.blend import widest_rad
-from camtools.polygon.generate import GeneratedPolygon
-from camtools.polygon.outline import Outline, OutlineJoint, all_around, is_smooth, measures_of
+from camtools.polygon.generate import GeneratedPolygon, widest_rad
+from camtools.polygon.outline import all_around, is_smooth, measures_of
 from camtools.polygon.part import PolygonSection
 from camtools.report.learning_text import learned
 from camtools.report.text import (
@@ -32,8 +29,14 @@ from camtools.report.text import (
 from camtools.sim.results import Cut
 from camtools.skirt.geometry.poly_surface import PolySurface
 from camtools.skirt.report.outcome import pass_rows, table_error_nm, tool_rows
-from camtools.skirt.report.summary import error_of, jumps_of, motion_at, passes_of, tool_of
-from camtools.skirt.report.summary_text import emit_text
+from camtools.skirt.report.summary import (
+    emit_text,
+    error_of,
+    jumps_of,
+    motion_at,
+    passes_of,
+    tool_of,
+)
 from camtools.table.channel import KIND_U, KIND_X
 from camtools.table.summary import about_image, describe_channel
 
@@ -57,23 +60,10 @@ def angles_of(made: GeneratedPolygon) -> np.ndarray:
     return np.unique(np.mod(around, 2 * np.pi))
 
 
-def _motion(made: GeneratedPolygon) -> Json:
-    """Return the peaks of U at the part's speed; the first section is not always the largest."""
-    process, geometry = made.part.process, made.geometry
-    phi, ends = angles_of(made), np.array([geometry.z_first_mm, geometry.z_last_mm])
-    return motion_at(geometry, (phi, ends), process.spindle_rpm, process.feed_mm)
-
-
-def joints_of(outline: Outline) -> list[OutlineJoint]:
-    """Return the joints of the first of the repeated stretches."""
-    joints = [one for one in outline.joints() if not is_smooth(one)]
-    return joints[: len(joints) // outline.repeat]
-
-
 def _about(made: GeneratedPolygon) -> Json:
-    """Return section, joints and blends."""
     section = made.part.polygon
     blends = {blend.joint_rad: blend for blend in made.blended.blends}
+    drawn = [one for one in made.drawing.joints() if not is_smooth(one)]  # of all repeats
     joints = [
         {
             "angle_deg": float(np.degrees(one.angle_rad)),
@@ -83,7 +73,7 @@ def _about(made: GeneratedPolygon) -> Json:
             "room_half_deg": float(np.degrees(widest_rad(one))),
             "deviation_um": 1000 * blends[one.angle_rad].deviation_mm(),
         }
-        for one in joints_of(made.drawing)
+        for one in drawn[: len(drawn) // made.drawing.repeat]
     ]
     return {
         "form": section.form,
@@ -109,7 +99,11 @@ def make_polygon_summary(made: GeneratedPolygon) -> Json:
         "channels": {"u": describe_channel(u), "x": describe_channel(x)},
         "error": {"u": error_of(made.accuracy_u, "rad"), "x": error_of(made.accuracy_x, "mm")},
         "continuity": {"u": jumps_of(u), "x": jumps_of(x)},
-        "motion": _motion(made),
+        # the first section is not always the largest
+        "motion": motion_at(
+            *(made.geometry, (angles_of(made), np.array(made.part.heights_mm))),
+            *(process.spindle_rpm, process.feed_mm),
+        ),
         "feasibility": feasibility_of(
             made.peaks, made.part.machine.limits, process.spindle_rpm, made.highest_speed
         ),
@@ -167,11 +161,6 @@ def name_of(section: PolygonSection) -> str:
 PolygonCut = Cut[GeneratedPolygon]
 
 
-def _section(cut: PolygonCut) -> str:
-    about = _about(cut.generated)
-    return f"{name_of(cut.generated.part.polygon)}: {section_text(about)}"
-
-
 def _what_was_cut(cut: PolygonCut) -> str:
     section = cut.generated.part.polygon
     taper = f", taper {section.taper:g}" if section.taper else ""
@@ -189,7 +178,10 @@ def _control_text(cut: PolygonCut) -> str:
 
 
 ROWS = (
-    quantity("section", _section),
+    quantity(
+        "section",
+        lambda cut: f"{name_of(cut.generated.part.polygon)}: {section_text(_about(cut.generated))}",
+    ),
     quantity("cut", _what_was_cut),
     quantity("form error", _form_text),
     quantity("controller's own error", _control_text),

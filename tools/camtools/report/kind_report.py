@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from camtools.plots.style import drawing
 from camtools.report.board import board_of
@@ -80,6 +80,7 @@ class KindReport(Generic[CutT]):
     modelled: Callable[[CutT], str] = lambda _: EDGE_IS_A_POINT
     compared: str = TOOL_PATH  # by the gauge
     space: Callable[[CutT], int | None] = lambda _: None  # enlargement of the part in space
+    pictures: Callable[[Any], dict[str, bytes]] = lambda _: {}  # of a table, as PNG by topic
 
 
 def rows_of(report: KindReport[CutT], cut: CutT) -> list[ReportRow]:

@@ -16,35 +16,32 @@ import numpy as np
 
 from camtools.table.channel import (
     ALIGN,
-    KIND_CONTACT,
-    KIND_SPEED,
-    KIND_SWING,
-    KIND_U,
-    KIND_WAY,
-    KIND_X,
-    OVER_HEIGHT,
-    Bounds,
-    Channel,
-    ImageLimits,
-    check_entry,
-    check_knots,
-    check_way,
-)
-from camtools.table.records import (
     CRC_START,
     ENTRY,
     ENTRY_SIZE,
     HEADER,
     HEADER_SIZE,
+    KIND_CONTACT,
     KIND_LOBES,
     KIND_PASSES,
+    KIND_SPEED,
+    KIND_SWING,
+    KIND_U,
+    KIND_WAY,
+    KIND_X,
     KNOT,
+    OVER_HEIGHT,
+    Bounds,
+    Channel,
+    ImageLimits,
     LobePlace,
     PassRecord,
     bytes_of,
     bytes_of_lobes,
     bytes_of_passes,
-    check_lobes,
+    check_entry,
+    check_knots,
+    check_way,
     demand,
     fields_of,
     lobes_of,
@@ -202,18 +199,29 @@ def unpack(image: bytes) -> Table:
     stands = any(entry["path"] for entry in entries if entry["kind"] == KIND_WAY)
     is_newer = any(entry["kind"] >= KIND_LOBES for entry in entries)
     demand(is_newer == (version == NEWER_VERSION), "version: 1.1 is that of the kinds from 6 on")
-    lobes = lobes_of(image, table, entries)
+    ends_nm = table.z_first_nm, table.z_last_nm
+    lobes = lobes_of(image, ends_nm, entries)
     found = _channels_of(image, table, entries, has_patterns=bool(lobes))
-    passes = passes_of(image, (table.z_first_nm, table.z_last_nm), entries)
+    passes = passes_of(image, ends_nm, entries)
     table = replace(table, channels=found, is_ring_helix=path, lobes=lobes, passes=passes)
     if table.way is not None:
         ends = (table.way.z_first_nm, table.way.z_last_nm)
-        demand(ends == (table.z_first_nm, table.z_last_nm), "way: not over the whole table")
+        demand(ends == ends_nm, "way: not over the whole table")
         demand(not path and stands == bool(lobes), "way: rings have none, lobes have stations")
         check_way(table.way, has_stations=stands)
     demand(table.speed is None or not path, "path: a ring-helix is for one speed")
-    check_lobes(table)
+    _check_lobes(table)
     return table
+
+
+def _check_lobes(table: Table) -> None:
+    if not table.lobes:
+        return
+    counts = {one.n_slices for one in table.channels if one.has_patterns}
+    demand(table.angle is not None and not table.is_ring_helix, "lobes: no channel of their angle")
+    demand(len(counts) == 1, "n_slices: channels have not the same patterns")
+    is_there = all(lobe.pattern < min(counts) for lobe in table.lobes)
+    demand(is_there, "pattern: beyond the slices")
 
 
 def _table_of(header: dict[str, Any]) -> Table:

@@ -242,7 +242,6 @@ def _turn(
 
 
 def _check_motion(turn: PointedTurn, numbers: Floats, file: str) -> None:
-    """Refuse velocities that do not lead from value to value, and accelerations likewise."""
     h, y, v, a = turn.steps_deg, turn.y_mm, turn.v, turn.a
     y1, v1, a1 = (np.roll(one, -1) for one in (y, v, a))
     rough, fine = h * (v + v1) / 2, h * (v + v1) / 2 - h**2 * (a1 - a) / 12

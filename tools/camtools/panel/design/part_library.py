@@ -14,7 +14,7 @@ from pathlib import Path
 from camtools.base.errors import CamtoolsError
 from camtools.base.files import read_limited, write_all
 from camtools.base.project import ROOT
-from camtools.part.file import MAX_FILE_BYTES
+from camtools.part.model import MAX_FILE_BYTES
 
 EXAMPLES = ROOT / "tools" / "parts"
 EXAMPLE, OWN = "example", "own"

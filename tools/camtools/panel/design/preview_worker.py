@@ -28,7 +28,7 @@ from camtools.base.quantities import Floats, omega_rad_s
 from camtools.cut.verdict import margins_of, refused_of
 from camtools.panel.design.document import edited, problems_of
 from camtools.part.common import MachineLimits
-from camtools.part.file import MAX_FILE_BYTES, files_named, read_tree
+from camtools.part.model import MAX_FILE_BYTES, files_named, read_tree
 from camtools.pipeline.kind import Exact, ExactTurn, SpeedRatio
 from camtools.pipeline.load import Loaded, kind_of, kinds, parse
 from camtools.table.channel import (

@@ -13,8 +13,6 @@ section: 0 at the long axis, 1 at the joint, 2 at the short axis, whatever the j
 [0.0, 0.0]
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise

@@ -5,8 +5,6 @@
 '45.983096898'
 """
 
-from __future__ import annotations
-
 from functools import partial
 from typing import NamedTuple
 
@@ -29,16 +27,22 @@ from camtools.part.smoothing import (
     smoothed,
     smoothed_texts,
 )
-from camtools.skirt.part.curves import Overshoot, PeakOvality, PowerProfile, overshoot, through
+from camtools.skirt.part.curves import (
+    Overshoot,
+    PeakOvality,
+    Piece,
+    PowerProfile,
+    curve_of,
+    overshoot,
+    through,
+)
+from camtools.skirt.part.keys import USUAL_OVERSHOOT_UM, Ovality, Profile, joined
 from camtools.skirt.part.part_file import Piston, SkirtPart
-from camtools.skirt.part.profile_keys import USUAL_OVERSHOOT_UM, Ovality, Profile, joined
-from camtools.skirt.part.segments import Piece, curve_of
 
 
 def listed_mm(drawn: Profile | Ovality) -> Floats:
     """Return the listed diameters or ovalities."""
-    values_mm = drawn.diameter_mm if isinstance(drawn, Profile) else drawn.ovality_mm
-    return np.asarray(values_mm, dtype=np.float64)
+    return np.asarray(getattr(drawn, drawn.VALUE), dtype=np.float64)
 
 
 def smoothed_mm(drawn: Profile | Ovality, band_um: float | None) -> Floats:
@@ -184,12 +188,7 @@ def profile_spline(profile: Profile | PowerProfile) -> PPoly:
 def pieces_of(drawn: Profile | Ovality) -> tuple[Piece, ...]:
     """Return the segments of a profile, their values being radii, or of an ovality; or none."""
     start = drawn.height_mm[0], float(listed_mm(drawn)[0])
-    return joined(*start, drawn.segment, _scale(drawn)) if drawn.segment else ()
-
-
-def _scale(drawn: Profile | Ovality) -> int:
-    """Return how many times the value of a curve the listed numbers are: diameters are twice."""
-    return 2 if isinstance(drawn, Profile) else 1
+    return joined(*start, drawn.segment, drawn.SCALE) if drawn.segment else ()
 
 
 def constant_spline(value: float, first_mm: float, last_mm: float) -> PPoly:
@@ -267,7 +266,7 @@ def notable_overshoots(piston: Piston) -> list[str]:
 
 def _allowance(drawn: Profile | Ovality) -> Allowance:
     what = "the diameter" if isinstance(drawn, Profile) else "the ovality"
-    return in_um(drawn.overshoot_um, what, _scale(drawn))
+    return in_um(drawn.overshoot_um, what, drawn.SCALE)
 
 
 def check_drawn(drawn: Profile | PowerProfile | Ovality | PeakOvality, curve: PPoly) -> None:

@@ -13,8 +13,6 @@ The correction is part of the surface that a nose leaves, MATHS.md (161).
 (['0.0020', '0.0010'], 1)
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -59,19 +57,15 @@ def _piece_from(curve: PPoly, low_mm: float) -> Floats:
     return np.array([curve(low_mm, nu=n) / max(1, n * (n - 1)) for n in (3, 2, 1, 0)])
 
 
-def _less(curve: PPoly, other: PPoly) -> PPoly:
-    """Return the difference of two curves of cubics between the same ends."""
-    inside = (other.x > curve.x[0]) & (other.x < curve.x[-1])
-    x = np.union1d(curve.x, other.x[inside])
-    columns = [_piece_from(curve, float(low)) - _piece_from(other, float(low)) for low in x[:-1]]
-    return PPoly(np.array(columns).T, x)
-
-
 def corrected(geometry: Geometry, correction: Correction) -> Geometry:
     """Return what the table of a part without runs plays; the drawing that judges it stays."""
+    curve, mean = geometry.radius, correction.mean
+    inside = (mean.x > curve.x[0]) & (mean.x < curve.x[-1])
+    x = np.union1d(curve.x, mean.x[inside])
+    columns = [_piece_from(curve, float(low)) - _piece_from(mean, float(low)) for low in x[:-1]]
     return replace(
         geometry,
-        radius=_less(geometry.radius, correction.mean),
+        radius=PPoly(np.array(columns).T, x),
         surface=CorrectedSurface(geometry.surface, correction),
         drawn=geometry.drawing,
         drawn_radius=geometry.radius,

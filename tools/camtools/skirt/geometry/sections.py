@@ -16,8 +16,6 @@ joint and lies `trim` below it at the short axis. For every trim above 0 the joi
 '1.960000 46.834548'
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple, Protocol

@@ -8,8 +8,6 @@
 ['0.000', '0.100']
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,8 +28,8 @@ from camtools.skirt.geometry.profile import (
 )
 from camtools.skirt.geometry.sections import SkirtSurface, law_of
 from camtools.skirt.part.curves import through
+from camtools.skirt.part.keys import PARAMETERS, Antithrust
 from camtools.skirt.part.part_file import Piston
-from camtools.skirt.part.section_keys import PARAMETERS, Antithrust
 
 _MIDDLE_RAD = {"short-axis": np.pi, "long-axis": 1.5 * np.pi}  # of the antithrust side
 

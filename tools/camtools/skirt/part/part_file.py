@@ -5,22 +5,20 @@
 ('example', 2500.0, 1.2)
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, Tag, ValidationInfo, field_validator, model_validator
 
-from camtools.part.common import Machine, PartInfo, Tolerances, Tool
+from camtools.part.common import FeedLaw, Machine, PartInfo, SectionProcess, Tolerances, Tool
 from camtools.part.model import TomlTable, wrong
-from camtools.part.passes import FeedLaw, SectionProcess
 from camtools.skirt.part.curves import LAW_OR_POINTS, PeakOvality, PowerProfile
-from camtools.skirt.part.profile_keys import Ovality, Profile
-from camtools.skirt.part.section_keys import (
+from camtools.skirt.part.keys import (
     GIVEN_BY_POINTS,
     Antithrust,
+    Ovality,
+    Profile,
     SectionShape,
     check_sides,
 )
@@ -78,7 +76,6 @@ class Piston(TomlTable):
         return self
 
     def _check_lists(self, n: int) -> None:
-        """Demand that a list of the section has an entry for each height of the ovality."""
         for key in ("trim_mm", "joint_deg", "eccentricity_mm", "beta", "exponent", "phase_deg"):
             value = getattr(self.section, key)
             if isinstance(value, list) and len(value) != n:

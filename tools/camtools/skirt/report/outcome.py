@@ -1,17 +1,14 @@
 """All that is known about the cut of a skirt, and in words and numbers."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from camtools.base.quantities import length_text
 from camtools.base.text import Json
 from camtools.part.common import Tool
-from camtools.pipeline.kind import Rig
-from camtools.pipeline.part_cut import made_cut
+from camtools.pipeline.kind import Rig, made_cut
 from camtools.report.learning_text import learned
 from camtools.report.text import (
     COMPUTING_TIME,
@@ -24,6 +21,7 @@ from camtools.report.text import (
     table_quantity,
     turns_text,
 )
+from camtools.sim.machine_file import machine_text
 from camtools.sim.results import AnyCut, Cut, GaugedSurface, Removal, removal_of
 from camtools.skirt.geometry.profile import (
     noise_facts,
@@ -32,10 +30,9 @@ from camtools.skirt.geometry.profile import (
     smoothing_takes_um,
     smoothing_texts,
 )
-from camtools.skirt.report.summary import make_summary
-from camtools.skirt.report.summary_text import clearance_text
+from camtools.skirt.report.summary import clearance_text, make_summary
 from camtools.skirt.table.generate import GeneratedSkirt, generate
-from camtools.skirt.tool.heel import Heel
+from camtools.skirt.tool.turning import Heel
 from camtools.table.summary import table_files
 
 REMOVAL, REMOVAL_UNIFORM = "removal.csv", "removal_uniform.csv"
@@ -166,7 +163,6 @@ def _force_text(force: Json) -> str:
 
 
 def _corner_rows(outcome: SkirtOutcome) -> list[ReportRow]:
-    """Return what the refit of a corner costs, nothing for other sections."""
     corner = outcome.generated.geometry.corner
     if corner is None or corner.recipe is None:
         return []
@@ -180,7 +176,6 @@ def _corner_rows(outcome: SkirtOutcome) -> list[ReportRow]:
 
 
 def _filter_rows(outcome: SkirtOutcome) -> list[ReportRow]:
-    """Return what the filter of measured points changes, nothing for other sections."""
     geometry, section = outcome.generated.geometry, outcome.generated.part.piston.section
     if geometry.off_points_um is None or section.harmonics is None:
         return []
@@ -205,7 +200,6 @@ def _correction_rows(outcome: SkirtOutcome) -> list[ReportRow]:
 
 
 def _control_rows(outcome: SkirtOutcome) -> list[ReportRow]:
-    """Return the controller's own error where the table does not play the drawing itself."""
     control = outcome.summary.get("control_error_um")
     if control is None or outcome.generated.geometry.drawn is None:
         return []
@@ -214,7 +208,6 @@ def _control_rows(outcome: SkirtOutcome) -> list[ReportRow]:
 
 
 def _smoothing_rows(outcome: SkirtOutcome) -> list[ReportRow]:
-    """Return what smoothing of points did, or would do; nothing for smooth points."""
     part = outcome.generated.part
     found, noise = smoothing_facts(part.piston), noise_facts(part.piston)
     texts = smoothing_texts(found, noise, part.process.form_error_um)
@@ -222,7 +215,6 @@ def _smoothing_rows(outcome: SkirtOutcome) -> list[ReportRow]:
 
 
 def _removal_rows(outcome: SkirtOutcome) -> list[ReportRow]:
-    """Return what equal-volume turning brought, nothing for uniform turning."""
     if outcome.even is None:
         return []
     ours, theirs = outcome.even.summary["removal"], outcome.even.uniform_summary["removal"]
@@ -261,6 +253,17 @@ def table_error_nm(outcome: AnyCut) -> float:
     """Return the largest error of a table of U and X [nm]."""
     made = outcome.generated
     return float(max(made.accuracy_u.value_nm, made.accuracy_x.value_nm))
+
+
+def table_errors(made: Any) -> Json:  # noqa: ANN401 (a skirt or a polygon)
+    """Return the errors of a table of U and X for the summary of a cut."""
+    error = {"u": made.accuracy_u.value_nm, "x": made.accuracy_x.value_nm}
+    return {"table_error_nm": error | {"tolerance": made.tolerance_nm}}
+
+
+def section_machine(part: Any) -> str:  # noqa: ANN401 (a skirt or a polygon)
+    """Return camsim's machine file for a part that is turned by sections."""
+    return machine_text(part.machine.limits, part.tool.wear_um)
 
 
 ROWS = (

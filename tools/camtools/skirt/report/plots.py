@@ -6,8 +6,6 @@
 ['motion', 'profile', 'section']
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 
@@ -239,7 +237,6 @@ def draw_sections(surface: GaugedSurface, geometry: Geometry, feed_mm: float) ->
 
 
 def _section_handles(geometry: Geometry) -> list[Line2D]:
-    """Return what explains the lines of a section."""
     played = Line2D([], [], color=ORANGE, lw=1.2, ls="--", label=geometry.played_name)
     return [
         Line2D([], [], color=BLUE, lw=1.6, label="drawing"),

@@ -1,45 +1,96 @@
-"""What is known about a table, as JSON for programs.
+"""What is known about a table, as JSON for programs and as a few lines for people.
+
+The gauge compares a cut skirt with the drawing, and with its refit or filter, not with the table.
 
 >>> from camtools.skirt.part.part_file import example_part
 >>> segment_facts(example_part().piston)
 {}
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import isinf
 
 import numpy as np
+from scipy.interpolate import PPoly
 
 from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
 from camtools.base.text import Json
-from camtools.cut.feasibility import feasibility_of
+from camtools.cut.feasibility import feasibility_of, tenth_below
+from camtools.measured.correction_step import round_text
 from camtools.part.common import Tool
+from camtools.part.smoothing import share_text
 from camtools.skirt.geometry.corner import Corner
+from camtools.skirt.geometry.poly_surface import TURN_RAD, PolySurface, piecewise
 from camtools.skirt.geometry.profile import (
     noise_facts,
     notable_overshoots,
     pieces_of,
     smoothing_facts,
     smoothing_takes_um,
+    smoothing_texts,
 )
-from camtools.skirt.geometry.run_in import HeldSurface
+from camtools.skirt.geometry.run_in import CorrectedSurface, HeldSurface
 from camtools.skirt.geometry.scan import coverage
+from camtools.skirt.geometry.sections import SkirtSurface
 from camtools.skirt.geometry.sides import SidesSurface, TurnedSurface
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
-from camtools.skirt.part.part_file import Piston
-from camtools.skirt.part.profile_keys import Ovality, Profile
-from camtools.skirt.part.segments import Piece
+from camtools.skirt.part.curves import Piece
+from camtools.skirt.part.keys import Ovality, Profile
+from camtools.skirt.part.part_file import Piston, SkirtPart
 from camtools.skirt.table.accuracy import Accuracy
-from camtools.skirt.table.gauge_design import design_of, target_of
 from camtools.skirt.table.generate import NM_PER_UM, GeneratedSkirt, peaks_of_table
 from camtools.skirt.table.speed import summary_of
-from camtools.skirt.tool.heel import Heel
+from camtools.skirt.tool.turning import Heel
 from camtools.table.channel import KIND_U, KIND_X, Channel
 from camtools.table.evaluate import jumps
 from camtools.table.image import Table
 from camtools.table.summary import about_image, describe_channel
+
+
+def _document(part: SkirtPart, geometry: Geometry, radius_mm: PPoly, surface: SkirtSurface) -> Json:
+    if isinstance(surface, HeldSurface):  # beyond the ends nothing is gauged
+        surface = surface.inner
+    if isinstance(surface, CorrectedSurface):
+        more = {"correction": surface.correction.for_gauge()}
+        return _document(part, geometry, radius_mm, surface.inner) | more
+    section = part.piston.section
+    radius: Json = {"radius_mm": piecewise(radius_mm)}
+    if isinstance(surface, TurnedSurface):
+        radius["phase_rad"] = piecewise(surface.phase)
+        surface = surface.surface
+    if isinstance(surface, PolySurface):
+        return {"shape": "surface"} | radius | {"surface": surface.document()}
+    if isinstance(surface, SidesSurface):
+        return {"shape": "sides"} | radius | surface.document()
+    oval = radius | {"ovality_mm": piecewise(geometry.ovality)}
+    found: Json = {"shape": section.shape, "beta": float(np.asarray(section.beta))} | oval
+    if isinstance(surface, Corner):
+        # What it has beyond an oval; layout: host_sim/part/sim_design.h.
+        joint = PPoly(np.radians(surface.joint_deg.c) / TURN_RAD, surface.joint_deg.x)
+        corner = {"trim_mm": piecewise(surface.trim), "joint_turn": piecewise(joint)}
+        found |= {"base": section.base} | corner
+    return found
+
+
+def drawing_of(part: SkirtPart, geometry: Geometry) -> Json:
+    """Return the drawing of a geometry that may play something else."""
+    radius = geometry.drawn_radius or geometry.radius
+    return _document(part, geometry, radius, geometry.drawing)
+
+
+def design_of(result: GeneratedSkirt) -> Json:
+    """Return the drawing, by which a part is judged: corners and all measured points included."""
+    return drawing_of(result.part, result.geometry)
+
+
+def target_of(result: GeneratedSkirt) -> Json:
+    """Return {"target": ...} where the table plays a refit, a filter or a correction, else {}."""
+    geometry = result.geometry
+    if geometry.drawn is None:
+        return {}
+    target = _document(result.part, geometry, geometry.radius, geometry.surface)
+    return {"target": target}
+
 
 _PEAK_ANGLES = 1440
 _PEAK_HEIGHTS_PER_PIECE = 16
@@ -120,7 +171,6 @@ def tool_of(tool: Tool, heel: Heel) -> Json:
 
 
 def _refit(corner: Corner) -> Json:
-    """Return what a refit came to, and what all deletions would come to at the part's speed."""
     recipe, at = corner.recipe, corner.joint(corner.worst_mm)
     assert recipe is not None
     arc = at.arc()
@@ -173,7 +223,6 @@ def segment_facts(piston: Piston) -> Json:
 
 
 def _extras(result: GeneratedSkirt) -> Json:
-    """Return what only some parts have: a corner, measured points, a modulated spindle."""
     extras: Json = {}
     if result.geometry.corner is not None:
         extras["refit"] = _refit(result.geometry.corner)
@@ -199,32 +248,222 @@ def _extras(result: GeneratedSkirt) -> Json:
     return extras
 
 
-def make_summary(result: GeneratedSkirt) -> Json:
+def make_summary(made: GeneratedSkirt) -> Json:
     """Return everything that is known about a table, ready for JSON; no dates, no paths."""
-    table = result.table
+    table = made.table
     u, x = table.channel(KIND_U), table.channel(KIND_X)
-    process = result.part.process
+    process = made.part.process
     phi_rad = 2 * np.pi * np.arange(_PEAK_ANGLES) / _PEAK_ANGLES
-    grid = phi_rad, dense_heights_mm(result.geometry, _PEAK_HEIGHTS_PER_PIECE)
+    grid = phi_rad, dense_heights_mm(made.geometry, _PEAK_HEIGHTS_PER_PIECE)
     return (
-        _extras(result)
-        | about_image(table, result.tolerance_nm)
+        _extras(made)
+        | about_image(table, made.tolerance_nm)
         | {
-            "part": {"name": table.part_name, "source": result.part.part.source},
-            "process": _process(result),
-            "tool": tool_of(result.part.tool, result.heel),
+            "part": {"name": table.part_name, "source": made.part.part.source},
+            "process": _process(made),
+            "tool": tool_of(made.part.tool, made.heel),
             "channels": {"u": describe_channel(u), "x": describe_channel(x)},
             "error": {
-                "u": error_of(result.accuracy_u, "rad"),
-                "x": error_of(result.accuracy_x, "mm"),
+                "u": error_of(made.accuracy_u, "rad"),
+                "x": error_of(made.accuracy_x, "mm"),
             },
             "continuity": {"u": jumps_of(u), "x": jumps_of(x)},
-            "motion": motion_at(result.geometry, grid, process.spindle_rpm, process.feed_mm),
+            "motion": motion_at(made.geometry, grid, process.spindle_rpm, process.feed_mm),
             "feasibility": feasibility_of(
-                peaks_of_table(table, result.speed),
-                *(result.part.machine.limits, process.spindle_rpm, result.highest_speed),
+                peaks_of_table(table, made.speed),
+                *(made.part.machine.limits, process.spindle_rpm, made.highest_speed),
             ),
-            "design": design_of(result) | {"gauge_mm": list(result.geometry.skirt_mm)},
+            "design": design_of(made) | {"gauge_mm": list(made.geometry.skirt_mm)},
         }
-        | target_of(result)
+        | target_of(made)
+    )
+
+
+def emit_text(summary: Json) -> str:
+    """Return a summary as a few lines for people."""
+    u, x, error = summary["channels"]["u"], summary["channels"]["x"], summary["error"]
+    motion, feasible = summary["motion"], summary["feasibility"]
+    knots = u["knots_per_pattern"] * u["patterns_per_turn"]
+    error_u, error_x = error["u"], error["x"]
+    return (
+        f"{summary['part']['name']}: table of {summary['table_bytes']} bytes\n"
+        f"  u {u['n_slices']} slices, {knots} knots per turn ({u['knots_per_pattern']} stored), "
+        f"{u['frac_bits']} fraction bits; x {x['n_slices']} knots\n"
+        f"  error u {error_u['value_nm']:.3f} nm, x {error_x['value_nm']:.3f} nm "
+        f"(tolerance {summary['tolerance_nm']:g} nm), "
+        f"u' {error_u['first_share_of_peak']:.1e}, u'' {error_u['second_share_of_peak']:.1e}"
+        " of their peaks\n"
+        f"  U at {summary['process']['spindle_rpm']:g} r/min: stroke {motion['stroke_mm']:.4f} mm, "
+        f"{motion['velocity_mm_s']:.3f} mm/s, {motion['acceleration_mm_s2']:.1f} mm/s2, "
+        f"{motion['jerk_mm_s3']:.4g} mm/s3\n"
+        f"  highest speed {tenth_below(feasible['highest_spindle_rpm'])} r/min, "
+        f"limited by {feasible['decided_by']}\n"
+        + _room_text(summary)
+        + tool_text(summary["tool"])
+        + _segments_text(summary.get("segments", {}))
+        + _smoothing_text(summary)
+        + _profile_text(summary)
+        + "".join(f"  {text} (overshoot_um)\n" for text in summary.get("overshoots", []))
+        + _scan_text(summary)
+        + _sides_text(summary)
+        + _refit_text(summary)
+        + _speed_text(summary)
+        + (round_text(summary["correction"]) if "correction" in summary else "")
+    )
+
+
+def clearance_text(clearance_deg: float, heel: Heel) -> str:
+    """Return the clearance angle of a tool, and what the part requires where.
+
+    >>> clearance_text(7.0, Heel(0.188, 45.0, 62.0))
+    'clearance angle 7 degrees, required 0.19 (at 45 degrees, height 62 mm)'
+    """
+    place = f"{heel.angle_deg:g} degrees, height {heel.z_mm:g} mm"
+    return f"clearance angle {clearance_deg:g} degrees, required {heel.needed_deg:.2f} (at {place})"
+
+
+def _words(segment: Json) -> str:
+    radius = segment["radius_mm"]
+    kind = "line" if radius is None else f"arc of {radius:.6g} mm"
+    return f"{kind} to {segment['to_mm']:g} mm, {segment['value_mm']:.6g} mm"
+
+
+def _segments_text(found: Json) -> str:
+    return "".join(
+        f"  {name}: {'; '.join(_words(one) for one in segments)}\n"
+        for name, segments in found.items()
+    )
+
+
+def tool_text(tool: Json) -> str:
+    """Return the tool of a skirt's table and the clearance that its heel has left."""
+    nose = f"nose radius {tool['nose_radius_mm']:g} mm" if tool["nose_radius_mm"] else "pointed"
+    worn = f", worn by {tool['wear_um']:g} um" if tool["wear_um"] else ""
+    heel = Heel(tool["needed_clearance_deg"], tool["heel_at_deg"], tool["heel_at_mm"])
+    return f"  tool: {nose}{worn}, {clearance_text(tool['clearance_deg'], heel)}\n"
+
+
+def _smoothing_text(summary: Json) -> str:
+    process = summary["process"]
+    # Of polygons, whose summary is this one, too, nothing is smoothed.
+    allowed_um, taken_um = process.get("form_error_um", 0.0), process.get("smoothing_takes_um", 0.0)
+    found, noise = summary.get("smoothing", {}), summary.get("noise", {})
+    lines = smoothing_texts(found, noise, allowed_um)
+    lines += [share_text(taken_um, allowed_um)] if taken_um else []
+    return "".join(f"  {line}\n" for line in lines)
+
+
+def _room_text(summary: Json) -> str:
+    process, text = summary["process"], ""
+    if process["u_zero"] == "mean":
+        below = f"{process['u_zero_mm']:.6g} mm below the long axis"
+        text += f"  U = 0 is the middle of its stroke, {below}\n"
+    if process["run_in_mm"] or process["run_out_mm"]:
+        text += f"  run-in {process['run_in_mm']:g} mm, run-out {process['run_out_mm']:g} mm\n"
+    for number, one in enumerate(process.get("passes", []), start=1):
+        text += (
+            f"  pass {number} of {len(process['passes'])}: {one['spindle_rpm']:g} r/min, feed "
+            f"{one['feed_mm']:.6g} mm, leaves {one['allowance_um']:g} um\n"
+        )
+    if process.get("feed_law") is not None:
+        low, high = min(process["feed_law"]["feed_mm"]), max(process["feed_law"]["feed_mm"])
+        text += f"  feed {low:g} .. {high:g} mm over the height, mean {process['feed_mm']:.6g} mm\n"
+    return text
+
+
+def _speed_text(summary: Json) -> str:
+    speed = summary.get("equal_volume")
+    if speed is None:
+        return ""
+    return (
+        f"  equal volume: ripple of the removal rate {100 * speed['ripple']:.2f} % of its mean "
+        f"(uniform {100 * speed['ripple_uniform']:.2f} %, partial modulation "
+        f"{100 * speed['ripple_partial']:.2f} %, law alone "
+        f"{100 * speed['ripple_of_the_law']:.2f} %), worst at height {speed['height_mm']:g} mm\n"
+        f"  spindle up to {speed['ratio_max']:.4f} of its mean speed, "
+        f"{speed['spindle_acceleration_rad_s2']:.1f} rad/s2; a constant rate is possible up to "
+        f"{speed['full_modulation_up_to_rpm']:.1f} r/min\n"
+        f"  {speed['time_per_part_s']:.1f} s for the part; uniform turning at its highest speed, "
+        f"{speed['uniform_highest_rpm']:.0f} r/min, "
+        f"{speed['time_uniform_at_highest_speed_s']:.1f} s\n"
+    )
+
+
+def _profile_text(summary: Json) -> str:
+    text = ""
+    for axis, curve in (("x", "profile"), ("u", "ovality")):
+        error_nm = summary["error"][axis]["value_nm"]
+        if error_nm > summary["tolerance_nm"]:
+            steps = f"the {curve} has corners or steps of curvature"
+            text += f"  {steps}; {axis} follows them within {error_nm:.3g} nm\n"
+    return text
+
+
+def _scan_text(summary: Json) -> str:
+    if "scan" not in summary:
+        return ""
+    scan = summary["scan"]
+    text = f"  the scan has {_covered_text(scan)}\n"
+    text += f"  the surface is within {scan['off_points_um']:.3f} um of all points\n"
+    if scan["joined_um"] > 0:
+        text += (
+            f"  the heights have different angles; splines join them within "
+            f"{scan['joined_um']:.2g} um\n"
+        )
+    return text
+
+
+def _covered_text(scan: Json) -> str:
+    heights, gaps = scan["heights_mm"], scan["gaps"]
+    if len(heights) == 1:
+        text = f"{scan['points']} points at {heights[0]:g} mm, which serve all heights"
+    else:
+        text = f"{scan['points']} points at {len(heights)} heights, {heights[0]:g} .. "
+        text += f"{heights[-1]:g} mm"
+    if not gaps:
+        return text + ", without a gap in the angle"
+    widest = max(gaps, key=lambda gap: (gap["to_deg"] - gap["from_deg"]) % 360)
+    most_um = max(gap["beyond_um"] for gap in gaps)
+    return (
+        f"{text}; bridged gaps in the angle: {len(gaps)}, at most {most_um:.3g} um beyond their "
+        f"ends, the widest from {widest['from_deg']:g} to {widest['to_deg']:g} degrees at "
+        f"{widest['z_mm']:g} mm"
+    )
+
+
+def _sides_text(summary: Json) -> str:
+    if "sides" not in summary:
+        return ""
+    sides = summary["sides"]
+    place = sides["meet"].replace("-", " ")
+    most = f"at most {sides['step_um']:.3f} um"
+    return f"  the two sides differ by {most} where they meet, at the {place}\n"
+
+
+def _refit_text(summary: Json) -> str:
+    refit = summary.get("refit")
+    if refit is None:
+        return ""
+    recipe = refit["recipe"]
+    lines = [
+        f"  corner at {refit['joint_deg']:g} degrees, height {refit['height_mm']:g} mm: slope "
+        f"jumps by {refit['corner_mm_per_rad']:.4f} mm/rad, eccentricity "
+        f"{refit['eccentricity_mm']:.6f} mm",
+        f"  the refit deviates from the drawing by at most {refit['deviation_um']:.2f} um "
+        f"({refit['deviation_limit_um']:g} um allowed)",
+        f"  {recipe['spline']} refit, {recipe['ends']} ends; effect of deleting s1 and s2 points, "
+        "* marks this table:",
+        "   s1 s2  acceleration mm/s2   at deg  jerk mm/s3   after corner  deviation um",
+    ]
+    chosen = recipe["s1"], recipe["s2"]
+    lines += [_candidate_text(one, (one["s1"], one["s2"]) == chosen) for one in refit["candidates"]]
+    return "\n".join(lines) + "\n"
+
+
+def _candidate_text(one: Json, is_chosen: bool) -> str:
+    mark = "*" if is_chosen else " "
+    return (
+        f"  {mark}{one['s1']:2d} {one['s2']:2d}  {one['acceleration_mm_s2']:18.1f}  "
+        f"{one['peak_deg']:7.2f}  {one['jerk_mm_s3']:10.3e}  {one['tail_jerk_mm_s3']:13.3e}  "
+        f"{one['deviation_um']:12.2f}"
     )

@@ -12,8 +12,6 @@ point; the format has 4096 per turn and the generator makes no channel above a m
 (True, True)
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -30,13 +28,13 @@ from camtools.skirt.geometry.corner import refuse_deviation
 from camtools.skirt.geometry.run_in import corrected, with_run
 from camtools.skirt.geometry.skirt_geometry import Geometry, keeping
 from camtools.skirt.part.part_file import SkirtPart
-from camtools.skirt.table.accuracy import Accuracy
-from camtools.skirt.table.search import UnreachableError, choose_u, choose_x
+from camtools.skirt.table.accuracy import Accuracy, UnreachableError, choose_u, choose_x
 from camtools.skirt.table.speed import SpeedTable, make_speed
 from camtools.skirt.tool.exact_shape import geometry_of, law_key, way_key
-from camtools.skirt.tool.heel import Heel, check_heel
 from camtools.skirt.tool.nose import tip_geometry
 from camtools.skirt.tool.turning import (
+    Heel,
+    check_heel,
     largest_share,
     middle_nm,
     moved,
@@ -46,9 +44,8 @@ from camtools.skirt.tool.turning import (
 )
 from camtools.table.channel import Channel
 from camtools.table.evaluate import moving_bounds
-from camtools.table.header import table_of, u_bounds
+from camtools.table.header import table_of, u_bounds, with_bounds
 from camtools.table.image import Table
-from camtools.table.quantise import with_bounds
 
 WAVES = (120, 60, 30, 15, 8, 4)  # numbers of harmonics that are tried
 

@@ -7,8 +7,6 @@
 '4.605000 9.200000'
 """
 
-from __future__ import annotations
-
 from math import ceil
 from typing import NamedTuple
 
@@ -36,7 +34,7 @@ from camtools.skirt.table.accuracy import height_range_nm
 from camtools.skirt.tool.turning import turning_at
 from camtools.table.channel import KIND_SPEED, MAX_SPACING_NM, RATIO_ONE, Channel
 from camtools.table.evaluate import MotionPeaks, evaluate_at, knot_interval, peaks_together
-from camtools.table.quantise import quantise, slice_heights_mm, with_bounds
+from camtools.table.header import quantise, slice_heights_mm, with_bounds
 
 _LOG2_KNOTS = 7  # per pattern: the table is within 1e-6 of laws of 32 control points
 _SLICES = 17

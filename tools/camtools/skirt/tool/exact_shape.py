@@ -7,9 +7,7 @@
 True
 """
 
-from __future__ import annotations
-
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable
 
 import numpy as np
 
@@ -24,20 +22,14 @@ from camtools.skirt.tool.nose import tip_geometry
 from camtools.skirt.tool.turning import middle_nm
 
 
-def _files_of(part: SkirtPart) -> Iterator[str]:
-    section = part.piston.section
-    if section.csv is not None:
-        yield section.csv
-    for one in section.files or []:
-        yield one.csv
-
-
 def shape_key(part: SkirtPart) -> Hashable:
     """Return what the geometry of a part follows from; of a refit the speed is part of it."""
     magnify = None if part.magnify is None else part.magnify.model_dump_json()
-    files = tuple(file_state(name) for name in _files_of(part))
+    section = part.piston.section
+    names = [section.csv, *(one.csv for one in section.files or [])]
+    files = tuple(file_state(name) for name in names if name is not None)
     refit = f"{part.process.form_error_um!r}" if smoothed_curves(part.piston) else ""
-    if part.piston.section.shape == "ellipse-arc":
+    if section.shape == "ellipse-arc":
         refit = f"{part.process.spindle_rpm!r} {part.process.form_error_um!r}"
     return part.piston.model_dump_json(), magnify, files, refit
 

@@ -27,8 +27,6 @@ ends the surface goes on as its tangent, so that the tip passes them without a k
 True
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property

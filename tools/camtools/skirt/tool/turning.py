@@ -1,5 +1,10 @@
 """The motion that cuts a skirt: its axes, where U stands, and the way of Z.
 
+The heel, MATHS.md (111): where a section falls in the sense of cutting, the work after the edge
+stands higher than the edge. The steepest place decides, however long the flank is: seen from the
+edge, no place of the work appears under a larger angle than the section has somewhere between the
+two.
+
 >>> from camtools.skirt.geometry.skirt_geometry import make_geometry
 >>> from camtools.skirt.part.part_file import example_part
 >>> motion = turning_at(make_geometry(example_part()), 600.0, 20.0, np.array([0.0, 0.25]))
@@ -7,9 +12,6 @@
 [0.0, 0.1]
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from math import ceil
@@ -17,10 +19,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.base.errors import CamtoolsError
+from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import NM_PER_MM, Floats, FloatsLike, omega_rad_s
 from camtools.cut.path import ToolPath, ramp_of, step_of
-from camtools.part.passes import FeedLaw
+from camtools.part.common import FeedLaw, Tool
 from camtools.skirt.geometry.sections import ALL_AROUND_RAD
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
 from camtools.skirt.part.part_file import SkirtPart
@@ -34,7 +36,7 @@ from camtools.table.channel import (
     Channel,
 )
 from camtools.table.evaluate import evaluate_x
-from camtools.table.quantise import TooLargeError, quantise, slice_heights_mm, with_bounds
+from camtools.table.header import TooLargeError, quantise, slice_heights_mm, with_bounds
 
 
 class AxesMotion(NamedTuple):
@@ -118,11 +120,9 @@ TOLERANCE_NM = 50.0  # of Z: its drive is a thousand times coarser
 _NEWTON = 6
 _DENSE = 4001
 _GROWTH = 1.15
-_HeightAt = Callable[[Floats], Floats]
 
 
 def _turned(law: FeedLaw, ends_mm: tuple[float, float]) -> tuple[Floats, Floats]:
-    """Return dense heights and the turns to them."""
     dense = np.linspace(*ends_mm, _DENSE)
     return dense, law.turns(ends_mm[0], dense)
 
@@ -147,20 +147,6 @@ def height_at_mm(
     return np.asarray(np.where(helix_mm <= first, first, np.where(helix_mm >= last, last, z)))
 
 
-def _channel(law: FeedLaw, at_mm: _HeightAt, range_nm: tuple[int, int], n_knots: int) -> Channel:
-    z = slice_heights_mm(range_nm, n_knots)
-    at, mean, h_mm = at_mm(z), law.mean_mm(z[0], z[-1]), (z[-1] - z[0]) / (n_knots - 1)
-    feed, slope = law.at_mm(at), law.at_mm(at, 1)
-    triple = [at - z, h_mm * (feed / mean - 1), h_mm**2 / 2 * slope * feed / mean**2]
-    return quantise(KIND_WAY, np.stack(triple, axis=-1)[:, None] * NM_PER_MM, 0, range_nm)
-
-
-def _error_nm(at_mm: _HeightAt, channel: Channel) -> float:
-    z_nm = np.linspace(channel.z_first_nm, channel.z_last_nm, 16 * channel.n_slices + 1)
-    exact = at_mm(z_nm / NM_PER_MM) * NM_PER_MM - z_nm
-    return float(np.abs(evaluate_x(channel, z_nm).value - exact).max())
-
-
 def way_channel(law: FeedLaw, range_nm: tuple[int, int]) -> Channel:
     """Return the smallest way of a law over the heights of a table.
 
@@ -178,11 +164,20 @@ def way_channel(law: FeedLaw, range_nm: tuple[int, int]) -> Channel:
     def at_mm(helix_mm: Floats) -> Floats:
         return height_at_mm(law, ends, helix_mm, turned)
 
+    def channel_of(n_knots: int) -> Channel:
+        z = slice_heights_mm(range_nm, n_knots)
+        at, mean, h_mm = at_mm(z), law.mean_mm(z[0], z[-1]), (z[-1] - z[0]) / (n_knots - 1)
+        feed, slope = law.at_mm(at), law.at_mm(at, 1)
+        triple = [at - z, h_mm * (feed / mean - 1), h_mm**2 / 2 * slope * feed / mean**2]
+        return quantise(KIND_WAY, np.stack(triple, axis=-1)[:, None] * NM_PER_MM, 0, range_nm)
+
     n, most = max(2, ceil(span_nm / MAX_SPACING_NM) + 1), span_nm // MIN_SPACING_NM + 1
     while n <= min(most, MAX_SLICES):
         with suppress(TooLargeError):
-            found = _channel(law, at_mm, range_nm, n)
-            if _error_nm(at_mm, found) <= TOLERANCE_NM:
+            found = channel_of(n)
+            z_nm = np.linspace(found.z_first_nm, found.z_last_nm, 16 * found.n_slices + 1)
+            exact = at_mm(z_nm / NM_PER_MM) * NM_PER_MM - z_nm
+            if float(np.abs(evaluate_x(found, z_nm).value - exact).max()) <= TOLERANCE_NM:
                 return with_bounds(found)
         n = max(n + 1, int(n * _GROWTH))
     problem = "Z would run too far ahead of a plain helix, or change its feed too suddenly"
@@ -196,3 +191,41 @@ def largest_share(channel: Channel | None) -> float:
         return 1.0
     slopes = evaluate_x(channel, np.linspace(channel.z_first_nm, channel.z_last_nm, _DENSE)).d1
     return 1.0 + float(slopes.max())
+
+
+_ANGLES, _HEIGHTS = 3600, 17
+_MAX_BREAKS = 64
+
+
+class Heel(NamedTuple):
+    """The place where the flank comes nearest to the work."""
+
+    needed_deg: float  # least clearance angle that just does
+    angle_deg: float  # of the drawing, where the edge stands
+    z_mm: float
+
+
+def steepest_heel(geometry: Geometry, direction: int) -> Heel:
+    """Return the largest clearance angle of all sections; 1: the tool runs to rising angles."""
+    breaks = geometry.breaks_mm()
+    inner = breaks[:: max(1, breaks.size // _MAX_BREAKS)]
+    z_mm = np.union1d(inner, np.linspace(breaks[0], breaks[-1], _HEIGHTS))
+    phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
+    u = geometry.delta(phi, z_mm[:, None])
+    needed = np.arctan2(direction * u.d1, geometry.radius_mm(z_mm)[:, None] - u.delta)
+    i, k = np.unravel_index(int(needed.argmax()), needed.shape)
+    return Heel(float(np.degrees(needed[i, k])), float(k) * 360 / _ANGLES, float(z_mm[i]))
+
+
+def check_heel(geometry: Geometry, tool: Tool, direction: int) -> Heel:
+    """Return where the flank comes nearest to the work, or refuse a tool whose heel rubs."""
+    found = steepest_heel(geometry, direction)
+    if found.needed_deg < tool.clearance_deg:
+        return found
+    problem = (
+        f"the heel of {tool.clearance_deg:g} degrees rubs: at {found.angle_deg:g} degrees, height "
+        f"{found.z_mm:g} mm the work after the edge rises by {found.needed_deg:.2f} degrees"
+    )
+    least_deg = ceil(found.needed_deg * 10 + 0.1) / 10
+    remedy = f"give a tool with at least {least_deg:.1f}, or a section that is less steep"
+    raise GeometryError("tool.clearance_deg", problem, remedy)
