@@ -259,17 +259,6 @@ static void test_silence_ends_it(void)
     expect_end(cam_excited_silent, cam_state_ready);
 }
 
-static void test_a_fault_retracts_u(void)
-{
-    begin();
-    go_on(400, true);
-    hal_host_fault_estop(true);
-    expect_end(cam_excited_fault, cam_state_fault);
-    TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
-    go_on(6000, true);
-    TEST_ASSERT_TRUE(fixture_rig_status(&rig).is_retracted);
-}
-
 /// The limit is the usual one and the largest sample: a drive that answers the wave by its
 /// opposite is accepted, one that is further off is not.
 static void test_following_error_has_the_room_of_the_larger_side(void)
