@@ -10,6 +10,24 @@ static void jog(hal_axis_t axis, int32_t um_per_s)
     fixture_rig_tick(&rig);
 }
 
+static void test_manual_holds_all_axes_and_the_spindle(void)
+{
+    static const int32_t at_nm[hal_n_axes] = {123456, 50 * mm, -7 * mm};
+    memcpy(hal_host.in.axis_nm, at_nm, sizeof at_nm);
+    fixture_rig_ticks(&rig, 20);
+    to_manual();
+    fixture_rig_ticks(&rig, 3000);
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        TEST_ASSERT_EQUAL_INT32(at_nm[i], port_nm((hal_axis_t)i));
+    }
+    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.spindle_mrpm);
+    TEST_ASSERT_EQUAL_HEX32(hal_out_enable, hal_host.out.outputs);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
+    TEST_ASSERT_EQUAL_HEX32(0, hal_host.out.outputs);
+}
+
 /// The slow side hangs: nothing but ticks. The axis has stopped when the order is too old and the
 /// axis has braked.
 static void test_jog_without_its_commander_stops_by_the_interrupt_alone(void)

@@ -158,6 +158,23 @@ static void test_measured_z_is_extrapolated_to_the_next_plan(void)
     TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
 }
 
+/// Motions by time of X and Z are filtered: after a cut their filters begin where the axes are.
+static void test_a_cut_ends_the_glides_of_the_approach(void)
+{
+    bring(cam_state_engaging);
+    TEST_ASSERT_TRUE(f.motion.is_filtering);
+    TEST_ASSERT_TRUE(fixture_play_approach(&f));
+    fixture_play_ticks(&f, 2 * FIXTURE_PLAN_TICKS);
+    TEST_ASSERT_TRUE(f.motion.is_playing);
+    TEST_ASSERT_FALSE(f.motion.is_filtering);
+    while (f.want.state != cam_state_ready) {
+        fixture_play_tick(&f);
+        TEST_ASSERT_FALSE(f.motion.is_playing && f.motion.is_filtering);
+    }
+    fixture_play_ticks(&f, 2 * FIXTURE_PLAN_TICKS);
+    TEST_ASSERT_TRUE(f.motion.is_filtering);
+}
+
 /// Wherever the spindle is then, the cut begins on the first whole turn after all that is commanded
 /// up to the next plan; one tick is the margin of reading the angle.
 static void test_cut_begins_on_the_first_turn_after_the_next_plan(void)
