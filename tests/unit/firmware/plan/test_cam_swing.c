@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The swing of the tool: its lines against the table, its return to 0, its drive. test_cam_demand.c
 // has what it demands.
-#include "cam_feasible.h"
 #include "cam_plan_inner.h"
 #include "fixture_play.h"
 #include "fixture_random.h"
@@ -158,22 +157,6 @@ static void test_cut_waits_for_the_swing_to_come_to_rest(void)
     TEST_ASSERT_TRUE(fixture_play_approach(&f));
     fixture_play_ticks(&f, 4 * FIXTURE_PLAN_TICKS);
     TEST_ASSERT_FALSE(f.motion.swing.is_there); // it follows the table
-}
-
-/// Out of the work is beyond the highest point: 0.1 mm, and a quarter for the amplitude.
-static void test_tool_leaves_a_cam_beyond_its_lift(void)
-{
-    f.params.u_stroke_nm = 1300000;
-    f.table.limit_u_stroke_nm = 1300000;
-    fixture_play_configure(&f);
-    TEST_ASSERT_INT32_WITHIN(2, 125000, cam_table_rise_nm(&f.table));
-    TEST_ASSERT_EQUAL_INT32(f.params.x_clearance_nm + cam_table_rise_nm(&f.table),
-                            f.config.play.x_clearance_nm);
-    TEST_ASSERT_EQUAL_INT64((int64_t)(f.params.u_retract_nm - cam_table_rise_nm(&f.table)) * 1024,
-                            f.config.guard.u_retract_q10);
-    f.params.u_stroke_nm = 198000;
-    TEST_ASSERT_EQUAL_INT(cam_err_u_stroke,
-                          cam_feasible(&f.table, &f.params, 60000, FIXTURE_PLAY_HZ).err);
 }
 
 /// On either side of 0, standing for the moment in which it turns back is not being there.
