@@ -5,88 +5,28 @@
 // one.
 //
 // Prints one JSON object; exits 1 where a start finds something else.
-#include "hal/hal.h"
-#include "stm_memory.h"
-#include <setjmp.h> // setjmp
-#include <stdio.h>  // printf
-#include <string.h> // memset
+#include <stdio.h> // printf
 
-enum { n_sectors = 3, sector = stm_flash_sector_bytes };
-enum { table_bytes = 6 * 1024, piece = 1024, n_words = n_sectors * sector / stm_flash_word_bytes };
-enum { log_word = 2 * sector / stm_flash_word_bytes, full_log_words = 512 };
+enum { flash_n_sectors = 3 }; ///< place 0, place 1 and the log, as CMakeLists.txt has the symbols
+#define FLASH_PLACE campaign_flash
+#include "flash_bench.h"
 
-/// What a word reads as whose programming was cut off.
-typedef enum { torn_as_erased, torn_as_half, torn_unreadable, torn_not, n_torn } torn_t;
-typedef enum { found_old, found_new, found_wrong } found_t;
+enum { table_bytes = 6 * 1024, piece = 1024, full_log_words = 512 };
+enum { log_word = 2 * stm_flash_sector_bytes / stm_flash_word_bytes };
 
-/// Place 0, place 1 and the log, where CMakeLists.txt lets the symbols of the linker script point.
-_Alignas(stm_flash_word_bytes) __attribute__((used)) uint8_t campaign_flash[n_sectors * sector];
-
-static struct {
-    uint8_t bytes[n_sectors * sector];
-    bool is_used[n_words], is_unreadable[n_words];
-} saved;
-static bool is_used[n_words], is_unreadable[n_words];
-static int n_left; // operations until the supply falls in the last of them, 0: it stays
+static flash_t saved;
 static uint32_t n_idles;
-static torn_t torn;
-static jmp_buf supply_falls;
 static struct {
     unsigned n, n_old, n_new, n_wrong, n_again_failed;
 } sum;
 
-static uint32_t word_of(uint32_t address)
-{
-    return (address - (uint32_t)(uintptr_t)campaign_flash) / stm_flash_word_bytes;
-}
-
-static bool is_cut(void)
-{
-    n_left--;
-    return n_left == 0;
-}
-
-bool stm_flash_peek(uint32_t address, uint32_t *words)
-{
-    memcpy(words, (const void *)(uintptr_t)address, stm_flash_word_bytes);
-    return !is_unreadable[word_of(address)];
-}
-
 uint32_t stm_flash_readable(uint32_t address, uint32_t bytes)
 {
     uint32_t at = 0;
-    while (at < bytes && !is_unreadable[word_of(address + at)]) {
+    while (at < bytes && !flash.is_unreadable[word_of(address + at)]) {
         at += stm_flash_word_bytes;
     }
     return at < bytes ? at : bytes;
-}
-
-bool stm_flash_erase(uint32_t address, uint32_t bytes)
-{
-    for (uint32_t at = 0; at < bytes; at += sector) { // sector after sector
-        const uint32_t first = word_of(address + at);
-        const bool ends_early = is_cut();
-        const size_t n = sector / stm_flash_word_bytes / (ends_early ? 2u : 1u);
-        memset((void *)(uintptr_t)(address + at), 0xFF, n * stm_flash_word_bytes);
-        memset(&is_used[first], ends_early ? 1 : 0, n);
-        memset(&is_unreadable[first], 0, n);
-        if (ends_early) {
-            longjmp(supply_falls, 1);
-        }
-    }
-    return true;
-}
-
-static void tear(uint32_t i, const uint8_t *bytes)
-{
-    is_unreadable[i] = torn == torn_unreadable;
-    if (torn == torn_not) { // the last instant before the supply falls
-        memcpy(&campaign_flash[i * stm_flash_word_bytes], bytes, stm_flash_word_bytes);
-    }
-    if (torn == torn_as_half) {
-        memcpy(&campaign_flash[i * stm_flash_word_bytes], bytes, stm_flash_word_bytes / 2u);
-    }
-    longjmp(supply_falls, 1);
 }
 
 /// Feeds the watchdog: between the checks of a table before and after its record is written, since
@@ -94,22 +34,6 @@ static void tear(uint32_t i, const uint8_t *bytes)
 void hal_idle(void)
 {
     n_idles++;
-}
-
-bool stm_flash_program(uint32_t address, const uint8_t *bytes, uint32_t n)
-{
-    for (uint32_t at = 0; at < n; at += stm_flash_word_bytes) {
-        const uint32_t i = word_of(address + at);
-        if (is_used[i]) {
-            return false;
-        }
-        is_used[i] = true;
-        if (is_cut()) {
-            tear(i, bytes + at);
-        }
-        memcpy((void *)(uintptr_t)(address + at), bytes + at, stm_flash_word_bytes);
-    }
-    return true;
 }
 
 /// @return whether every step of a download of a table of this byte succeeded
@@ -136,24 +60,16 @@ static bool is_in_use(uint8_t version)
     return is_whole;
 }
 
-static found_t found(uint8_t old)
+/// The next start finds the old table or the new one.
+static void count_start(uint8_t old)
 {
-    return is_in_use(old) ? found_old : is_in_use((uint8_t)(old + 1u)) ? found_new : found_wrong;
-}
-
-static void save(void)
-{
-    memcpy(saved.bytes, campaign_flash, sizeof campaign_flash);
-    memcpy(saved.is_used, is_used, sizeof is_used);
-    memcpy(saved.is_unreadable, is_unreadable, sizeof is_unreadable);
-}
-
-static void restore(void)
-{
-    memcpy(campaign_flash, saved.bytes, sizeof campaign_flash);
-    memcpy(is_used, saved.is_used, sizeof is_used);
-    memcpy(is_unreadable, saved.is_unreadable, sizeof is_unreadable);
     stm_table_init();
+    const bool is_old = is_in_use(old);
+    const bool is_new = !is_old && is_in_use((uint8_t)(old + 1u));
+    sum.n++;
+    sum.n_old += is_old ? 1u : 0u;
+    sum.n_new += is_new ? 1u : 0u;
+    sum.n_wrong += is_old || is_new ? 0u : 1u;
 }
 
 /// @return whether the supply fell
@@ -173,25 +89,16 @@ static bool download_until_dark(uint8_t version, int op)
 /// through, at the second try where a torn word looks erased.
 static void cut_everywhere(uint8_t old)
 {
-    save();
+    flash_save(&saved);
     for (int op = 1;; op++) {
-        restore();
+        flash_restore(&saved);
+        stm_table_init();
         if (!download_until_dark((uint8_t)(old + 1u), op)) {
             return;
         }
-        stm_table_init();
-        const found_t first = found(old);
-        sum.n++;
-        sum.n_old += first == found_old ? 1u : 0u;
-        sum.n_new += first == found_new ? 1u : 0u;
-        sum.n_wrong += first == found_wrong ? 1u : 0u;
+        count_start(old);
         if (download_until_dark((uint8_t)(old + 1u), op)) {
-            stm_table_init();
-            sum.n++;
-            const found_t second = found(old);
-            sum.n_old += second == found_old ? 1u : 0u;
-            sum.n_new += second == found_new ? 1u : 0u;
-            sum.n_wrong += second == found_wrong ? 1u : 0u;
+            count_start(old);
         }
         const bool is_through = download((uint8_t)(old + 1u)) || download((uint8_t)(old + 1u));
         stm_table_init();
@@ -201,9 +108,7 @@ static void cut_everywhere(uint8_t old)
 
 static void begin(void)
 {
-    memset(campaign_flash, 0xFF, sizeof campaign_flash);
-    memset(is_used, 0, sizeof is_used);
-    memset(is_unreadable, 0, sizeof is_unreadable);
+    flash_erase_all();
     stm_table_init();
     memset(campaign_flash, 1, table_bytes); // by a programming tool
 }
@@ -219,7 +124,7 @@ int main(void)
         cut_everywhere(2); // place 1 is in use
         begin();
         uint8_t version = 1;
-        while (!is_used[log_word + full_log_words]) {
+        while (!flash.is_used[log_word + full_log_words]) {
             version = version < 250u ? (uint8_t)(version + 1u) : 2u;
             (void)download(version);
         }

@@ -5,7 +5,7 @@ from itertools import pairwise
 import pytest
 
 from tests.stm32.board import COUNTS_PER_TURN, INDEX_AT, Outputs
-from tests.stm32.host import MOST_UM_PER_S, internal_word, positions, replay, steps, words
+from tests.stm32.host import MOST_UM_PER_S, internal_word, positions, replay, words
 from tests.stm32.session import Session
 from tests.stm32.tick_trace import Record
 
@@ -72,17 +72,6 @@ def test_every_step_is_the_hosts(cut: Session) -> None:
         stepper = cut.board.steppers[axis]
         assert stepper.n_ignored == 0
         assert len(set(wanted)) > 1000
-
-
-def test_steps_are_the_set_points(cut: Session) -> None:
-    """Only a tick in which the direction turns lags its set-point; the next one does not."""
-    in_cut = [(record, seen) for record, seen in ticks_of(cut) if seen.in_cut]
-    first, start = in_cut[0]
-    for i, (axis, name) in enumerate((("X", "out_x_nm"), ("Z", "out_z_nm"))):
-        offset = start.steps[i] - steps(axis, first[name])
-        off = [seen.steps[i] - steps(axis, record[name]) - offset for record, seen in in_cut]
-        assert sum(map(bool, off)) <= 3
-        assert off[-1] == 0
 
 
 def test_start_reports_the_resolution_of_the_scales(cut: Session) -> None:

@@ -1,58 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's configuration file: the example, and everything that is refused.
+#define CONFIG_PATH "test_lin_config.toml"
+#include "config_bench.h"
 #include "lin_setup.h" // lin_check_load, lin_check_warn
-#include "unity.h"
-#include <stddef.h> // offsetof
-#include <stdio.h>  // fopen
-#include <stdlib.h> // mkstemp
-#include <string.h> // strstr
-#include <unistd.h> // unlink
+#include <stddef.h>    // offsetof
 
 static lin_config_t config;
-static common_error_t error;
-static char path[] = "/tmp/test_lin_config.XXXXXX";
-
-void suiteSetUp(void)
-{
-    (void)close(mkstemp(path));
-}
-
-int suiteTearDown(int n_failures)
-{
-    (void)unlink(path);
-    return n_failures;
-}
 
 void setUp(void)
 {
     config = lin_config_defaults();
 }
 
-static bool load_bytes(const char *bytes, size_t size)
+static bool read_config(void)
 {
-    FILE *file = fopen(path, "w");
-    TEST_ASSERT_NOT_NULL(file);
-    TEST_ASSERT_EQUAL_size_t(size, fwrite(bytes, 1, size, file));
-    (void)fclose(file);
     config = lin_config_defaults();
-    return lin_check_load(&config, path, &error);
-}
-
-static bool load(const char *text)
-{
-    return load_bytes(text, strlen(text));
-}
-
-static void taken(const char *text)
-{
-    TEST_ASSERT_TRUE_MESSAGE(load(text), error.text);
-}
-
-static void refused(const char *text, const char *why)
-{
-    TEST_ASSERT_FALSE_MESSAGE(load(text), text);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, why), error.text);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, path), error.text);
+    return lin_check_load(&config, CONFIG_PATH, &error);
 }
 
 static void load_port_file(const char *file_path)

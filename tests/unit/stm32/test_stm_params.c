@@ -1,87 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The log of the parameters in flash: the supply falls in every write and in every erase, and what
 // is torn reads as erased, as anything, or not at all.
-#include "hal/hal.h"
-#include "stm_memory.h"
 #include "unity.h"
-#include <setjmp.h> // setjmp
-#include <string.h> // memset
 
-enum { n_bytes = 2 * stm_flash_sector_bytes, n_all = n_bytes / stm_flash_word_bytes };
-enum { record_bytes = 900, record_ops = (record_bytes + 31) / 32 + 1 };
-
-/// What a word reads as whose programming was cut off.
-typedef enum { torn_as_erased, torn_as_half, torn_unreadable, n_torn } torn_t;
-
-typedef struct {
-    uint8_t bytes[n_bytes];
-    bool is_used[n_all];       // cannot be programmed again
-    bool is_unreadable[n_all]; // a load would be a bus fault
-} flash_t;
-
-_Alignas(stm_flash_word_bytes) uint8_t stm_params_start[n_bytes];
-
-static flash_t flash; // but for its bytes, which are stm_params_start
-static int n_left;    // operations until the supply falls in the last of them
-static torn_t torn;
-static jmp_buf supply_falls;
-
-static uint32_t word_of(uint32_t address)
-{
-    return (address - (uint32_t)(uintptr_t)stm_params_start) / stm_flash_word_bytes;
-}
-
-static bool is_cut(void)
-{
-    n_left--;
-    return n_left == 0;
-}
-
-bool stm_flash_peek(uint32_t address, uint32_t *words)
-{
-    memcpy(words, (const void *)(uintptr_t)address, stm_flash_word_bytes);
-    return !flash.is_unreadable[word_of(address)];
-}
-
-bool stm_flash_erase(uint32_t address, uint32_t bytes)
-{
-    const uint32_t first = word_of(address);
-    const bool ends_early = is_cut();
-    const size_t n = bytes / stm_flash_word_bytes / (ends_early ? 2u : 1u);
-    memset((void *)(uintptr_t)address, 0xFF, n * stm_flash_word_bytes);
-    memset(&flash.is_used[first], 0, n);
-    memset(&flash.is_unreadable[first], 0, n);
-    if (ends_early) { // words on the way to being erased are still to be erased
-        memset(&flash.is_used[first], 1, n);
-        longjmp(supply_falls, 1);
-    }
-    return true;
-}
-
-bool stm_flash_program(uint32_t address, const uint8_t *bytes, uint32_t n)
-{
-    for (uint32_t at = 0; at < n; at += stm_flash_word_bytes) {
-        const uint32_t i = word_of(address + at);
-        const uint32_t n_here = n - at < stm_flash_word_bytes ? n - at : stm_flash_word_bytes;
-        if (flash.is_used[i]) {
-            return false;
-        }
-        flash.is_used[i] = true;
-        if (is_cut()) {
-            flash.is_unreadable[i] = torn == torn_unreadable;
-            memcpy(&stm_params_start[i * stm_flash_word_bytes], bytes + at,
-                   torn == torn_as_half ? n_here / 2u : 0u);
-            longjmp(supply_falls, 1);
-        }
-        memcpy((void *)(uintptr_t)(address + at), bytes + at, n_here);
-    }
-    return true;
-}
+enum { flash_n_sectors = 2, record_bytes = 900, record_ops = (record_bytes + 31) / 32 + 1 };
+#define FLASH_PLACE stm_params_start
+#include "flash_bench.h"
 
 void setUp(void)
 {
-    memset(&flash, 0, sizeof flash);
-    memset(stm_params_start, 0xFF, n_bytes);
+    flash_erase_all();
     n_left = 0;
     stm_params_init();
 }
@@ -121,11 +49,9 @@ static void keep_until_dark(uint8_t version, int op)
 static void cut_everywhere(uint8_t old, int n_ops)
 {
     static flash_t before;
-    before = flash;
-    memcpy(before.bytes, stm_params_start, n_bytes);
+    flash_save(&before);
     for (int op = 1; op <= n_ops; op++) {
-        flash = before;
-        memcpy(stm_params_start, before.bytes, n_bytes);
+        flash_restore(&before);
         stm_params_init();
         for (int i = 0; i < 2; i++) {
             keep_until_dark((uint8_t)(old + 1), op);
@@ -177,7 +103,7 @@ static void fill(uint32_t sector)
 /// may hold records of before.
 static void test_power_lost_at_any_operation_leaves_the_old_record(void)
 {
-    for (torn = torn_as_erased; torn < n_torn; torn++) {
+    for (torn = torn_as_erased; torn < torn_not; torn++) {
         setUp();
         TEST_ASSERT_TRUE(keep(1, record_bytes));
         TEST_ASSERT_TRUE(keep(2, record_bytes));
@@ -193,7 +119,7 @@ static void test_power_lost_at_any_operation_leaves_the_old_record(void)
 /// Before the first record nothing is known of the sectors, so one is erased.
 static void test_power_lost_at_any_operation_of_the_first_save_leaves_none(void)
 {
-    for (torn = torn_as_erased; torn < n_torn; torn++) {
+    for (torn = torn_as_erased; torn < torn_not; torn++) {
         for (int op = 1; op <= record_ops + 1; op++) {
             setUp();
             keep_until_dark(1, op);

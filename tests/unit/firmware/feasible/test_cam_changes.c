@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Changes by the operator in the cut: their numbers per plan, and in play.
+#define OWN_SET_UP
 #include "cam_feasible.h"
-#include "fixture_play.h"
-#include "unity.h"
-#include <math.h>
-
-static fixture_play_t f;
-static fixture_part_t part;
+#include "play_bench.h"
 
 static const double plan_s = (double)FIXTURE_PLAN_TICKS / FIXTURE_PLAY_HZ;
 
@@ -61,7 +57,7 @@ static void test_step_of_the_trim_is_limited_to_both_sides(void)
 
 static void test_trim_moves_x_at_its_rate_and_leaves_the_rest(void)
 {
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    bring(cam_state_cutting);
     fixture_play_ticks(&f, 2000);
     f.params.x_trim_nm = -12345;
     f.params.x_trim_rate_nm_per_s = 50000;
@@ -81,7 +77,7 @@ static void test_trim_moves_x_at_its_rate_and_leaves_the_rest(void)
 
 static void test_spindle_is_led_within_rate_and_acceleration(void)
 {
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    bring(cam_state_cutting);
     TEST_ASSERT_EQUAL_INT32(2500000, f.want.spindle_mrpm);
     f.params.spindle_override_ppm = 600000;
     f.params.spindle_override_rate_ppm_per_s = 1000000;
@@ -104,7 +100,7 @@ static void test_modulated_spindle_keeps_its_ratio(void)
     part = fixture_part_modulated();
     part.feed_nm = 20000;
     fixture_play_init(&f, &part);
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    bring(cam_state_cutting);
     f.params.spindle_override_rate_ppm_per_s = 1000000;
     for (int i = 0; i < 2; i++) {
         f.params.spindle_override_ppm = i == 0 ? 800000 : 1000000;

@@ -135,6 +135,8 @@ static void test_swing_has_the_same_terms(void)
     f.table.swing.first_mdeg_per_rad = 0; // the speed is that of the rise, 15/8 of its mean
     f.params.engage_turns = 1;
     expect_needed(cam_err_swing_speed, 2.0 * 1.03 * 15.0 / 8.0 * f.table.swing.most_mdeg * 40.0);
+    f.params.swing_range_mdeg = 20000; // of 0.35 rad
+    expect_needed(cam_err_swing_range, 350.0 * 180.0 / pi);
 }
 
 /// What a part does not have demands nothing; nor does a Z that another controller moves.

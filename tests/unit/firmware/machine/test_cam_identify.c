@@ -2,17 +2,14 @@
 // Excitation of U by the commands of the slow side, and every end of it; the download of its wave
 // into the memory of the recorder. A wave of force, of a machine that follows its set-points,
 // whatever the force: what reaches the output, how it ends, and what is refused.
+#define OWN_SET_UP
 #include "cam_machine_inner.h"
-#include "cam_table.h"
-#include "fixture_rig.h"
-#include "hal_host.h"
-#include "unity.h"
+#include "rig_bench.h"
 #include <math.h> // sin
 
 enum { tick_hz = 20000, n = 200, n_periods = 3, fade = 100, place_nm = -300000 };
 enum { largest_mn = 10000, patience = 40000 };
 
-static fixture_rig_t rig;
 static cam_machine_t *const m = &rig.machine;
 static int32_t wave[n];     ///< [nm], or [mN] of forces
 static uint32_t fade_ticks; ///< in which the wave rises, and falls
@@ -22,11 +19,6 @@ static int32_t field(uint32_t which)
     int32_t value = 0;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_get(m, which, &value));
     return value;
-}
-
-static void set(cam_param_id_t id, int32_t value)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, id, value));
 }
 
 static void set_field(uint32_t which, int32_t value)
@@ -47,7 +39,7 @@ static cam_err_t load(uint32_t crc_error)
 
 void setUp(void)
 {
-    const fixture_part_t part = fixture_part_short();
+    part = fixture_part_short();
     fade_ticks = fade;
     fixture_rig_init(&rig, &part, tick_hz);
     hal_host.in.axis_nm[hal_axis_x] = 60000000; // clear of the part
@@ -257,17 +249,6 @@ static void test_silence_ends_it(void)
     }
     TEST_ASSERT_INT32_WITHIN(4, longest, ticks);
     expect_end(cam_excited_silent, cam_state_ready);
-}
-
-static void test_a_fault_retracts_u(void)
-{
-    begin();
-    go_on(400, true);
-    hal_host_fault_estop(true);
-    expect_end(cam_excited_fault, cam_state_fault);
-    TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
-    go_on(6000, true);
-    TEST_ASSERT_TRUE(fixture_rig_status(&rig).is_retracted);
 }
 
 /// The limit is the usual one and the largest sample: a drive that answers the wave by its

@@ -24,44 +24,6 @@ static cam_err_t check(const fixture_pass_t *passes, uint32_t n)
     return cam_table_check(image.bytes, image.size, &table);
 }
 
-/// Change a word of the table. @return what the check says then
-static cam_err_t check_with(size_t at, uint32_t value)
-{
-    fixture_image_put(&image, at, value);
-    fixture_image_seal(&image);
-    return cam_table_check(image.bytes, image.size, &table);
-}
-
-static void test_records_are_taken_in_their_order(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, check(three, 3));
-    TEST_ASSERT_EQUAL_UINT32(3, table.n_passes);
-    for (int i = 0; i < 3; i++) {
-        TEST_ASSERT_EQUAL_INT32(three[i].allowance_nm, table.passes[i].allowance_nm);
-        TEST_ASSERT_EQUAL_UINT32(three[i].feed_nm, table.passes[i].feed_nm);
-        TEST_ASSERT_EQUAL_UINT32(three[i].spindle_mrpm, table.passes[i].spindle_mrpm);
-    }
-}
-
-/// test_cam_entry.c has each field.
-static void test_version_and_entry_belong_to_the_kinds(void)
-{
-    fixture_image_make(&image, &part);
-    TEST_ASSERT_EQUAL_INT(cam_err_image_version, check_with(fixture_at_version, 0x10001u));
-    TEST_ASSERT_EQUAL_INT(cam_ok, check(three, 3));
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check_with(fixture_at_version, 1u));
-    TEST_ASSERT_EQUAL_INT(cam_err_image_version, check_with(fixture_at_version, 0x20001u));
-    TEST_ASSERT_EQUAL_INT(cam_ok, check(three, 3));
-    const size_t path = fixture_image_in(fixture_newer_last(&image), fixture_in_path);
-    const size_t size = fixture_image_in(fixture_newer_last(&image), fixture_in_size);
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check_with(path, 1u));
-    TEST_ASSERT_EQUAL_INT(cam_ok, check(three, 3));
-    TEST_ASSERT_EQUAL_INT(cam_err_image_layout, check_with(size, 44u));
-    TEST_ASSERT_EQUAL_INT(cam_ok, check(three, 3));
-    fixture_newer_passes(&image, three, 3); // there twice
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, cam_table_check(image.bytes, image.size, &table));
-}
-
 /// Stock falls from pass to pass to 0; feeds and speeds are those of the parameters.
 static void test_records_out_of_range_are_refused(void)
 {

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // A press of the button at the machine: which presses count, plan by plan, and what they permit on
 // a whole controller, judged by the requests of the slow side and by whether the drives come on.
+#define OWN_SET_UP
 #include "cam_plan.h"
 #include "cam_machine.h" // cam_machine_manual
-#include "fixture_rig.h"
-#include "hal_host.h"
-#include "unity.h"
-#include <string.h> // strchr
-
-static fixture_rig_t f;
-static fixture_part_t part;
+#include "rig_bench.h"
 
 /// [ticks] of a time.
 static uint32_t ms(uint32_t n)
@@ -20,18 +15,18 @@ static uint32_t ms(uint32_t n)
 static void power_on(bool has_button)
 {
     hal_host.slow.people = (hal_operator_t){.has_acknowledge = has_button};
-    cam_machine_init(&f.machine, &g_cam, hal_tick_hz(), hal_clock_hz());
-    fixture_rig_tick(&f);
+    cam_machine_init(&rig.machine, &g_cam, hal_tick_hz(), hal_clock_hz());
+    fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_machine_select_table(&f.machine, f.image.bytes, f.image.size));
+                          cam_machine_select_table(&rig.machine, rig.image.bytes, rig.image.size));
 }
 
 static void begin(uint32_t tick_hz)
 {
     part = fixture_part_short();
-    fixture_rig_init(&f, &part, tick_hz);
+    fixture_rig_init(&rig, &part, tick_hz);
     power_on(true);
-    fixture_rig_ticks(&f, ms(100));
+    fixture_rig_ticks(&rig, ms(100));
 }
 
 void setUp(void)
@@ -43,7 +38,7 @@ void setUp(void)
 static void button(bool is_pressed, uint32_t ticks)
 {
     hal_host_press(is_pressed);
-    fixture_rig_ticks(&f, ticks);
+    fixture_rig_ticks(&rig, ticks);
 }
 
 static void press(void)
@@ -55,14 +50,14 @@ static void press(void)
 /// Post a request as the slow side does, but without its checks.
 static void post(cam_request_t request)
 {
-    f.machine.n_requests++;
-    atomic_store(&g_cam.request, f.machine.n_requests << 8 | (uint32_t)request);
+    rig.machine.n_requests++;
+    atomic_store(&g_cam.request, rig.machine.n_requests << 8 | (uint32_t)request);
 }
 
 static cam_err_t enable(void)
 {
-    const cam_err_t err = cam_machine_enable(&f.machine);
-    fixture_rig_ticks(&f, 2);
+    const cam_err_t err = cam_machine_enable(&rig.machine);
+    fixture_rig_ticks(&rig, 2);
     return err;
 }
 
@@ -81,11 +76,11 @@ static void expect_off(const char *name)
 static void expect_refused(const char *name)
 {
     TEST_ASSERT_EQUAL_INT_MESSAGE(cam_err_acknowledge, enable(), name);
-    TEST_ASSERT_EQUAL_INT_MESSAGE(cam_err_acknowledge, cam_machine_manual(&f.machine), name);
-    TEST_ASSERT_EQUAL_INT_MESSAGE(cam_err_acknowledge, cam_machine_home(&f.machine), name);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(cam_err_acknowledge, cam_machine_manual(&rig.machine), name);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(cam_err_acknowledge, cam_machine_home(&rig.machine), name);
     for (int i = 0; i < 2; i++) {
         post(i == 0 ? cam_request_enable : cam_request_manual);
-        fixture_rig_ticks(&f, 10);
+        fixture_rig_ticks(&rig, 10);
         expect_off(name);
     }
 }
@@ -100,8 +95,8 @@ static void test_power_on_wants_a_press_of_50_ms(void)
     expect_state(cam_state_homing);
     setUp();
     press();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(&f.machine));
-    fixture_rig_ticks(&f, 2);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(&rig.machine));
+    fixture_rig_ticks(&rig, 2);
     expect_state(cam_state_manual);
 }
 
@@ -203,13 +198,13 @@ static void test_one_tick_of_the_open_chain_ends_a_press(void)
     for (uint32_t i = 0; i < 8u; i++) {
         setUp();
         press();
-        fixture_rig_ticks(&f, i);
+        fixture_rig_ticks(&rig, i);
         hal_host_fault_estop(true);
-        fixture_rig_tick(&f);
+        fixture_rig_tick(&rig);
         hal_host_fault_estop(false);
-        fixture_rig_tick(&f);
+        fixture_rig_tick(&rig);
         post(cam_request_enable); // before the next plan as well
-        fixture_rig_ticks(&f, 10);
+        fixture_rig_ticks(&rig, 10);
         expect_off("before the next plan");
         expect_refused("after the chain was open");
     }
@@ -224,20 +219,20 @@ static void test_a_fault_that_is_reset_at_once_wants_another_press_in_every_phas
         setUp();
         press();
         post(at < 8u ? cam_request_enable : cam_request_manual);
-        (void)fixture_rig_until(&f, state, 60000);
-        fixture_rig_ticks(&f, 16u + at);
+        (void)fixture_rig_until(&rig, state, 60000);
+        fixture_rig_ticks(&rig, 16u + at);
         expect_state(state);
         hal_host_fault_drive(true);
-        fixture_rig_tick(&f);
+        fixture_rig_tick(&rig);
         expect_state(cam_state_fault);
         hal_host_fault_drive(false);
         for (uint32_t i = 0; i < ms(2000) && fixture_rig_state() == cam_state_fault; i++) {
             post(cam_request_reset);
-            fixture_rig_tick(&f);
+            fixture_rig_tick(&rig);
         }
         expect_off("reset");
         post(cam_request_enable); // before the next plan as well
-        fixture_rig_tick(&f);
+        fixture_rig_tick(&rig);
         expect_off("before the next plan");
         expect_refused("after the reset");
     }
@@ -257,7 +252,7 @@ static void test_enable_does_not_rise_in_the_tick_that_sees_a_fault(void)
         hal_host_fault_bus(i / 2u == 2u);
         hal_host_fault_late(i / 2u == 3u ? 300 : 0);
         for (uint32_t k = 0; k < 20u; k++) {
-            fixture_rig_tick(&f);
+            fixture_rig_tick(&rig);
             TEST_ASSERT_EQUAL_UINT32_MESSAGE(0, hal_host.out.outputs & hal_out_enable,
                                              names[i / 2u]);
         }
@@ -268,15 +263,15 @@ static void test_enable_does_not_rise_in_the_tick_that_sees_a_fault(void)
 static void test_other_reasons_are_reported_first(void)
 {
     hal_host_fault_estop(true);
-    fixture_rig_ticks(&f, 10);
+    fixture_rig_ticks(&rig, 10);
     TEST_ASSERT_EQUAL_INT(cam_err_estop, enable());
     hal_host_fault_estop(false);
     power_on(false);
-    fixture_rig_ticks(&f, ms(100));
+    fixture_rig_ticks(&rig, ms(100));
     TEST_ASSERT_EQUAL_INT(cam_err_acknowledge_none, enable());
-    TEST_ASSERT_EQUAL_INT(cam_err_acknowledge_none, cam_machine_manual(&f.machine));
+    TEST_ASSERT_EQUAL_INT(cam_err_acknowledge_none, cam_machine_manual(&rig.machine));
     post(cam_request_enable);
-    fixture_rig_ticks(&f, 10);
+    fixture_rig_ticks(&rig, 10);
     expect_off("a port without the button");
 }
 

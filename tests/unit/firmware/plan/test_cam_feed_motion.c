@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Override, hold and stop of the feed: accelerations, rates, rests on whole turns, the end of the
 // part, and U at the height that Z has.
+#define OWN_SET_UP
 #include "cam_fix.h"
 #include "cam_plan_inner.h" // cam_feed_motion_t, cam_feed_motion_begin_isr
-#include "fixture_play.h"
 #include "fixture_random.h"
-#include "unity.h"
-#include <math.h>
-
-static fixture_play_t f;
-static fixture_part_t part;
+#include "play_bench.h"
 
 enum { ticks_per_turn = 480, ramp_turns = 2, most_turns = 4000 };
 
@@ -48,8 +44,7 @@ static void hold(bool is_held)
 
 static void begin(void)
 {
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
-    TEST_ASSERT_TRUE(fixture_play_approach(&f));
+    engage();
     z_nm = (double)f.axis[hal_axis_z].pos_q10 / 1024.0;
 }
 

@@ -120,21 +120,6 @@ static void test_random_orders_stay_within_speed_acceleration_and_travel(void)
     }
 }
 
-static void test_jog_repeated_in_time_ends_at_the_limit(void)
-{
-    for (int32_t sense = -1; sense <= 1; sense += 2) {
-        setUp();
-        to_manual();
-        for (int k = 0; k < 80; k++) {
-            jog(hal_axis_u, sense * 2000);
-            fixture_rig_ticks(&rig, 200);
-        }
-        TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
-        TEST_ASSERT_EQUAL_INT(cam_jog_limit, jog_state().end);
-        TEST_ASSERT_INT32_WITHIN(50, sense * 600000, port_nm(hal_axis_u));
-    }
-}
-
 /// Nothing retracts: an operator beside the machine is not surprised by a motion.
 static void test_fault_by_hand_brakes_all_axes_where_they_are(void)
 {

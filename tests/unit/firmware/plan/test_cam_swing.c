@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The swing of the tool: its lines against the table, its return to 0, its drive, the demands of a
-// table.
-#include "cam_feasible.h"
+// The swing of the tool: its lines against the table, its return to 0, its drive. test_cam_demand.c
+// has what it demands.
 #include "cam_plan_inner.h"
 #include "fixture_play.h"
 #include "fixture_random.h"
@@ -158,60 +157,6 @@ static void test_cut_waits_for_the_swing_to_come_to_rest(void)
     TEST_ASSERT_TRUE(fixture_play_approach(&f));
     fixture_play_ticks(&f, 4 * FIXTURE_PLAN_TICKS);
     TEST_ASSERT_FALSE(f.motion.swing.is_there); // it follows the table
-}
-
-static cam_refusal_t judge(uint32_t mrpm)
-{
-    return cam_feasible(&f.table, &f.params, mrpm, FIXTURE_PLAY_HZ);
-}
-
-static void test_infeasible_swing_is_refused_with_the_numbers(void)
-{
-    static const double deg = 180.0 / PI, omega = 2.0 * PI;
-    const struct {
-        int32_t range_mdeg, speed_mdeg_per_s, acceleration_deg_per_s2;
-        cam_err_t err;
-        double needed; ///< 0: not reported
-        bool has_highest;
-    } rows[] = {
-        {30000, 100000000, 10000000, cam_ok, 0, false},
-        {20000, 100000000, 10000000, cam_err_swing_range, 0.35e3 * deg, false},
-        {30000, 200000, 10000000, cam_err_swing_speed, 0.7e3 * omega * deg, true},
-        {30000, 100000000, 2000, cam_err_swing_acceleration, 1.4 * omega * omega * deg, true},
-        {30000, 0, 2000, cam_err_swing_axis, 0, false},
-    };
-    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        f.params.swing_range_mdeg = rows[i].range_mdeg;
-        f.params.swing_speed_mdeg_per_s = rows[i].speed_mdeg_per_s;
-        f.params.swing_acceleration_deg_per_s2 = rows[i].acceleration_deg_per_s2;
-        const cam_refusal_t why = judge(60000);
-        TEST_ASSERT_EQUAL_INT(rows[i].err, why.err);
-        if (rows[i].needed > 0.0) {
-            TEST_ASSERT_DOUBLE_WITHIN(0.02 * rows[i].needed, 1.01 * rows[i].needed,
-                                      (double)why.needed);
-            TEST_ASSERT_EQUAL(rows[i].has_highest, why.highest_mrpm > 0u);
-        }
-        if (rows[i].has_highest) {
-            TEST_ASSERT_EQUAL_INT(cam_ok, judge(why.highest_mrpm).err);
-            TEST_ASSERT_EQUAL_INT(rows[i].err,
-                                  judge(why.highest_mrpm + why.highest_mrpm / 500u).err);
-        }
-    }
-}
-
-/// Out of the work is beyond the highest point: 0.1 mm, and a quarter for the amplitude.
-static void test_tool_leaves_a_cam_beyond_its_lift(void)
-{
-    f.params.u_stroke_nm = 1300000;
-    f.table.limit_u_stroke_nm = 1300000;
-    fixture_play_configure(&f);
-    TEST_ASSERT_INT32_WITHIN(2, 125000, cam_table_rise_nm(&f.table));
-    TEST_ASSERT_EQUAL_INT32(f.params.x_clearance_nm + cam_table_rise_nm(&f.table),
-                            f.config.play.x_clearance_nm);
-    TEST_ASSERT_EQUAL_INT64((int64_t)(f.params.u_retract_nm - cam_table_rise_nm(&f.table)) * 1024,
-                            f.config.guard.u_retract_q10);
-    f.params.u_stroke_nm = 198000;
-    TEST_ASSERT_EQUAL_INT(cam_err_u_stroke, judge(60000).err);
 }
 
 /// On either side of 0, standing for the moment in which it turns back is not being there.

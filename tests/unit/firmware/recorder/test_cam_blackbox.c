@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The black box around faults of a machine, and who has the memory of the recorder.
-#include "cam_recorder.h"
+#define OWN_SET_UP
 #include "cam_machine_inner.h" // cam_machine_blackbox, cam_machine_release
-#include "fixture_rig.h"
-#include "hal_host.h"
-#include "unity.h"
-#include <string.h> // memcmp, memcpy
+#include "rig_bench.h"
 
 enum {
     tick_hz = 10000, ///< so that the box has every tick in the memory of an emulated board, too
@@ -15,11 +12,9 @@ enum {
     axi_words = 384 * 1024 / 4, ///< of the STM32H743
 };
 
-static fixture_rig_t rig;
-
 void setUp(void)
 {
-    const fixture_part_t part = fixture_part_short();
+    part = fixture_part_short();
     fixture_rig_init(&rig, &part, tick_hz);
     cam_machine_blackbox(&rig.machine);
 }

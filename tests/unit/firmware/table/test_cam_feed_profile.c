@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The feed against height: Z over the turns, its limits, and ways that are refused.
-#include "cam_feasible.h"
+// The feed against height: Z over the turns, and ways that are refused. test_cam_z_coupling.c has
+// what they demand of Z.
+#define OWN_SET_UP
 #include "cam_table_inner.h"
 #include "fixture_newer.h"
-#include "fixture_play.h"
 #include "fixture_shaft.h"
-#include "unity.h"
+#include "play_bench.h"
 #include <math.h>
 
 #define PI 3.14159265358979323846
 
-static fixture_play_t f;
-static fixture_part_t part;
 static double share; ///< of the feed by which it swings about its mean
 
 /// On 1 mm of height the feed is mean * (1 + share sin(2 pi z)) over the helix's height.
@@ -141,49 +139,14 @@ static void test_z_follows_the_way_over_the_turns(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
     fixture_play_configure(&f);
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
-    TEST_ASSERT_TRUE(fixture_play_approach(&f));
+    engage();
     const double fed = 1e6 / part.feed_nm;
-    const int32_t speed_q32 = f.angle.speed_q32;
     for (double turns = 0.0; turns < fed + 2.5; turns += 0.0417) {
-        f.angle.pos_q32 = f.plan.feed_at_q32 + llround(turns * 4294967296.0);
-        f.angle.speed_q32 = 0;
-        fixture_play_ticks(&f, 4 * FIXTURE_PLAN_TICKS);
-        f.angle.speed_q32 = speed_q32;
-        const double r = 2.0; // ramps
-        const double in = fmin(turns, fed + r);
-        const double left = fed + r - in;
-        const double helix = in < r     ? in * in / 2.0 / r
-                             : left < r ? fed - left * left / 2.0 / r
-                                        : in - r / 2.0;
+        const double helix_nm = part.z_first_nm + eased(turns, 2.0, fed) * part.feed_nm;
         double w[3];
-        sine(part.z_first_nm + helix * part.feed_nm, w);
-        TEST_ASSERT_DOUBLE_WITHIN(30.0, part.z_first_nm + helix * part.feed_nm + w[0],
-                                  (double)f.axis[hal_axis_z].pos_q10 / 1024.0);
+        sine(helix_nm, w);
+        TEST_ASSERT_DOUBLE_WITHIN(30.0, helix_nm + w[0], z_at(turns));
     }
-}
-
-/// Z needs the largest feed times the speed, and its change times the square of the speed.
-static void test_limits_of_z_hold_with_the_way(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
-    f.params.z_speed_um_per_s = 1000;
-    f.params.z_acceleration_mm_per_s2 = 1000000;
-    const double um_per_s = part.feed_nm * 1e-3 * 2500.0 / 60.0 * 1.5;
-    cam_refusal_t why = cam_feasible(&f.table, &f.params, 2500000, 20000);
-    TEST_ASSERT_EQUAL_INT(cam_err_z_speed, why.err);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01 * um_per_s, um_per_s, (double)why.needed);
-    f.params.z_speed_um_per_s = 200000;
-    f.params.z_acceleration_mm_per_s2 = 10;
-    const double n = 2500.0 / 60.0;
-    const double v = part.feed_nm * 1e-6 * n; // mm/s
-    const double needed = 0.5 * 2.0 * PI * v * v + 1.5 * part.feed_nm * 1e-6 * n * n / 2.0;
-    why = cam_feasible(&f.table, &f.params, 2500000, 20000);
-    TEST_ASSERT_EQUAL_INT(cam_err_z_acceleration, why.err);
-    TEST_ASSERT_DOUBLE_WITHIN(0.08 * needed + 2.0, needed, (double)why.needed);
-    f.params.z_is_measured = 1;
-    why = cam_feasible(&f.table, &f.params, 2500000, 20000);
-    TEST_ASSERT_NOT_EQUAL_INT(cam_err_z_acceleration, why.err);
 }
 
 /// @return the verdict on the present image

@@ -92,6 +92,7 @@ static void test_fields_of_the_frame_have_their_own_codes(void)
     TEST_ASSERT_EQUAL_INT(cam_err_image_order, with_word(fixture_at_order, 0x04030201u));
     TEST_ASSERT_EQUAL_INT(cam_err_image_version, with_word(fixture_at_version, 2u));
     TEST_ASSERT_EQUAL_INT(cam_err_image_version, with_word(fixture_at_version, 0x00010001u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_version, with_word(fixture_at_version, 0x00020001u));
     const uint32_t size = (uint32_t)image.size;
     TEST_ASSERT_EQUAL_INT(cam_err_image_size, with_word(fixture_at_image_size, size - 32u));
     setUp();
@@ -241,10 +242,10 @@ static void test_name_has_a_character_and_an_end(void)
     }
 }
 
-static void test_passes_are_sixteen_at_most(void)
+static void test_passes_are_sixteen_at_most_and_there_once(void)
 {
     static fixture_pass_t passes[17];
-    for (uint32_t n = 16; n <= 17u; n++) {
+    for (uint32_t n = 17; n >= 16u; n--) {
         setUp();
         for (uint32_t i = 0; i < n; i++) {
             passes[i] = (fixture_pass_t){.allowance_nm = (int32_t)(1000u * (n - 1u - i)),
@@ -255,4 +256,6 @@ static void test_passes_are_sixteen_at_most(void)
         TEST_ASSERT_EQUAL(n == 16u, check() == cam_ok);
         TEST_ASSERT_TRUE(n == 17u || table.n_passes == 16u);
     }
+    fixture_newer_passes(&image, passes, 16);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check());
 }

@@ -2,19 +2,15 @@
 // A table that changes in memory while it is played: bit after bit of the rows around the tool is
 // flipped. Nothing undefined happens (the presets with sanitizers run this too), the
 // set-point of U stays within its limits, and the guard or the background check ends the cut.
+#define OWN_SET_UP
 #include "fixture_random.h" // fixture_rarer
-#include "fixture_rig.h"
-#include "hal_host.h"
-#include "unity.h"
-#include <stdio.h>  // snprintf
-#include <stdlib.h> // labs
+#include "rig_bench.h"
+#include <stdio.h> // snprintf
 
 /// Of the bits each fifth is flipped, which comes to every place of a knot.
 enum { turn_ticks = 480, patience_polls = 40, knot_bits = 96u };
 enum { stride = fixture_rarer > 1 ? fixture_rarer : 5 };
 
-static fixture_rig_t rig;
-static fixture_part_t part;
 static fixture_rig_whole_t kept;
 static uint32_t n_by_guard, n_by_check;
 
@@ -27,9 +23,8 @@ static void begin(uint32_t spindle_mrpm)
 {
     part.spindle_mrpm = spindle_mrpm;
     fixture_rig_init(&rig, &part, 20000);
-    TEST_ASSERT_EQUAL_INT(
-        cam_ok, fixture_rig_set(&rig, cam_param_spindle_acceleration_mrad_per_s2, 2000000000));
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    set(cam_param_spindle_acceleration_mrad_per_s2, 2000000000);
+    bring(cam_state_cutting);
     fixture_rig_ticks(&rig, turn_ticks);
     fixture_rig_keep(&kept, &rig);
 }

@@ -129,16 +129,6 @@ static void test_increments_of_the_cut_end_with_a_fault(void)
     TEST_ASSERT_EQUAL_INT64(then.height_q32, f.motion.height_q32);
 }
 
-static void test_request_that_stands_is_carried_out_once(void)
-{
-    bring(cam_state_ready);
-    fixture_play_do(&f, cam_request_start);
-    expect_smooth_until(cam_state_cutting);
-    expect_smooth_until(cam_state_ready);
-    fixture_play_ticks(&f, 3000); // the request word still holds start
-    TEST_ASSERT_EQUAL_INT(cam_state_ready, f.want.state);
-}
-
 static void test_engage_begins_at_a_whole_turn_after_all_commanded_angles(void)
 {
     static const int32_t ahead_ns[][2] = {{0, 0}, {3000000, 0}, {100000, 40000000}};

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The order in which a tick calls the HAL, whose functions the linker wraps: reads come first, the
 // force of U is written before anything else, everything is written once and as it is recorded.
-#include "fixture_rig.h"
-#include "hal_host.h"
-#include "unity.h"
-#include <string.h>
+#include "rig_bench.h"
 
 enum { capacity = 64 };
 
 static char calls[capacity]; ///< one letter per call: reads in lower case, writes in upper case
 static uint32_t n_calls;
-static fixture_rig_t rig;
 static uint32_t visited; ///< bit of a state
 static int32_t most_force_q6;
 
@@ -119,12 +115,6 @@ static void cut(void)
     TEST_ASSERT_EQUAL_HEX32((2u << cam_state_fault) - 1u, visited);
 }
 
-void setUp(void)
-{
-    const fixture_part_t part = fixture_part_short();
-    fixture_rig_init(&rig, &part, 20000);
-}
-
 static void test_tick_reads_before_it_writes_and_writes_all_once_in_every_state(void)
 {
     cut();
@@ -135,10 +125,10 @@ static void test_tick_reads_before_it_writes_and_writes_all_once_in_every_state(
 static void test_force_leaves_before_all_other_writes(void)
 {
     hal_host.slow.force.quantum_un = 20000;
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_servo_integral_mHz, 0));
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_servo_pole_hz, 100));
+    set(cam_param_servo_integral_mHz, 0);
+    set(cam_param_servo_pole_hz, 100);
     TEST_ASSERT_EQUAL_INT(cam_err_servo_none, cam_machine_enable(&rig.machine));
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_servo_crossover_hz, 1));
+    set(cam_param_servo_crossover_hz, 1);
     cut();
     TEST_ASSERT_NOT_EQUAL_INT32(0, most_force_q6);
     for (uint32_t is_lost = 0; is_lost < 2u; is_lost++) {

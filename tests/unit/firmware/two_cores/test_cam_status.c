@@ -2,18 +2,15 @@
 // The slow side reads while another core ticks, as on Linux: all fields of a status belong to the
 // same tick, however often a reading falls into a tick. The preset host-tsan runs this under the
 // sanitizer of threads.
+#define OWN_SET_UP
 #include "cam_config.h"
-#include "fixture_rig.h"
-#include "hal_host.h"
-#include "unity.h"
+#include "rig_bench.h"
 #include <pthread.h>
 
 /// A fault comes in one tick of each period; it is the emergency stop and a drive in turn.
 enum { period = 64, at_manual = 4, at_fault = 20, at_end = 24, at_reset = 48, n_periods = 15000 };
 enum { pause = 400 }; ///< turns of an empty loop between two ticks
 
-static fixture_rig_t rig;
-static fixture_part_t part;
 static uint32_t first_tick;
 static uint32_t n_requests;
 static _Atomic bool is_over;

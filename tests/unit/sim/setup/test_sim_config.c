@@ -1,48 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
+#define CONFIG_PATH "test_sim_config.toml"
+#include "config_bench.h"
 #include "sim_config.h"
-#include "unity.h"
-#include <stdio.h>  // fopen, snprintf
-#include <string.h> // memcmp
 
 static sim_config_t config;
-static common_error_t error;
-static const char path[] = "test_sim_config.toml";
 
 void setUp(void)
 {
     config = sim_config_defaults();
 }
 
-void tearDown(void)
+static bool read_config(void)
 {
-    (void)remove(path);
-}
-
-static bool load_bytes(const char *bytes, size_t size)
-{
-    FILE *f = fopen(path, "wb");
-    TEST_ASSERT_NOT_NULL(f);
-    TEST_ASSERT_EQUAL_size_t(size, fwrite(bytes, 1, size, f));
-    TEST_ASSERT_EQUAL_INT(0, fclose(f));
     config = sim_config_defaults();
-    return sim_config_load(&config, path, &error);
-}
-
-static bool load(const char *text)
-{
-    return load_bytes(text, strlen(text));
-}
-
-static void taken(const char *text)
-{
-    TEST_ASSERT_TRUE_MESSAGE(load(text), error.text);
-}
-
-static void refused(const char *text, const char *why)
-{
-    TEST_ASSERT_FALSE_MESSAGE(load(text), text);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, why), error.text);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, path), error.text);
+    return sim_config_load(&config, CONFIG_PATH, &error);
 }
 
 /// The file and the code must agree on the default of every key.

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // A set of parameters is right or wrong as a whole, whatever the order in which it is taken.
-#include "fixture_rig.h"
+#define OWN_SET_UP
+#include "rig_bench.h"
 #include "sim_config.h"
-#include "unity.h"
-#include <stdio.h>  // sscanf
-#include <string.h> // strstr
+#include <stdio.h> // sscanf
 
-static fixture_rig_t rig;
-static fixture_part_t part;
 static cam_params_t params;
 static common_error_t error;
 
