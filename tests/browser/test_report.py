@@ -123,17 +123,17 @@ def test_part_in_space_is_drawn(report_folder: Path, open_window: OpenWindow, ke
 
 
 @pytest.mark.long
-def test_report_without_scripts_has_its_pictures(
+def test_report_without_scripts_has_its_numbers(
     report_folder: Path, open_window: OpenWindow, keep: Keep
 ) -> None:
-    """A reader without JavaScript sees the pictures that print."""
+    """A reader without JavaScript sees tables and sheets, and is told of the charts."""
     page = open_window(java_script_enabled=False).page
     page.goto((report_folder / "report.html").as_uri())
     keep(page, "Report, without scripts", is_whole=True)
     assert page.locator("#board").is_hidden()
-    pictures = page.locator("img:visible")
-    assert pictures.count() >= 5
+    assert page.locator("img:visible").count() >= 5
     assert page.locator("#summary").is_visible()
+    assert page.get_by_text("The charts need JavaScript").is_visible()
 
 
 @pytest.mark.long

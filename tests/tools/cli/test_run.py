@@ -29,8 +29,8 @@ from tests.tools.cases.part_cases import PERKINS, ROOT, Capture, Command, listin
 WALL_CLOCK = ("wall_time_s", "ticks_per_s", "run_wall_time_s")
 DAY = "1700000000"  # SOURCE_DATE_EPOCH
 DRAWN = (
-    *("compare", "following", "height", "learning", "map", "motion", "overview", "profiles"),
-    *("sections", "sequence", *(f"sheet{number}" for number in range(1, 6)), "skirt"),
+    *("compare", "learning", "profiles", "sequence"),
+    *(f"sheet{number}" for number in range(1, 6)),
 )
 RESULTS = [
     *(f"cut_{key}.png" for key in DRAWN),

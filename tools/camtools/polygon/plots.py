@@ -39,8 +39,10 @@ _N_WINDOW = 801
 BLEND_NAMES = ("off the drawing, µm\n(above 0: metal left)", "acceleration of U, m/s²")
 
 
-def paint_section(axes: Axes, made: GeneratedPolygon) -> None:
-    """Draw the first section to scale between its circles, joints marked."""
+def draw_section(made: GeneratedPolygon) -> Figure:
+    """Return the first section to scale between its circles, joints marked."""
+    figure = titled_figure(7.5, 7.9, f"{made.part.part.name}: {name_of(made.part.polygon)}")
+    axes = figure.add_subplot()
     measures, phi = measures_of(made.drawing), angles_of(made)
     turn = np.linspace(0, 2 * np.pi, 361)
     circles = (("inner", measures.inner_circle_mm, ":"), ("outer", measures.outer_circle_mm, "--"))
@@ -72,12 +74,6 @@ def paint_section(axes: Axes, made: GeneratedPolygon) -> None:
     axes.set_xlabel("mm, seen along Z from the headstock")
     axes.set_ylabel("mm")
     axes.grid(alpha=0.2)
-
-
-def draw_section(made: GeneratedPolygon) -> Figure:
-    """Return the section to scale."""
-    figure = titled_figure(7.5, 7.9, f"{made.part.part.name}: {name_of(made.part.polygon)}")
-    paint_section(figure.add_subplot(), made)
     figure.legend(loc="outside lower center", ncols=2, frameon=False)
     return figure
 

@@ -11,14 +11,12 @@ from matplotlib.figure import Figure
 
 from camtools.base.quantities import MM_PER_M, NM_PER_MM, Floats, omega_rad_s
 from camtools.part.common import Tolerances
-from camtools.plots.style import RED, new_figure, nice_limit, stacked
-from camtools.polygon.plots import BLEND_NAMES, hardest_blend, paint_blend, paint_section
-from camtools.polygon.summary import ROWS, PolygonCut, angles_of, name_of
+from camtools.plots.style import RED, new_figure, stacked
+from camtools.polygon.plots import BLEND_NAMES, hardest_blend, paint_blend
+from camtools.polygon.summary import ROWS, PolygonCut, angles_of
 from camtools.report.charts import ChartPanel, TurnOfU
 from camtools.report.kind_report import KindReport
 from camtools.report.sheet import Subject
-from camtools.report.surface import section_at
-from camtools.report.surface_plots import Extent, draw_roundness
 from camtools.report.views import (
     COMPARE,
     LEARNING,
@@ -27,10 +25,7 @@ from camtools.report.views import (
     fault_view,
     following_view,
     has_surface,
-    height_view,
-    map_view,
     motion_view,
-    surface_view,
 )
 from camtools.sim.results import CUTTING, CutTrace
 
@@ -42,35 +37,6 @@ _LEFT_OUT = (
     "long and short axis, ovality, phase and the roundness of the section itself, since a polygon "
     "is no oval; each section is described by its deviation from the drawing"
 )
-
-
-def _extent(cut: PolygonCut) -> Extent:
-    geometry = cut.generated.geometry
-    heights_mm = geometry.z_first_mm, geometry.z_last_mm
-    return Extent(heights_mm, cut.summary["cut"]["feed_mm"], ANGLE, "height")
-
-
-def draw_cut_section(outcome: PolygonCut) -> Figure:
-    """Return the section with cut points, and their error enlarged."""
-    made = outcome.generated
-    extent = _extent(outcome)
-    z_mm = sum(extent.heights_mm) / 2
-    near = section_at(outcome.surface, z_mm, extent.half_band_mm)  # of the middle height
-    figure = new_figure(11, 6.2)
-    figure.set_layout_engine("constrained", h_pad=0.12)  # between the axis and what is named below
-    left, right = figure.subplots(1, 2)
-    paint_section(left, made)
-    left.set_title(name_of(made.part.polygon), fontsize=9.5)
-    factor = float(
-        made.geometry.radius_mm(z_mm) / made.geometry.radius_mm(made.geometry.z_first_mm)
-    )
-    step, phi = max(1, near.turn.size // 90), 2 * np.pi * near.turn
-    r = near.radius_mm / factor
-    left.plot((r * np.cos(phi))[::step], (r * np.sin(phi))[::step], label="cut", **_MARKS)
-    limit_um = nice_limit(float(np.abs(near.error_um).max(initial=0.0)))
-    draw_roundness(right, near, float(made.geometry.radius_mm(z_mm)), limit_um)
-    figure.legend(loc="outside lower center", ncols=3, frameon=False)
-    return figure
 
 
 def draw_cut_blend(outcome: PolygonCut) -> Figure:
@@ -133,15 +99,6 @@ _VIEWS: tuple[View[PolygonCut], ...] = (
         "U must leave the work first, within a few milliseconds, and the tool tip must not move "
         "towards the axis (below 0) after the dashed line."
     ),
-    surface_view(
-        "section",
-        "The section",
-        "Left: the drawing to scale between its two circles, with cut points of the middle height. "
-        "Right: their error alone, enlarged as on a roundness instrument. Away from the joints the "
-        "line should stay on the middle circle; at the joints it shows the blends.",
-        draw_cut_section,
-        "section",
-    ),
     View(
         "blend",
         "The hardest joint",
@@ -151,15 +108,6 @@ _VIEWS: tuple[View[PolygonCut], ...] = (
         draw_cut_blend,
         lambda cut: has_surface(cut) and bool(cut.generated.blended.blends),
     ),
-    map_view(
-        "Error map",
-        "The shaft unrolled: red is metal left standing, blue is cut too deep. Stripes at the "
-        "joints are the blends, which count as error; anything else comes from the machine.",
-        _extent,
-    ),
-    height_view(
-        "The band should be narrow and even from end to end: all sections are alike.", _extent
-    ),
     motion_view(
         "The measured points must lie on the curve of the table in position and velocity; the "
         "peaks are the required values in the table of machine limits above.",
@@ -168,8 +116,7 @@ _VIEWS: tuple[View[PolygonCut], ...] = (
     LEARNING,
     following_view(
         "Difference between the actual and the demanded position of U; the band covers every turn "
-        "of the cut.",
-        ANGLE,
+        "of the cut."
     ),
     SEQUENCE,
     COMPARE,
@@ -178,8 +125,13 @@ _VIEWS: tuple[View[PolygonCut], ...] = (
 REPORT = KindReport(
     what="shaft",
     angle=ANGLE,
-    heights_mm=lambda cut: _extent(cut).heights_mm,
+    heights_mm=lambda cut: (
+        cut.generated.geometry.z_first_mm,
+        cut.generated.geometry.z_last_mm,
+    ),
     rows=ROWS,
     views=_VIEWS,
     subject=_subject,
+    hint="Stripes at the joints are the blends, which count as error; anything else comes from the "
+    "machine.",
 )

@@ -14,9 +14,20 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camtools.base.quantities import NM_PER_MM, Floats, Ints, omega_rad_s
-from camtools.plots.style import BLUE, GREY, ORANGE, RED, angle_axis, new_figure, stacked
+from camtools.base.quantities import NM_PER_MM, Floats, Ints, length_unit, omega_rad_s
+from camtools.plots.style import (
+    BLUE,
+    GREY,
+    ORANGE,
+    PALE,
+    RED,
+    angle_axis,
+    new_figure,
+    nice_limit,
+    stacked,
+)
 from camtools.report.charts import ChartPanel, TurnOfU, slope_of
+from camtools.report.surface import cells_of, map_rows
 from camtools.sim.results import CUTTING, CutTrace, GaugedSurface, Removal
 from camtools.skirt.geometry.corner import Corner
 from camtools.skirt.geometry.sections import fold
@@ -32,6 +43,34 @@ _ROOM_DEG = 14.0  # of the corner, to both sides
 _CORNER_ANGLES, _CORNER_POINTS, _CORNER_TICKS = 1401, 120, 2
 _RISING = 4  # turns at either end in which the feed rises or falls, or the chips of such a turn
 _DOTS: dict[str, Any] = {"ls": "", "marker": "o", "ms": 3.2, "mfc": "none", "color": RED}
+
+
+def draw_own(outcome: SkirtOutcome) -> Figure:
+    """Return the error of the cut against what the table plays, over angle and height."""
+    geometry, played = outcome.generated.geometry, outcome.control
+    assert played is not None
+    heights_mm = geometry.z_first_mm, geometry.z_last_mm
+    n_rows = map_rows(heights_mm[1] - heights_mm[0], outcome.summary["cut"]["feed_mm"])
+    limit_um = nice_limit(float(np.abs(played.error_um).max(initial=0.0)))
+    factor, unit = length_unit(limit_um)
+    figure = new_figure(10, 5.2)
+    axes = figure.add_subplot()
+    axes.set_facecolor(PALE)
+    picture = axes.imshow(
+        cells_of(played, heights_mm, n_rows).error_um * factor,
+        extent=(0, 360, *heights_mm),
+        origin="lower",
+        aspect="auto",
+        interpolation="nearest",
+        cmap="RdBu_r",  # red: metal left, blue: cut too deep; safe for red-green blindness
+        vmin=-limit_um * factor,
+        vmax=limit_um * factor,
+    )
+    bar = figure.colorbar(picture, ax=axes, pad=0.02)
+    bar.set_label(f"error against the {geometry.played_name}, {unit}  (above 0: metal left)")
+    angle_axis(axes)
+    axes.set_ylabel("skirt height, mm")
+    return figure
 
 
 def hardest_turn(trace: CutTrace, geometry: Geometry) -> Ints:

@@ -1,7 +1,7 @@
 """The report of a skirt.
 
 >>> REPORT.views[0].key, REPORT.views[-1].key
-('fault', 'overview')
+('fault', 'compare')
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from camtools.part.smoothing import sheet_note
 from camtools.report.kind_report import KindReport
 from camtools.report.sheet import Subject
-from camtools.report.surface_plots import Extent, draw_map
 from camtools.report.views import (
     COMPARE,
     LEARNING,
@@ -20,38 +19,20 @@ from camtools.report.views import (
     fault_view,
     following_view,
     has_surface,
-    height_view,
-    map_view,
     motion_view,
-    surface_view,
 )
 from camtools.skirt.geometry.profile import smoothed_curves, smoothing_takes_um, tolerances_left
-from camtools.skirt.report.cut_plots import draw_corner, draw_even, draw_ripple, motion_of
+from camtools.skirt.report.cut_plots import draw_corner, draw_even, draw_own, draw_ripple, motion_of
 from camtools.skirt.report.outcome import ROWS, SkirtOutcome
-from camtools.skirt.report.plots import (
-    ANGLE,
-    draw_overview,
-    draw_sections,
-    draw_skirt,
-    draw_smoothing,
-    enlargement_of,
-    extent_of,
-)
+from camtools.skirt.report.plots import draw_smoothing
+
+_ENLARGED = 30.0  # the part in space
 
 
-def _extent(cut: SkirtOutcome) -> Extent:
-    return extent_of(cut.generated.geometry, cut.summary["cut"]["feed_mm"])
-
-
-def _factor(cut: SkirtOutcome) -> float:
-    """Return by how much the drawing is enlarged already."""
+def _space(cut: SkirtOutcome) -> int:
+    """Return by how much to enlarge the part in space; its drawing may be enlarged already."""
     magnify = cut.generated.part.magnify
-    return magnify.factor if magnify else 1.0
-
-
-def _draw_own(cut: SkirtOutcome) -> Figure:
-    assert cut.control is not None
-    return draw_map(cut.control, _extent(cut), cut.generated.geometry.played_name)
+    return max(1, round(_ENLARGED / (magnify.factor if magnify else 1.0)))
 
 
 def _draw_even(cut: SkirtOutcome) -> Figure:
@@ -70,12 +51,6 @@ def _is_even(cut: SkirtOutcome) -> bool:
     return cut.even is not None and has_law and bool(cut.even.removal.turn.size)
 
 
-def _draw_overview(cut: SkirtOutcome) -> Figure:
-    feed_mm, rpm = (cut.summary["cut"][key] for key in ("feed_mm", "spindle_rpm"))
-    title = f"{cut.name} at {rpm:g} r/min on the simulator"
-    return draw_overview(cut.surface, cut.generated.geometry, feed_mm, title)
-
-
 def _subject(cut: SkirtOutcome) -> Subject:
     part = cut.generated.part
     note = sheet_note(cut.summary["form_error_um"], smoothing_takes_um(part))
@@ -88,32 +63,13 @@ _VIEWS: tuple[View[SkirtOutcome], ...] = (
         "towards the axis (below 0) after the dashed line. X follows more slowly, and the spindle "
         "runs down by itself."
     ),
-    map_view(
-        "Error map of the skirt",
-        "The skirt unrolled: red is metal left standing, blue is cut too deep, each cell shows its "
-        "worst point, grey areas were not cut. Stripes at fixed angles point to U, its timing or "
-        "the spindle speed; bands at fixed heights to X or to engaging; an even colour to the tool "
-        "setting.",
-        _extent,
-    ),
     View(
         "own",
         "Error map of the controller alone",
         "The table plays a refit or a filtered form of the drawing; this map compares the cut with "
         "that, so it shows what machine and controller add. The verdict uses the map above.",
-        _draw_own,
+        draw_own,
         lambda cut: has_surface(cut) and cut.control is not None,
-    ),
-    surface_view(
-        "sections",
-        "Sections",
-        "Top: the cut points must lie on the drawn oval everywhere. Bottom: the error alone, "
-        "enlarged far more, as on a roundness instrument. The line should stay near the middle "
-        "circle; a pattern rotated against the axes points to a wrong dead time.",
-        lambda cut: draw_sections(
-            cut.surface, cut.generated.geometry, cut.summary["cut"]["feed_mm"]
-        ),
-        "section",
     ),
     View(
         "corner",
@@ -126,19 +82,6 @@ _VIEWS: tuple[View[SkirtOutcome], ...] = (
             *(cut.surface, cut.trace, cut.generated.geometry, cut.summary["cut"]["spindle_rpm"])
         ),
         lambda cut: has_surface(cut) and cut.generated.geometry.corner is not None,
-    ),
-    height_view(
-        "The band should be narrow and without steps from bottom to top. A rise with height is "
-        "normal when the ovality rises; a spike at an end comes from the engage or disengage.",
-        _extent,
-    ),
-    surface_view(
-        "skirt",
-        "The skirt in space",
-        "The gauged surface with its deviations from a cylinder enlarged. It shows the oval, the "
-        "barrel shape and, if there is one, the corner; steps or waves would stand out.",
-        lambda cut: draw_skirt(cut.surface, cut.generated.geometry, _factor(cut)),
-        "space",
     ),
     View(
         "smoothing",
@@ -178,22 +121,23 @@ _VIEWS: tuple[View[SkirtOutcome], ...] = (
     following_view(
         "Difference between the actual and the demanded position of U; the band covers every turn "
         "of the cut. The shape of the velocity curve points to a wrong dead time or k1, that of "
-        "the acceleration curve to a wrong k2; a thin band means that all turns are alike.",
-        ANGLE,
+        "the acceleration curve to a wrong k2; a thin band means that all turns are alike."
     ),
     SEQUENCE,
     COMPARE,
 )
-_OVERVIEW: View[SkirtOutcome] = View(
-    "overview", "", "", _draw_overview, has_surface, is_on_page=False
-)
 
 REPORT = KindReport(
     what="skirt",
-    angle=ANGLE,
-    heights_mm=lambda cut: _extent(cut).heights_mm,
+    angle="spindle angle from the long axis",
+    heights_mm=lambda cut: (
+        cut.generated.geometry.z_first_mm,
+        cut.generated.geometry.z_last_mm,
+    ),
     rows=ROWS,
-    views=(*_VIEWS, _OVERVIEW),
+    views=_VIEWS,
     subject=_subject,
-    space=lambda cut: enlargement_of(_factor(cut)),
+    hint="Stripes at fixed angles point to U, its timing or the spindle speed; bands at fixed "
+    "heights to X or to engaging; an even colour to the tool setting.",
+    space=_space,
 )
