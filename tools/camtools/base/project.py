@@ -47,7 +47,7 @@ _HEADER = ROOT / "hal" / "include" / "hal" / "version.h"
 VERSION: str = re.findall(r'"([\d.]+)"', _HEADER.read_text(encoding="ascii"))[0]
 _SHORT = re.compile(r"\btools/(mktables|mkgcode|camctl)\b")
 _LONG = re.compile(
-    r"\btools/(?=(analyse|forecast|identify|keys|live|panel|papers|run|scallop|tune)\b)"
+    r"\btools/(?=(analyse|forecast|identify|live|panel|papers|run|tune)\b)"
 )
 
 

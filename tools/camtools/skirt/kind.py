@@ -37,7 +37,7 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
     name = "piston"
     plural = "pistons"
     rank = 0
-    commands = ("mktables", "run", "mkgcode", "analyse", "scallop", "trade")
+    commands = ("mktables", "run", "mkgcode", "analyse", "trade")
     model = SkirtPart
 
     def make(self, part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSkirt:
