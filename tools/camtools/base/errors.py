@@ -4,8 +4,6 @@
 'part.toml: process.feed_mm = 0: must be above 0; give mm per turn'
 """
 
-from __future__ import annotations
-
 import re
 
 _MAX_VALUE_CHARS = 60

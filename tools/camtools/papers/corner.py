@@ -6,8 +6,6 @@
 [36.0, 72.0, 36.0, 36.0]
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path

@@ -7,8 +7,6 @@
 ['path_scallop', 'path_unrolled']
 """
 
-from __future__ import annotations
-
 from functools import partial
 from typing import NamedTuple
 
