@@ -8,6 +8,7 @@ const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeA
 const has3d = Boolean(document.createElement("canvas").getContext("webgl"));
 
 const drawn = new Set();
+place("no-charts").remove();
 
 // Draws a chart into its element, in the page's colour of text.
 function draw(id) {
