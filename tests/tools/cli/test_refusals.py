@@ -30,11 +30,6 @@ REFUSALS = {
         ("--step-deg nan", "--step-deg nan: out of range"),
         ("--rpm 0", "--rpm 0.0: out of range; give 1 .. 60000"),
     ],
-    "scallop {parts}/perkins240_ring_helix.toml -o out": [
-        ("--nose-mm 200", "--nose-mm 200.0: out of range; give 0.01 .. 100"),
-        ("--rpm 0", "--rpm 0.0: out of range; give 1 .. 60000"),
-        ("--rpm 5000", 'process.path = "ring-helix": needs at least 2777.77778 mm/s2 of Z'),
-    ],
     "forecast {parts}/perkins240.toml -o out": [
         ("--runs 0", "forecast: --runs 0: out of range; give 1 .. 1000000"),
         ("--seed -1", "forecast: --seed -1: out of range"),

@@ -27,8 +27,8 @@ from tests.tools.cases.page_cases import PageReader, map_of
 from tests.tools.cases.part_cases import PERKINS, ROOT, Capture, Command, listing
 
 DRAWN = (
-    *("compare", "following", "height", "learning", "map", "motion", "overview", "profiles"),
-    *("sections", "sequence", *(f"sheet{number}" for number in range(1, 6)), "skirt"),
+    *("compare", "learning", "profiles", "sequence"),
+    *(f"sheet{number}" for number in range(1, 6)),
 )
 RESULTS = [
     *(f"cut_{key}.png" for key in DRAWN),

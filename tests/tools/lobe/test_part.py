@@ -51,7 +51,7 @@ def test_pistons_are_read_as_before() -> None:
     """A part file says itself what it is; what takes pistons only says so of a cam."""
     assert not isinstance(load(PERKINS).part, LobePart)
     with pytest.raises(CamtoolsError) as info:
-        parse_for("scallop", SkirtPart, GOOD.encode(), "c.toml")
+        parse_for("trade", SkirtPart, GOOD.encode(), "c.toml")
     assert info.value.lines == [
         "c.toml: part.kind = 'cam': cams are for mktables, run, analyse and mkgcode; give the part "
         "file of a piston"

@@ -22,10 +22,7 @@ from tests.tools.cases.report_cases import without_scripts
 
 PARTS = ROOT / "tools" / "parts"
 SHORT = ("--feed", "4", "--", "--set", "engage_turns=1", "--set", "disengage_turns=1")
-PICTURES = (
-    *("cam", "compare", "following", "learning", "motion", "profile", "sequence", "speed"),
-    "stroke",
-)
+PICTURES = ("cam", "compare", "learning", "motion", "sequence", "speed")
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -161,7 +158,7 @@ def test_rake_is_drawn_of_a_tool_that_swings(turned: GeneratedLobes) -> None:
     assert with_swing == pytest.approx(0.25)
     assert below.get_ylim()[0] < 0.25 < below.get_ylim()[1]
     files = make_report(REPORT, replace(outcome, swing_deg=exact_deg))
-    names = {"cut_profile.png", "cut_speed.png", "cut_cam.png", "cut_rake.png", "report.html"}
+    names = {"cut_speed.png", "cut_cam.png", "cut_rake.png", "report.html"}
     assert names <= set(files)
     page = files["report.html"].decode()
     assert "Effective rake" in page and "The tip of the tool is a circle" in page

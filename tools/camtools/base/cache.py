@@ -10,8 +10,6 @@ speed leaves the shape as it was, and the search for its table need not be repea
 -1
 """
 
-from __future__ import annotations
-
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager

@@ -4,8 +4,6 @@
 0
 """
 
-from __future__ import annotations
-
 import argparse
 import errno
 import os

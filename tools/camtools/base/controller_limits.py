@@ -6,8 +6,6 @@
 'needs 275000 mm/s2, limit 250000 mm/s2'
 """
 
-from __future__ import annotations
-
 import re
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@
 'part.toml: process.feed_mm = 0: must be above 0; give mm per turn'
 """
 
-from __future__ import annotations
-
 import re
 
 _MAX_VALUE_CHARS = 60
@@ -46,7 +44,7 @@ class CamtoolsError(Exception):
         self.lines = [one_line(line) for line in lines]
         super().__init__("\n".join(self.lines))
 
-    def __reduce__(self) -> tuple[type[CamtoolsError], tuple[list[str]]]:
+    def __reduce__(self) -> tuple[type["CamtoolsError"], tuple[list[str]]]:
         return CamtoolsError, (self.lines,)  # from one process to another
 
 

@@ -15,8 +15,6 @@ Is a directory
 ['a.txt', 'b.txt', 'c.txt']
 """
 
-from __future__ import annotations
-
 import errno
 import fcntl
 import os

@@ -6,8 +6,6 @@
 ([0.0, 0.5], b'a')
 """
 
-from __future__ import annotations
-
 from io import BytesIO
 from typing import Any
 

@@ -24,8 +24,6 @@ camtools.base.errors.CamtoolsError: nowhere.so: cannot be loaded; start tools/ru
 '1'
 """
 
-from __future__ import annotations
-
 import ctypes
 import os
 import re
@@ -46,9 +44,7 @@ RESULTS = Path("build").absolute() if IS_INSTALLED else ROOT / "build"
 _HEADER = ROOT / "hal" / "include" / "hal" / "version.h"
 VERSION: str = re.findall(r'"([\d.]+)"', _HEADER.read_text(encoding="ascii"))[0]
 _SHORT = re.compile(r"\btools/(mktables|mkgcode|camctl)\b")
-_LONG = re.compile(
-    r"\btools/(?=(analyse|forecast|identify|keys|live|panel|papers|run|scallop|tune)\b)"
-)
+_LONG = re.compile(r"\btools/(?=(analyse|forecast|identify|live|panel|papers|run|tune)\b)")
 
 
 def with_names(text: str) -> str:

@@ -6,8 +6,6 @@
 ((1000.0, 'nm'), (1.0, 'µm'))
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

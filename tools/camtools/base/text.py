@@ -30,8 +30,6 @@ Traceback (most recent call last):
 ValueError: a key of more than 32 names
 """
 
-from __future__ import annotations
-
 import json
 import re
 import tomllib

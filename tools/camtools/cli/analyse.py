@@ -17,7 +17,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.files import write_all
 from camtools.base.text import csv_text, emit_json
 from camtools.lobe.part import LobePart
-from camtools.papers import figures, lobe, path_drawings, paths, refit, section
+from camtools.papers import figures, lobe, paths, refit, section
 from camtools.papers.lobe import LobeWishes
 from camtools.papers.section import Analysis, AnalysisWishes, make_analysis
 from camtools.pipeline.load import load_able
@@ -35,7 +35,7 @@ def _files(found: Analysis, nose_mm: float, *, with_pictures: bool) -> dict[str,
     study = paths.make_study(*ends, found.feed_mm, found.rpm, nose_mm, limits)
     slope = np.abs(found.geometry.radius_mm(np.linspace(*ends, 2001), 1)).max()
     texts["paths.csv"] = paths.study_csv(study, float(slope))
-    drawers = {**figures.section_drawers(found), **path_drawings.drawers(found.name, study)}
+    drawers = {**figures.section_drawers(found), **paths.drawers(found.name, study)}
     if found.geometry.corner is not None:
         joint = found.geometry.corner.joint(found.height_mm)
         corner = refit.study(joint, found.height_mm, found.rpm)

@@ -11,8 +11,6 @@ steps to the next one at its end.
 (['0.000', '0.050', '0.200', '0.300'], 5.0)
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import ceil, sqrt
 

@@ -6,8 +6,6 @@
 '10.846348636519 mm2'
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property

@@ -13,8 +13,6 @@ The law of least ripple is thus found by a few linear programs, MATHS.md (27),
 '0.000000 0.750000'
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

@@ -11,8 +11,6 @@ played is that of its own, of the hold, of what the limits take away, and of the
 True
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import ceil
 from typing import NamedTuple

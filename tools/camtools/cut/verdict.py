@@ -4,8 +4,6 @@
 'machine.limits.u_speed_mm_s = 400 mm/s: the part needs 500 mm/s; turn more slowly'
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from camtools.base.controller_limits import LIMITS

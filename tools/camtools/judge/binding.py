@@ -6,8 +6,6 @@ The library is always that of the host build, whatever build the simulator is ta
 'libcamjudge.so'
 """
 
-from __future__ import annotations
-
 import weakref
 from collections.abc import Mapping
 from ctypes import (

@@ -17,7 +17,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camtools.base.quantities import MM_PER_M, NM_PER_MM, Floats, Ints, length_unit
+from camtools.base.quantities import MM_PER_M, NM_PER_MM, Floats, Ints
 from camtools.lobe.channels import patterns_of
 from camtools.lobe.contact import Contact, Follower
 from camtools.lobe.generate import GeneratedLobes
@@ -26,7 +26,6 @@ from camtools.lobe.motion import ShaftLobe, profiles_of
 from camtools.lobe.summary import LobeOutcome
 from camtools.plots.style import (
     BLUE,
-    GREEN,
     GREY,
     ORANGE,
     RED,
@@ -265,30 +264,6 @@ def band(turn: Floats, values: Floats) -> tuple[Floats, Floats, Floats]:
 
 def _heights(lobe: ShaftLobe, z_mm: Floats) -> Floats:
     return np.asarray((z_mm >= lobe.z_mm[0]) & (z_mm <= lobe.z_mm[1]))
-
-
-def draw_profile(outcome: LobeOutcome) -> Figure:
-    """Return the error of every lobe's profile against the polar angle."""
-    lobes, surface = outcome.generated.lobes, outcome.surface
-    figure = new_figure(10, 1.2 + 2.4 * len(lobes))
-    panels = figure.subplots(len(lobes), 1, sharex=True, squeeze=False)[:, 0]
-    for i, (axes, lobe) in enumerate(zip(panels, lobes, strict=True)):
-        rows = _heights(lobe, surface.z_mm)
-        degrees, least, most = band(surface.turn[rows], surface.error_um[rows])
-        largest_um = float(np.abs(np.concatenate([least, most])).max(initial=0.0))
-        factor, unit = length_unit(largest_um)
-        axes.fill_between(degrees, least * factor, most * factor, color=ORANGE, alpha=0.4, lw=0)
-        axes.plot(degrees, most * factor, color=ORANGE, lw=1, label="largest of all turns")
-        axes.plot(degrees, least * factor, color=BLUE, lw=1, label="smallest of all turns")
-        axes.axhline(0, color=GREY, lw=0.8)
-        axes.axvline(np.degrees(lobe.phase_rad) % 360, color=GREEN, lw=1, ls="--")
-        name = f"lobe {i}, {lobe.z_mm[0]:g} .. {lobe.z_mm[1]:g} mm; dashed: zero of its law"
-        axes.set_title(name, loc="left")
-        axes.set_ylabel(f"error, {unit}\n(above 0: metal left)")
-        axes.grid(alpha=0.3)
-    panels[0].legend(frameon=False, loc="lower right", bbox_to_anchor=(1, 0.97), ncols=2)
-    angle_axis(panels[-1], ANGLE)
-    return figure
 
 
 def speed_of_contact(lobe: ShaftLobe, phi_rad: Floats, omega_rad_s: Floats) -> Floats:

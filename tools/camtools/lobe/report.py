@@ -10,7 +10,6 @@ from camtools.lobe.plots import (
     draw_lobes,
     draw_motion,
     draw_positions,
-    draw_profile,
     draw_rake,
     draw_smoothing,
     draw_speed,
@@ -52,15 +51,6 @@ _VIEWS: tuple[views.View[LobeOutcome], ...] = (
     views.fault_view(
         "U must leave the work first, beyond the nose of the cam, and no axis may move towards the "
         "axis after the dashed line. X follows more slowly; the spindle runs down by itself."
-    ),
-    views.surface_view(
-        "profile",
-        "Error of the profile",
-        "Error of the profile along its normal: above 0 metal left, below 0 cut too deep; the band "
-        "covers all turns. An error that follows the slope of the lift comes from the angle or "
-        "dead time, one that follows its curvature from U's feed-forward.",
-        draw_profile,
-        "unrolled",
     ),
     views.View(
         "cam",
@@ -113,8 +103,7 @@ _VIEWS: tuple[views.View[LobeOutcome], ...] = (
     views.following_view(
         "Difference between the actual and the demanded position of U; the band covers every turn. "
         "The shape of the lift's slope points to a wrong dead time or k1, that of its curvature "
-        "to a wrong k2.",
-        "spindle angle",
+        "to a wrong k2."
     ),
     views.SEQUENCE._replace(
         text="X approaches from clear of the lobes while the lift grows from zero, so that the "
@@ -131,6 +120,8 @@ REPORT = KindReport(
     rows=ROWS,
     views=_VIEWS,
     subject=_subject,
+    hint="An error that follows the slope of the lift comes from the angle or dead time, one that "
+    "follows its curvature from U's feed-forward.",
     modelled=_modelled,
     compared="what it leaves, along the normals of the profile,",
     pictures=draw_lobes,

@@ -4,8 +4,6 @@ Each block takes the same time (G93). Uniform turning has equal angles between i
 equal-volume turning equal areas of the section at the height of the turn. Written turn by turn.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from math import ceil

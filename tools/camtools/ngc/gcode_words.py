@@ -4,8 +4,6 @@ r"""Words, blocks and frames of NC programs in the dialect of LinuxCNC.
 b'X1.000\nX0.000\n'
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from math import ceil
 from typing import NamedTuple

@@ -11,8 +11,6 @@ far as the spindle's acceleration allows. Each lobe is cut along a helix of its 
 (True, True, 1.0)
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from math import ceil
 from typing import NamedTuple

@@ -11,8 +11,6 @@ and camturn plays U from its table, from the measured spindle angle and Z.
 (27, '0.0000986')
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from math import ceil
 from typing import NamedTuple

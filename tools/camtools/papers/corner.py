@@ -6,10 +6,10 @@
 [36.0, 72.0, 36.0, 36.0]
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,15 +19,16 @@ from camtools.base.quantities import UM_PER_MM, Floats
 from camtools.base.text import Columns
 from camtools.papers import refit
 from camtools.papers.declared import corner_of, declared, part_of, printed
-from camtools.papers.paths import cut_table
 from camtools.papers.refit import CUBIC, DELETED, curve_of
-from camtools.sim.machine_file import machine_text
+from camtools.sim.machine_file import Machine, machine_text
+from camtools.sim.simulate import simulate
 from camtools.skirt.geometry.corner import Recipe, deviation_mm
 from camtools.skirt.geometry.sections import Joint
 from camtools.skirt.part.keys import Refit
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.report.summary import make_summary
 from camtools.skirt.table.generate import generate
+from camtools.table.summary import table_files
 
 KEY = "S2"
 _CASE = declared(KEY).case
@@ -95,7 +96,12 @@ def cut_record(name: str, recipe: Recipe, mode_hz: float = 0.0) -> Record:
     piston = part.piston.model_copy(update={"section": section})
     made = generate(part.model_copy(update={"piston": piston}))
     machine = machine_text(part.machine.limits).replace("[u]\n", f"[u]\nmode_hz = {mode_hz!r}\n")
-    result = cut_table(made.table, make_summary(made), machine, ["--tolerance-um", "1000"])
+    with TemporaryDirectory(prefix="camturn-papers.") as folder:
+        for file, data in table_files(made.table, make_summary(made)).items():
+            Path(folder, file).write_bytes(data)
+        table = Path(folder, f"{made.table.part_name}.camtab")
+        options = ["--tolerance-um", "1000"]
+        result = simulate(table, Machine("machine", machine), options=options)
     if result.status != 0:
         problem = f"{name}: the simulator did not cut it: {result.message}"
         raise CamtoolsError([f"{problem}; run tools/run tools/parts/{_CASE['measured']}.toml"])

@@ -6,8 +6,6 @@
 np.float64(5.0)
 """
 
-from __future__ import annotations
-
 import string
 import tomllib
 from collections.abc import Iterable, Mapping

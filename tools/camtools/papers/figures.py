@@ -4,8 +4,6 @@
 ['S0, S1', 'S2', 'S3', 'S4']
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 

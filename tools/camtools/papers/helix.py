@@ -5,8 +5,6 @@
 ((505, 8), [0.0, 5.0, 10.0])
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

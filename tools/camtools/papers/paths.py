@@ -1,36 +1,29 @@
-"""Ring-helix, helices and steps, in theory and cut, MATHS.md (40) .. (43), (100).
+"""Ring-helix, helices and steps in theory and drawn, MATHS.md (40) .. (43), (100).
 
 >>> study = make_study(0.0, 62.0, 0.2, 1000.0, 0.8, MachineLimits())
 >>> [(one.path.turns, f"{one.scallop_um.max():.4f}") for one in study.rows]
 [(621.0, '6.2500'), (620.0, '1.5625'), (310.0, '6.2500')]
+>>> sorted(drawers("a", study))
+['path_scallop', 'path_unrolled']
 """
 
-from __future__ import annotations
-
-import tempfile
-from collections.abc import Sequence
-from dataclasses import replace
-from pathlib import Path
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import UM_PER_MM, Floats
-from camtools.base.text import Json, csv_text
+from camtools.base.text import csv_text
 from camtools.cut.path import ToolPath, highest_rpm, highest_step_rpm, ramp_of, step_of
 from camtools.part.common import MachineLimits
-from camtools.sim.machine_file import Machine, machine_text
-from camtools.sim.simulate import Result, simulate
-from camtools.skirt.part.part_file import SkirtPart
-from camtools.skirt.report.summary import make_summary
-from camtools.skirt.table.generate import generate
-from camtools.table.image import Table
-from camtools.table.summary import table_files
+from camtools.plots.style import BLUE, GREY, ORANGE, Drawers, angle_axis, legend_below, new_figure
 
 N_ANGLES, N_HEIGHTS = 240, 401  # of a map of the surface
 _SECTIONS = 4  # of the map
 _NEARLY = 1 - 1e-9
+_DEG = np.linspace(0, 360, 361)
 
 
 class PathRow(NamedTuple):
@@ -120,112 +113,63 @@ def study_csv(study: PathStudy, slope: float) -> str:
     )
 
 
-def cut_table(
-    table: Table, summary: Json, machine: str, options: Sequence[str], *, scallop: bool = False
-) -> Result:
-    """Cut a table, gauged by its summary, on a machine of this text.
-
-    Raises CamtoolsError where the simulator refuses it.
-    """
-    with tempfile.TemporaryDirectory(prefix="camturn-papers.") as name:
-        for file, data in table_files(table, summary).items():
-            Path(name, file).write_bytes(data)
-        path = Path(name, f"{table.part_name}.camtab")
-        return simulate(path, Machine("machine", machine), options=options, scallop=scallop)
+def _track(axes: Axes, path: ToolPath, low_mm: float, high_mm: float) -> None:
+    """Draw every turn that touches the heights: rings blue, helix turns orange."""
+    names = [("closed ring", BLUE), ("turn of a helix", ORANGE)]
+    for turn in range(int(np.ceil(path.turns))):
+        z = path.height_mm(turn + _DEG / 360)
+        if z[-1] >= low_mm and z[0] <= high_mm:
+            name, colour = names[not (path.kind == "ring-helix" and turn % 2 == 0)]
+            label = "_" if name in axes.get_legend_handles_labels()[1] else name
+            axes.plot(_DEG, z, color=colour, lw=1.8, label=label)
+    angle_axis(axes)
 
 
-def peak_to_valley(map_um: Floats) -> Floats:
-    """Return the height of the scallops at every angle of a map."""
-    return np.asarray(map_um.max(axis=1) - map_um.min(axis=1), dtype=np.float64)
+def draw_unrolled(name: str, study: PathStudy) -> Figure:
+    """Return the paths on the unrolled skirt, over the heights of the maps."""
+    figure = new_figure(10, 5.2)
+    figure.suptitle(f"{name}: two paths of as many turns, unrolled")
+    panels = figure.subplots(1, 2, sharey=True)
+    low, high = float(study.z_mm[0]), float(study.z_mm[-1])
+    path = study.rows[0].path
+    room = 0.1 * path.feed_mm
+    for axes, row in zip(panels, study.rows, strict=False):
+        _track(axes, row.path, low, high)
+        axes.set(title=f"{row.name}, {row.path.feed_mm:g} mm", ylim=(low - room, high + room))
+        axes.grid(alpha=0.3)
+    straight = ToolPath(path.kind, path.z_first_mm, path.z_last_mm, path.feed_mm)
+    first = 2 * round((low - straight.z_first_mm) / straight.feed_mm) + 1
+    printed = straight.height_mm(first + _DEG / 360)
+    panels[0].plot(_DEG, printed, color=GREY, ls="--", lw=1, label="as printed, without ramps")
+    panels[0].set_ylabel("skirt height, mm")
+    legend_below(figure, panels[0], 3)
+    return figure
 
 
-class PathCut(NamedTuple):
-    """A path of the part in theory, and as the simulator measured it."""
-
-    row: PathRow
-    turns: float  # of the state cutting
-    time_s: float
-    form_error_um: float
-    proud_um: Floats  # shape (N_ANGLES, N_HEIGHTS), above the exact surface
-
-    @property
-    def scallop_um(self) -> Floats:
-        """Return the measured peak to valley at every angle."""
-        return peak_to_valley(self.proud_um)
-
-    @property
-    def predicted_um(self) -> Floats:
-        """Return the predicted peak to valley at every angle."""
-        return peak_to_valley(self.row.scallop_um)
-
-    @property
-    def mean_um(self) -> float:
-        """Return the mean height above the deepest point of each angle."""
-        return float((self.proud_um - self.proud_um.min(axis=1)[:, None]).mean())
+def draw_scallop(name: str, study: PathStudy) -> Figure:
+    """Return maps of the metal left between the tracks."""
+    rows = study.rows[:2]
+    figure = new_figure(10, 5.2)
+    nose = f"nose radius {study.nose_mm:g} mm, {study.rows[0].rpm:g} r/min"
+    figure.suptitle(f"{name}: metal left between the tracks, {nose}")
+    highest = max(float(row.scallop_um.max()) for row in rows)
+    extent = (0.0, 360.0, float(study.z_mm[0]), float(study.z_mm[-1]))
+    panels = figure.subplots(1, 2)
+    for axes, row in zip(panels, rows, strict=True):
+        map_um = np.r_[row.scallop_um, row.scallop_um[:1]].T
+        image = axes.imshow(
+            map_um, extent=extent, origin="lower", aspect="auto", vmin=0, vmax=highest
+        )
+        angle_axis(axes)
+        axes.set_title(f"{row.name}, {row.path.feed_mm:g} mm: worked out")
+    panels[0].set_ylabel("skirt height, mm")
+    figure.colorbar(image, ax=panels, label="above the design, µm")
+    return figure
 
 
-def _turned(part: SkirtPart, path: str) -> SkirtPart:
-    process = part.process.model_copy(update={"path": path, "mode": "uniform"})
-    return part.model_copy(update={"process": process})
-
-
-def cut_paths(part: SkirtPart, nose_mm: float) -> tuple[PathStudy, tuple[PathCut, ...]]:
-    """Cut a part along a ring-helix and along helices of as many turns and of the same lead.
-
-    Raises CamtoolsError where the part is impossible, Z cannot follow, or a cut failed.
-    """
-    tool = part.tool.model_copy(update={"nose_radius_mm": nose_mm})
-    made = generate(_turned(part, "ring-helix").model_copy(update={"tool": tool}))
-    geometry, process, limits = made.geometry, part.process, part.machine.limits
-    ends = geometry.z_first_mm, geometry.z_last_mm
-    study = make_study(*ends, process.feed_mm, process.spindle_rpm, nose_mm, limits)
-    heights = f"{study.z_mm[0]:.9g}:{study.z_mm[-1]:.9g}"
-    cuts = []
-    for row in study.rows:
-        kind = row.path.kind
-        table = replace(made.table, is_ring_helix=kind == "ring-helix")
-        summary = make_summary(replace(made, part=_turned(made.part, kind), table=table))
-        options = ["--rpm", repr(row.rpm), "--feed", repr(row.path.feed_mm)]
-        options += ["--nose-mm", repr(nose_mm), "--scallop-mm", heights]
-        result = cut_table(table, summary, machine_text(limits), options, scallop=True)
-        if result.status != 0:
-            problem = f"{row.name}: {result.message}"
-            raise CamtoolsError([f"{problem}; change the part or give another --rpm"])
-        done, form_um = result.summary["cut"], result.summary["form_error_um"]["max"]
-        proud_um = result.scallop["proud_um"].reshape(N_ANGLES, N_HEIGHTS)
-        cuts.append(PathCut(row, done["turns"], done["seconds"], form_um, proud_um))
-    return study, tuple(cuts)
-
-
-def cuts_csv(cuts: Sequence[PathCut]) -> str:
-    """Return theory and measurement of every path as CSV."""
-    rows = [one.row for one in cuts]
-    return csv_text(
-        {
-            "path": ([f'"{one.name}"' for one in rows], ""),
-            "feed_mm": ([one.path.feed_mm for one in rows], 4),
-            "rpm": ([one.rpm for one in rows], 4),
-            "turns": ([one.path.turns for one in rows], 4),
-            "turns_measured": ([one.turns for one in cuts], 4),
-            "time_s": ([one.time_s for one in rows], 4),
-            "time_measured_s": ([one.time_s for one in cuts], 4),
-            "scallop_max_um": ([one.predicted_um.max() for one in cuts], 4),
-            "scallop_max_measured_um": ([one.scallop_um.max() for one in cuts], 4),
-            "scallop_mean_um": ([one.scallop_um.mean() for one in rows], 4),
-            "scallop_mean_measured_um": ([one.mean_um for one in cuts], 4),
-            "form_error_um": ([one.form_error_um for one in cuts], 4),
-        }
-    )
-
-
-def cuts_text(cuts: Sequence[PathCut]) -> str:
-    """Return the table for people."""
-    lines = [f"{'path':21s} {'turns':>8s} {'time':>8s} {'scallop, largest':>20s} {'mean':>16s}"]
-    lines.append(f"{'':21s} {'cut':>8s} {'s':>8s} {'measured (worked out)':>23s} um")
-    lines += [
-        f"{one.row.name:21s} {one.turns:8.1f} {one.time_s:8.2f} "
-        f"{one.scallop_um.max():10.3f} ({one.predicted_um.max():.3f}) "
-        f"{one.mean_um:10.3f} ({one.row.scallop_um.mean():.3f})"
-        for one in cuts
-    ]
-    return "\n".join(lines) + "\n"
+def drawers(name: str, study: PathStudy) -> Drawers:
+    """Return the makers of the pictures of the theory by topic."""
+    return {
+        "path_unrolled": partial(draw_unrolled, name, study),
+        "path_scallop": partial(draw_scallop, name, study),
+    }

@@ -4,8 +4,6 @@
 (('spindle acceleration', 'rad/s²'), ('depth', 'mm'), ('s1', ''))
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

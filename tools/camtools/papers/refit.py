@@ -8,8 +8,6 @@ The numbers of the paper stand beside ours only for the section it is about, MAT
 (True, '[(1, 1), (2, 2), (3, 3)]')
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 

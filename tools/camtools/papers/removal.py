@@ -5,8 +5,6 @@
 '92.000000004 mm at 20.005220 mm'
 """
 
-from __future__ import annotations
-
 from functools import cache, partial
 from typing import Any
 

@@ -8,8 +8,6 @@
 '0.000000,0.100000000,0.000000000,0.000000000'
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from math import isfinite

@@ -5,8 +5,6 @@
 '| 1 | 3456 | 32 | 16 (8) | 10 | 0.378 | 0.717 |'
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

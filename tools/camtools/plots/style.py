@@ -26,7 +26,6 @@ _HEX = "#0072B2 #E69F00 #009E73 #D55E00 #56B4E9 #CC79A7"
 BLUE, ORANGE, GREEN, RED, SKY, PURPLE = _HEX.split()
 GREY, PALE = "#666666", "#dddddd"
 _SERIES, _STROKES = (BLUE, ORANGE, GREEN, RED, SKY, PURPLE), ("-", "--", ":", "-.")
-ERROR_COLOURS = "RdBu_r"  # red: metal left, blue: cut too deep; safe for red-green blindness
 
 _DPI, _TITLED_DPI = 100, 120
 _MANY_DECADES = {"x": 1e3, "y": 1e4}  # ratio of the ends beyond which numbers stand too close
@@ -192,16 +191,3 @@ def space(figure: Figure, place: int, aspect: float) -> Axes3D:
 def around(radius: Floats, phi_rad: Floats) -> tuple[Floats, Floats]:
     """Return the plane coordinates of polar ones."""
     return radius * np.cos(phi_rad), radius * np.sin(phi_rad)
-
-
-def paint_band(
-    axes: Axes, x: Floats, curves: tuple[Floats, Floats, Floats], names: tuple[str, str]
-) -> None:
-    """Draw the range (least, most, middle) of a curve around its dashed middle, both named."""
-    least, most, middle = curves
-    axes.fill_between(x, least, most, color=ORANGE, alpha=0.35, lw=0)
-    axes.plot(x, most, color=ORANGE, lw=1, label=names[0])
-    axes.plot(x, least, color=ORANGE, lw=1)
-    axes.plot(x, middle, color=BLUE, lw=1.6, ls="--", label=names[1])
-    axes.axhline(0, color=GREY, lw=0.8)
-    axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(0, 1.16), ncols=2)

@@ -22,7 +22,6 @@ from camtools.plots.style import (
     angle_axis,
     around,
     new_figure,
-    nice_limit,
     pictures,
     stacked,
     titled_figure,
@@ -34,8 +33,6 @@ from camtools.report import views
 from camtools.report.charts import ChartPanel, TurnOfU
 from camtools.report.kind_report import KindReport
 from camtools.report.sheet import Subject
-from camtools.report.surface import section_at
-from camtools.report.surface_plots import Extent, draw_roundness
 from camtools.sim.results import CUTTING, CutTrace
 
 _UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
@@ -44,8 +41,10 @@ _N_WINDOW = 801
 BLEND_NAMES = ("off the drawing, µm\n(above 0: metal left)", "acceleration of U, m/s²")
 
 
-def paint_section(axes: Axes, made: GeneratedPolygon) -> None:
-    """Draw the first section to scale between its circles, joints marked."""
+def draw_section(made: GeneratedPolygon) -> Figure:
+    """Return the first section to scale between its circles, joints marked."""
+    figure = titled_figure(7.5, 7.9, f"{made.part.part.name}: {name_of(made.part.polygon)}")
+    axes = figure.add_subplot()
     measures, phi = measures_of(made.drawing), angles_of(made)
     turn = np.linspace(0, 2 * np.pi, 361)
     circles = (("inner", measures.inner_circle_mm, ":"), ("outer", measures.outer_circle_mm, "--"))
@@ -77,12 +76,6 @@ def paint_section(axes: Axes, made: GeneratedPolygon) -> None:
     axes.set_xlabel("mm, seen along Z from the headstock")
     axes.set_ylabel("mm")
     axes.grid(alpha=0.2)
-
-
-def draw_section(made: GeneratedPolygon) -> Figure:
-    """Return the section to scale."""
-    figure = titled_figure(7.5, 7.9, f"{made.part.part.name}: {name_of(made.part.polygon)}")
-    paint_section(figure.add_subplot(), made)
     figure.legend(loc="outside lower center", ncols=2, frameon=False)
     return figure
 
@@ -159,35 +152,6 @@ _LEFT_OUT = (
 )
 
 
-def _extent(cut: PolygonCut) -> Extent:
-    geometry = cut.generated.geometry
-    heights_mm = geometry.z_first_mm, geometry.z_last_mm
-    return Extent(heights_mm, cut.summary["cut"]["feed_mm"], ANGLE, "height")
-
-
-def draw_cut_section(outcome: PolygonCut) -> Figure:
-    """Return the section with cut points, and their error enlarged."""
-    made = outcome.generated
-    extent = _extent(outcome)
-    z_mm = sum(extent.heights_mm) / 2
-    near = section_at(outcome.surface, z_mm, extent.half_band_mm)  # of the middle height
-    figure = new_figure(11, 6.2)
-    figure.set_layout_engine("constrained", h_pad=0.12)  # between the axis and what is named below
-    left, right = figure.subplots(1, 2)
-    paint_section(left, made)
-    left.set_title(name_of(made.part.polygon), fontsize=9.5)
-    factor = float(
-        made.geometry.radius_mm(z_mm) / made.geometry.radius_mm(made.geometry.z_first_mm)
-    )
-    step, phi = max(1, near.turn.size // 90), 2 * np.pi * near.turn
-    r = near.radius_mm / factor
-    left.plot((r * np.cos(phi))[::step], (r * np.sin(phi))[::step], label="cut", **_MARKS)
-    limit_um = nice_limit(float(np.abs(near.error_um).max(initial=0.0)))
-    draw_roundness(right, near, float(made.geometry.radius_mm(z_mm)), limit_um)
-    figure.legend(loc="outside lower center", ncols=3, frameon=False)
-    return figure
-
-
 def draw_cut_blend(outcome: PolygonCut) -> Figure:
     """Return the hardest joint with the points cut there."""
     made, surface = outcome.generated, outcome.surface
@@ -248,15 +212,6 @@ _VIEWS: tuple[views.View[PolygonCut], ...] = (
         "U must leave the work first, within a few milliseconds, and the tool tip must not move "
         "towards the axis (below 0) after the dashed line."
     ),
-    views.surface_view(
-        "section",
-        "The section",
-        "Left: the drawing to scale between its two circles, with cut points of the middle height. "
-        "Right: their error alone, enlarged as on a roundness instrument. Away from the joints the "
-        "line should stay on the middle circle; at the joints it shows the blends.",
-        draw_cut_section,
-        "section",
-    ),
     views.View(
         "blend",
         "The hardest joint",
@@ -266,15 +221,6 @@ _VIEWS: tuple[views.View[PolygonCut], ...] = (
         draw_cut_blend,
         lambda cut: views.has_surface(cut) and bool(cut.generated.blended.blends),
     ),
-    views.map_view(
-        "Error map",
-        "The shaft unrolled: red is metal left standing, blue is cut too deep. Stripes at the "
-        "joints are the blends, which count as error; anything else comes from the machine.",
-        _extent,
-    ),
-    views.height_view(
-        "The band should be narrow and even from end to end: all sections are alike.", _extent
-    ),
     views.motion_view(
         "The measured points must lie on the curve of the table in position and velocity; the "
         "peaks are the required values in the table of machine limits above.",
@@ -283,8 +229,7 @@ _VIEWS: tuple[views.View[PolygonCut], ...] = (
     views.LEARNING,
     views.following_view(
         "Difference between the actual and the demanded position of U; the band covers every turn "
-        "of the cut.",
-        ANGLE,
+        "of the cut."
     ),
     views.SEQUENCE,
     views.COMPARE,
@@ -293,9 +238,14 @@ _VIEWS: tuple[views.View[PolygonCut], ...] = (
 REPORT = KindReport(
     what="shaft",
     angle=ANGLE,
-    heights_mm=lambda cut: _extent(cut).heights_mm,
+    heights_mm=lambda cut: (
+        cut.generated.geometry.z_first_mm,
+        cut.generated.geometry.z_last_mm,
+    ),
     rows=ROWS,
     views=_VIEWS,
     subject=_subject,
+    hint="Stripes at the joints are the blends, which count as error; anything else comes from the "
+    "machine.",
     pictures=draw_polygon,
 )

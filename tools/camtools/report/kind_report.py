@@ -77,6 +77,7 @@ class KindReport(Generic[CutT]):
     rows: Sequence[RowsOf]  # the summary, machine limits apart, in order
     views: Sequence[View[CutT]]  # in order
     subject: Callable[[CutT], Subject]  # what of a measurement sheet applies
+    hint: str = ""  # where errors of the map come from
     modelled: Callable[[CutT], str] = lambda _: EDGE_IS_A_POINT
     compared: str = TOOL_PATH  # by the gauge
     space: Callable[[CutT], int | None] = lambda _: None  # enlargement of the part in space
@@ -94,11 +95,11 @@ def page_of(
     """Return the HTML page with the pictures that are given by key."""
     shown = [
         Shown(
-            *(view.key, view.title, view.text, pngs[view.key], view.words(cut), view.twin),
+            *(view.key, view.title, view.text, view.words(cut), pngs.get(view.key)),
             view.chart(cut) if view.chart else None,
         )
         for view in report.views
-        if view.is_on_page and view.key in pngs and view.when(cut)
+        if view.when(cut)
     ]
     board = board_of(
         cut.surface,
@@ -107,7 +108,7 @@ def page_of(
         cut.summary["form_error_um"]["tolerance"],
         report.space(cut),
     )
-    words = (report.modelled(cut), report.compared, report.what, report.angle)
+    words = (report.modelled(cut), report.compared, report.what, report.angle, report.hint)
     source = cut.generated.part.part.source
     return render_page(cut, Page(source, rows_of(report, cut), shown, *words, board, sheets))
 
@@ -115,7 +116,7 @@ def page_of(
 def make_report(report: KindReport[CutT], cut: CutT) -> dict[str, bytes]:
     """Return page, pictures and sheets of a cut by file name."""
     with drawing(), beside(lambda: sheet_pages(cut, report.subject(cut))) as drawn_sheets:
-        pngs = {view.key: view.png(cut) for view in report.views if view.when(cut)}
+        pngs = {view.key: view.png(cut) for view in report.views if view.draw and view.when(cut)}
         sheets = drawn_sheets()
     files = {f"cut_{key}.png": png for key, png in pngs.items()}
     files |= sheets.files if sheets is not None else {}

@@ -1,25 +1,21 @@
-"""Pictures of the axes: U over one turn, following error, the sequence in time, a fault.
+"""The following error by angle, and pictures of the axes: the sequence in time, a fault.
 
 >>> thin(np.array([0.0, 5.0, 1.0, -3.0]), 2).tolist()
 [[0.0, -3.0], [5.0, 1.0]]
 """
-
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from camtools.base.quantities import Floats, length_unit
+from camtools.base.quantities import Floats
 from camtools.plots import style
-from camtools.report.charts import TurnOfU
 from camtools.report.surface import extremes
 from camtools.sim.results import CUTTING, FAULT, STATES, CutTrace
 
 _NAMES = "PALE PURPLE SKY ORANGE GREEN ORANGE RED BLUE GREY PURPLE SKY"  # as STATES
 STATE_COLOURS = tuple(vars(style)[name] for name in _NAMES.split())
-_MARKS: dict[str, Any] = {"color": style.RED, "ls": "", "marker": "o", "ms": 3.2, "mfc": "none"}
 _N_BINS = 360
 _AXES = ("Z, mm", "X (radius),\nmm", "U towards\nthe axis, µm")
 _N_POINTS = 600  # across a picture: more cannot be seen
@@ -43,34 +39,6 @@ def following_by_angle(trace: CutTrace) -> Floats:
     mean = np.bincount(place, error_um, minlength=_N_BINS) / np.maximum(count, 1)
     degrees = (np.arange(_N_BINS) + 0.5) * (360 / _N_BINS)
     return np.stack([degrees[some], least[some], most[some], mean[some]])
-
-
-def draw_following(trace: CutTrace, angle: str) -> Figure:
-    """Return the following error of U against the spindle angle, over all turns of cutting."""
-    figure = style.new_figure(10, 3.6)
-    axes = figure.add_subplot()
-    degrees, least, most, mean = following_by_angle(trace)
-    factor, unit = length_unit(float(np.abs([least, most]).max(initial=0.0)))
-    curves = least * factor, most * factor, mean * factor
-    names = "largest and smallest of all turns", "mean of all turns"
-    style.paint_band(axes, degrees, curves, names)
-    axes.set_ylabel(f"following error of U, {unit}")
-    style.angle_axis(axes, angle)
-    return figure
-
-
-def draw_motion(motion: TurnOfU) -> Figure:
-    """Return U and what follows from it over one turn, a panel each."""
-    figure = style.new_figure(10, 0.6 + 2.0 * len(motion.curves))
-    panels = style.stacked(figure, [curve.name for curve in motion.curves])
-    for axes, curve in zip(panels, motion.curves, strict=True):
-        axes.plot(motion.degrees, curve.wanted, color=style.BLUE, lw=1.6, label=motion.wanted_name)
-        if curve.measured is not None and motion.measured_degrees is not None:
-            axes.plot(motion.measured_degrees, curve.measured, label="measured on U", **_MARKS)
-    panels[0].set_title(motion.title)
-    panels[0].legend(frameon=False, loc="upper right", bbox_to_anchor=(1, 1.25), ncols=2)
-    style.angle_axis(panels[-1], motion.angle)
-    return figure
 
 
 def state_spans(trace: CutTrace) -> list[tuple[float, float, int]]:

@@ -8,31 +8,16 @@ const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeA
 const has3d = Boolean(document.createElement("canvas").getContext("webgl"));
 
 const drawn = new Set();
+place("no-charts").remove();
 
-// A chart is drawn into its place in the page's colour of text, and only then the picture that
-// prints gives way to it.
-async function draw(id) {
+// Draws a chart into its element, in the page's colour of text.
+function draw(id) {
   const { data, layout } = figures[id];
   const { color } = getComputedStyle(document.body);
   layout.font = { color, family: "sans-serif", size: 13 };
   layout.modebar = { color, activecolor: color, bgcolor: "rgba(0,0,0,0)" };
   drawn.add(id);
-  await Plotly.react(id, data, layout, { responsive: true, displaylogo: false, showSendToCloud: false });
-  place(id).closest(".picture").classList.add("is-alive");
-}
-
-// Charts further down wait until somebody comes near them; their pictures stand there meanwhile.
-const near = new IntersectionObserver((seen) => {
-  for (const { target, isIntersecting } of seen) {
-    if (!isIntersecting) continue;
-    near.unobserve(target);
-    draw(target.dataset.chart);
-  }
-}, { rootMargin: "300px" });
-function drawWhenNear(id) {
-  const picture = place(id).closest(".picture");
-  picture.dataset.chart = id;
-  near.observe(picture);
+  return Plotly.react(id, data, layout, { responsive: true, displaylogo: false, showSendToCloud: false });
 }
 
 async function startBoard() {
@@ -98,7 +83,6 @@ async function startBoard() {
   Object.assign(figures["error-map"].data[0], { z, customdata });
   place("board").hidden = false; // charts take their width from the page
   await draw("error-map");
-  document.documentElement.classList.add("has-board"); // only now, so that a failure leaves the pictures
   place("error-map").on("plotly_click", (event) => {
     [height.value, angle.value] = event.points[0].pointIndex;
     show();
@@ -107,9 +91,16 @@ async function startBoard() {
   place("keep").addEventListener("click", () => (kept.push(Number(height.value)), show()));
   place("forget").addEventListener("click", () => ((kept.length = 0), show()));
   show();
-  return has3d ? drawWhenNear("space") : place("space").closest(".picture").remove();
+  const space = place("space").closest(".picture");
+  if (!has3d) return space.remove();
+  // It takes seconds without a graphics card, so it waits until somebody comes near it.
+  new IntersectionObserver(([{ isIntersecting }], observer) => {
+    if (!isIntersecting) return;
+    observer.disconnect();
+    draw("space");
+  }, { rootMargin: "300px" }).observe(space);
 }
 
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => drawn.forEach(draw));
-Object.keys(figures).filter((id) => !place(id).closest("#board")).forEach(drawWhenNear);
+Object.keys(figures).filter((id) => !place(id).closest("#board")).forEach(draw);
 if (part.rows) startBoard();

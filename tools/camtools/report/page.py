@@ -27,20 +27,19 @@ from camtools.sim.results import AnyCut
 _HERE = Path(__file__).resolve().parent
 _MAP_TEXT = (
     "The surface unrolled: red is metal left standing, blue is cut too deep, each cell shows its "
-    "worst point, grey areas were not cut."
+    "worst point, grey areas were not cut. "
 )
 
 
 class Shown(NamedTuple):
-    """A picture of a page."""
+    """A picture or chart of a page."""
 
     key: str
     title: str
     text: str  # what to look for
-    png: bytes
     sentence: str  # what it shows
-    twin: str = ""  # chart of the board that shows the same
-    chart: Json | None = None  # of plotly.js, which replaces it on a screen
+    png: bytes | None
+    chart: Json | None  # of plotly.js, where there is no picture
 
 
 class Page(NamedTuple):
@@ -53,6 +52,7 @@ class Page(NamedTuple):
     compared: str  # what the gauge compares
     what: str  # what was cut
     angle: str  # from where the angle of the surface counts
+    hint: str = ""  # where errors of the map come from
     board: Board | None = None  # linked charts of the surface
     sheets: SheetPages | None = None  # what a roundness instrument would print
 
@@ -82,9 +82,8 @@ def trace_text(outcome: AnyCut) -> str:
     )
 
 
-def _board_charts(board: Board, shown: Sequence[Shown]) -> list[_Chart]:
-    """Return the charts of a board with the words of the pictures whose place they take."""
-    texts = {one.twin: one.text for one in shown if one.twin}
+def _board_charts(board: Board, hint: str) -> list[_Chart]:
+    """Return the charts of a board with their words."""
     bands = "errors and tolerance, the green band, "
     scale = f"The shape is as drawn; {bands}are enlarged as chosen above. "
     if board.shape > 1:
@@ -95,11 +94,11 @@ def _board_charts(board: Board, shown: Sequence[Shown]) -> list[_Chart]:
     dotted = "Dotted: the tolerance; zoom out if it is not in view. "
     kept, height = "Kept sections stay visible. ", "the height at the chosen angle"
     return [
-        _Chart("error-map", "Error map", texts.get("error-map", _MAP_TEXT), board.sentence, True),
+        _Chart("error-map", "Error map", _MAP_TEXT + hint, board.sentence, True),
         _Chart("section", "Section", scale, f"The chosen section. {scale}{board.sentence}"),
         _Chart("profile", "Profile", dotted, f"Radius and error over {height}."),
         _Chart("unrolled", "Section unrolled", dotted + kept, "Error of the chosen section.", True),
-        _Chart("space", "In space", space + texts.get("space", ""), board.sentence, True),
+        _Chart("space", "In space", space, board.sentence, True),
     ]
 
 
@@ -146,8 +145,7 @@ def _environment() -> Environment:
 def render_page(outcome: AnyCut, page: Page) -> str:
     """Return the HTML page of a part of any kind; the clock of the computer is not in it."""
     board, sheets = page.board, page.sheets
-    shown = [one if board else one._replace(twin="") for one in page.shown]
-    charts = {one.key: one.chart for one in shown if one.chart is not None}
+    charts = {one.key: one.chart for one in page.shown if one.chart is not None}
     verdict = verdict_of(outcome, sheets.out if sheets else ())
     plotly, ours = script_texts()
     template = _environment().get_template("page.html.j2")
@@ -160,10 +158,9 @@ def render_page(outcome: AnyCut, page: Page) -> str:
         origin=origin_rows(outcome),
         margins=margins_of(outcome),
         story=fault_story(outcome) if outcome.has_fault else [],
-        shown=shown,
         sheets=sheets,
         board=board,
-        board_charts=_board_charts(board, shown) if board else [],
+        board_charts=_board_charts(board, page.hint) if board else [],
         policy=Markup(policy(plotly, ours)),
         style=Markup((_HERE / "page.css").read_text(encoding="utf-8")),
         plotly=Markup(plotly),

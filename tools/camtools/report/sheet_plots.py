@@ -15,9 +15,9 @@ from matplotlib.patches import Circle as Disc
 from camtools.base.quantities import UM_PER_MM, Floats, length_text, length_unit
 from camtools.plots import style
 from camtools.report.sheet import LineSheet, SectionSheet, Sheets
-from camtools.report.surface_plots import TURN, draw_ring
 from camtools.roundness.section import RoundWave
 
+_TURN = np.linspace(0, 1, 721)
 _ROOM = 0.3  # share of the radius in which deviations are drawn, to both sides
 _EDGE, _NAMES = 1.62, 1.48
 _LEAST_FLOOR_UM = 1e-5
@@ -46,9 +46,15 @@ def _limit_mm(off_mm: Floats) -> float:
     return style.nice_limit(float(np.abs(off_mm).max()) * UM_PER_MM) / UM_PER_MM
 
 
+def _ring(axes: Axes, turn: Floats, radius: Floats | float, **look: object) -> None:
+    """Draw a closed curve by its radii over the turn."""
+    phi, radii = 2 * np.pi * turn, np.broadcast_to(radius, turn.shape)
+    axes.plot(radii * np.cos(phi), radii * np.sin(phi), **look)  # type: ignore[arg-type]
+
+
 def _profile(axes: Axes, off_mm: Floats, limit_mm: float, **look: object) -> None:
     turn = np.arange(off_mm.size + 1) / off_mm.size
-    draw_ring(axes, turn, 1 + _ROOM * np.append(off_mm, off_mm[:1]) / limit_mm, **look)
+    _ring(axes, turn, 1 + _ROOM * np.append(off_mm, off_mm[:1]) / limit_mm, **look)
 
 
 def _polar(axes: Axes, title: str, limit_mm: float, middle: str) -> None:
@@ -74,9 +80,9 @@ def _circle_line(
     axes: Axes, off_mm: float, centre_mm: tuple[float, float], limit_mm: float, **look: object
 ) -> None:
     """Draw a circle that is eccentric by a little: enlarged it is a limacon."""
-    phi = 2 * np.pi * TURN
+    phi = 2 * np.pi * _TURN
     from_middle = off_mm + centre_mm[0] * np.cos(phi) + centre_mm[1] * np.sin(phi)
-    draw_ring(axes, TURN, 1 + _ROOM * from_middle / limit_mm, **look)
+    _ring(axes, _TURN, 1 + _ROOM * from_middle / limit_mm, **look)
 
 
 def _draw_whole(axes: Axes, one: SectionSheet) -> None:
@@ -107,7 +113,7 @@ def _draw_off(axes: Axes, one: SectionSheet, upr: int, along: str) -> None:
         f"enlarged {enlarged_text(mean_mm, limit_mm)}"
     )
     _polar(axes, f"deviation from the drawing, {along}", limit_mm, middle)
-    draw_ring(axes, TURN, 1.0, **(_DRAWN_STYLE | {"lw": 1.6}))
+    _ring(axes, _TURN, 1.0, **(_DRAWN_STYLE | {"lw": 1.6}))
     _profile(axes, found.raw_mm, limit_mm, **_RAW_STYLE)
     _profile(axes, found.filtered_mm, limit_mm, color=style.RED, lw=1.2)
     centre = (circle.x_mm, circle.y_mm)

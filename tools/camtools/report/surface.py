@@ -1,4 +1,4 @@
-"""The gauged surface in numbers: the worst point of each cell of a map, sections, bands of height.
+"""The gauged surface in numbers: the worst point of each cell of a map.
 
 >>> points = GaugedSurface(*np.array([[0.5, 0.5], [1.0, 1.0], [46.0, 46.0], [0.1, -0.3]]))
 >>> cells_of(points, (0.0, 2.0), 2).error_um[1, 180]
@@ -15,8 +15,6 @@ from camtools.sim.results import GaugedSurface
 
 Bools = npt.NDArray[np.bool_]
 N_COLUMNS, MAX_ROWS = 360, 256
-N_BINS = 180  # of a section
-N_BANDS = 124  # of the height
 
 
 class Cells(NamedTuple):
@@ -58,25 +56,6 @@ def cells_of(
     return Cells(middle_mm, *(values.reshape(n_rows, n_columns) for values in points))
 
 
-def section_at(surface: GaugedSurface, z_mm: float, half_band_mm: float) -> GaugedSurface:
-    """Return the worst point of every `N_BINS`-th of a turn near a height, by rising angle."""
-    near = np.flatnonzero(np.abs(surface.z_mm - z_mm) <= half_band_mm)
-    index = (surface.turn[near] * N_BINS).astype(np.int64).clip(0, N_BINS - 1)
-    worst = worst_of(index, surface.error_um[near], N_BINS)
-    rows = near[worst[worst >= 0]]
-    return GaugedSurface(*(column[rows] for column in surface))
-
-
-def closed(near: GaugedSurface) -> GaugedSurface:
-    """Return a section with its first point again at the end when it goes all around."""
-    if near.turn.size < N_BINS:
-        return near
-    again = near.turn[:1] + 1
-    return GaugedSurface(
-        np.append(near.turn, again), *(np.append(column, column[:1]) for column in near[1:])
-    )
-
-
 def extremes(place: Ints, values: Floats, n: int) -> tuple[Bools, Floats, Floats, Ints]:
     """Return which of n bins have values, their smallest and largest value, and their count."""
     count = np.bincount(place, minlength=n)
@@ -84,15 +63,3 @@ def extremes(place: Ints, values: Floats, n: int) -> tuple[Bools, Floats, Floats
     np.minimum.at(least, place, values)
     np.maximum.at(most, place, values)
     return count > 0, least, most, count
-
-
-def bands_by_height(surface: GaugedSurface, z_range_mm: tuple[float, float]) -> Floats:
-    """Return height [mm], smallest, largest and rms error [um] of bands with points, (4, n)."""
-    low, high = z_range_mm
-    n = N_BANDS
-    band = ((surface.z_mm - low) / (high - low) * n).astype(np.int64).clip(0, n - 1)
-    some, least, most, count = extremes(band, surface.error_um, n)
-    square = np.bincount(band, surface.error_um**2, minlength=n)
-    centre_mm = low + (np.arange(n) + 0.5) * (high - low) / n
-    rms = np.sqrt(square[some] / count[some])
-    return np.stack([centre_mm[some], least[some], most[some], rms])

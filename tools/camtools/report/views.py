@@ -21,14 +21,7 @@ from camtools.report.charts import (
     motion_chart,
     motion_sentence,
 )
-from camtools.report.motion import (
-    draw_fault,
-    draw_following,
-    draw_motion,
-    draw_sequence,
-    following_by_angle,
-)
-from camtools.report.surface_plots import Extent, draw_height, draw_map
+from camtools.report.motion import draw_fault, draw_sequence, following_by_angle
 from camtools.report.text import fault_story
 from camtools.sim.results import CUTTING, FAULT, AnyCut, CutVariant
 
@@ -54,60 +47,24 @@ def has_turns(cut: AnyCut) -> bool:
 
 
 class View(NamedTuple, Generic[ShownT]):
-    """A picture of a report, with what to look for and the chart that replaces it on a screen."""
+    """A picture or chart of a report, with what to look for."""
 
-    key: str  # names the file: cut_KEY.png
+    key: str  # names the file of a picture: cut_KEY.png
     title: str
     text: str
-    draw: Callable[[ShownT], Figure]
+    draw: Callable[[ShownT], Figure] | None  # nothing for a chart
     when: Callable[[ShownT], bool] = always
-    twin: str = ""  # chart of the board that shows the same
-    chart: Callable[[ShownT], Json] | None = None
+    chart: Callable[[ShownT], Json] | None = None  # of plotly.js
     sentence: Callable[[ShownT], str] | None = None  # what it shows, for readers who cannot see it
-    is_on_page: bool = True
 
     def words(self, cut: ShownT) -> str:
-        """Return what the picture shows."""
+        """Return what the view shows."""
         return (self.sentence(cut) if self.sentence else "") or self.title
 
     def png(self, cut: ShownT) -> bytes:
         """Return the picture."""
+        assert self.draw is not None
         return style.png_of(self.draw(cut))
-
-
-def surface_sentence(outcome: AnyCut) -> str:
-    """Return the error of the surface in words."""
-    surface, form = outcome.surface, outcome.summary["form_error_um"]
-    worst = int(np.argmax(np.abs(surface.error_um)))
-    where = f"{360 * surface.turn[worst]:.1f}° and {surface.z_mm[worst]:.2f} mm"
-    least, most = surface.error_um.min(), surface.error_um.max()
-    return (
-        f"Error {length_text(float(least))} to {length_text(float(most))}, the largest at {where}; "
-        f"tolerance {length_text(form['tolerance'])}."
-    )
-
-
-def surface_view(
-    key: str, title: str, text: str, draw: Callable[[CutT], Figure], twin: str
-) -> View[CutT]:
-    """Return a view of the gauged surface."""
-    return View(key, title, text, draw, has_surface, twin, sentence=surface_sentence)
-
-
-def map_view(title: str, text: str, extent: Callable[[CutT], Extent]) -> View[CutT]:
-    """Return the error map."""
-    return surface_view(
-        "map", title, text, lambda cut: draw_map(cut.surface, extent(cut)), "error-map"
-    )
-
-
-def height_view(text: str, extent: Callable[[CutT], Extent]) -> View[CutT]:
-    """Return the error over height."""
-    return surface_view(
-        *("height", "Error over height", text),
-        lambda cut: draw_height(cut.surface, extent(cut)),
-        "profile",
-    )
 
 
 def fault_view(text: str) -> View[AnyCut]:
@@ -138,20 +95,20 @@ def motion_view(
 
     return View(
         *(key, "Motion of U over one turn", text),
-        lambda cut: draw_motion(found(cut)),
+        None,
         lambda cut: motion(cut) is not None,
-        chart=lambda cut: motion_chart(found(cut)),
+        lambda cut: motion_chart(found(cut)),
         sentence=lambda cut: motion_sentence(found(cut)),
     )
 
 
-def following_view(text: str, angle: str) -> View[AnyCut]:
-    """Return the following error of U over an angle of this name."""
+def following_view(text: str) -> View[AnyCut]:
+    """Return the following error of U over the spindle angle."""
     return View(
         *("following", "Following error of U", text),
-        lambda cut: draw_following(cut.trace, angle),
+        None,
         has_turns,
-        chart=lambda cut: following_chart(following_by_angle(cut.trace)),
+        lambda cut: following_chart(following_by_angle(cut.trace)),
         sentence=lambda cut: following_sentence(following_by_angle(cut.trace)),
     )
 

@@ -31,7 +31,7 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
     name = "piston"
     plural = "pistons"
     rank = 0
-    commands = ("mktables", "run", "mkgcode", "analyse", "scallop", "trade")
+    commands = ("mktables", "run", "mkgcode", "analyse", "trade")
     model = SkirtPart
 
     reported = "camtools.skirt.report.report"

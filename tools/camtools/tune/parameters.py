@@ -22,8 +22,7 @@ from pydantic import Field, ValidationError
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.files import read_limited
 from camtools.link.kept_values import INFOS
-from camtools.part.file import describe_all
-from camtools.part.model import TomlTable
+from camtools.part.model import TomlTable, describe_all
 from camtools.sim.machine_file import read_machine
 from camtools.tune.loop_design import Loop, Plant, word_shares
 

@@ -1,7 +1,7 @@
 """The report of a skirt, with pictures of U over a turn, the corner and equal volumes.
 
 >>> REPORT.views[0].key, REPORT.views[-1].key
-('fault', 'overview')
+('fault', 'compare')
 """
 
 from typing import Any, NamedTuple
@@ -10,40 +10,70 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camtools.base.quantities import NM_PER_MM, Floats, Ints, omega_rad_s
+from camtools.base.quantities import NM_PER_MM, Floats, Ints, length_unit, omega_rad_s
 from camtools.part.smoothing import sheet_note
-from camtools.plots.style import BLUE, GREY, ORANGE, RED, angle_axis, new_figure, stacked
+from camtools.plots.style import (
+    BLUE,
+    GREY,
+    ORANGE,
+    PALE,
+    RED,
+    angle_axis,
+    new_figure,
+    nice_limit,
+    stacked,
+)
 from camtools.report import views
 from camtools.report.charts import ChartPanel, TurnOfU, slope_of
 from camtools.report.kind_report import KindReport
 from camtools.report.sheet import Subject
-from camtools.report.surface_plots import Extent, draw_map
+from camtools.report.surface import cells_of, map_rows
 from camtools.sim.results import CUTTING, CutTrace, GaugedSurface, Removal
 from camtools.skirt.geometry.corner import Corner
 from camtools.skirt.geometry.profile import smoothed_curves, smoothing_takes_um, tolerances_left
 from camtools.skirt.geometry.sections import fold
 from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.report.outcome import ROWS, Even, SkirtOutcome
-from camtools.skirt.report.plots import (
-    ANGLE,
-    draw_all,
-    draw_overview,
-    draw_sections,
-    draw_skirt,
-    draw_smoothing,
-    enlargement_of,
-    extent_of,
-)
+from camtools.skirt.report.plots import draw_all, draw_smoothing
 from camtools.skirt.table.speed import SpeedTable, motion_played, worst_of
 
 _UM_PER_MM, _MM_PER_M, _PERCENT = 1000.0, 1000.0, 100.0
 _N_ANGLES = 721
+_ENLARGED = 30.0  # the part in space
 _BETWEEN_PASSES = 1000  # ticks: engaging and disengaging take more
 _SLOPE_TICKS = 4  # the measured position is quantised, so the slope is taken over 2 x 4 ticks
 _ROOM_DEG = 14.0  # of the corner, to both sides
 _CORNER_ANGLES, _CORNER_POINTS, _CORNER_TICKS = 1401, 120, 2
 _RISING = 4  # turns at either end in which the feed rises or falls, or the chips of such a turn
 _DOTS: dict[str, Any] = {"ls": "", "marker": "o", "ms": 3.2, "mfc": "none", "color": RED}
+
+
+def draw_own(outcome: SkirtOutcome) -> Figure:
+    """Return the error of the cut against what the table plays, over angle and height."""
+    geometry, played = outcome.generated.geometry, outcome.control
+    assert played is not None
+    heights_mm = geometry.z_first_mm, geometry.z_last_mm
+    n_rows = map_rows(heights_mm[1] - heights_mm[0], outcome.summary["cut"]["feed_mm"])
+    limit_um = nice_limit(float(np.abs(played.error_um).max(initial=0.0)))
+    factor, unit = length_unit(limit_um)
+    figure = new_figure(10, 5.2)
+    axes = figure.add_subplot()
+    axes.set_facecolor(PALE)
+    picture = axes.imshow(
+        cells_of(played, heights_mm, n_rows).error_um * factor,
+        extent=(0, 360, *heights_mm),
+        origin="lower",
+        aspect="auto",
+        interpolation="nearest",
+        cmap="RdBu_r",  # red: metal left, blue: cut too deep; safe for red-green blindness
+        vmin=-limit_um * factor,
+        vmax=limit_um * factor,
+    )
+    bar = figure.colorbar(picture, ax=axes, pad=0.02)
+    bar.set_label(f"error against the {geometry.played_name}, {unit}  (above 0: metal left)")
+    angle_axis(axes)
+    axes.set_ylabel("skirt height, mm")
+    return figure
 
 
 def hardest_turn(trace: CutTrace, geometry: Geometry) -> Ints:
@@ -266,18 +296,10 @@ def draw_ripple(even: Even, speed: SpeedTable) -> Figure:
     return figure
 
 
-def _extent(cut: SkirtOutcome) -> Extent:
-    return extent_of(cut.generated.geometry, cut.summary["cut"]["feed_mm"])
-
-
-def _factor(cut: SkirtOutcome) -> float:
+def _space(cut: SkirtOutcome) -> int:
+    """Return by how much to enlarge the part in space; its drawing may be enlarged already."""
     magnify = cut.generated.part.magnify
-    return magnify.factor if magnify else 1.0
-
-
-def _draw_own(cut: SkirtOutcome) -> Figure:
-    assert cut.control is not None
-    return draw_map(cut.control, _extent(cut), cut.generated.geometry.played_name)
+    return max(1, round(_ENLARGED / (magnify.factor if magnify else 1.0)))
 
 
 def _draw_even(cut: SkirtOutcome) -> Figure:
@@ -296,12 +318,6 @@ def _is_even(cut: SkirtOutcome) -> bool:
     return cut.even is not None and has_law and bool(cut.even.removal.turn.size)
 
 
-def _draw_overview(cut: SkirtOutcome) -> Figure:
-    feed_mm, rpm = (cut.summary["cut"][key] for key in ("feed_mm", "spindle_rpm"))
-    title = f"{cut.name} at {rpm:g} r/min on the simulator"
-    return draw_overview(cut.surface, cut.generated.geometry, feed_mm, title)
-
-
 def _subject(cut: SkirtOutcome) -> Subject:
     part = cut.generated.part
     note = sheet_note(cut.summary["form_error_um"], smoothing_takes_um(part))
@@ -314,32 +330,13 @@ _VIEWS: tuple[views.View[SkirtOutcome], ...] = (
         "towards the axis (below 0) after the dashed line. X follows more slowly, and the spindle "
         "runs down by itself."
     ),
-    views.map_view(
-        "Error map of the skirt",
-        "The skirt unrolled: red is metal left standing, blue is cut too deep, each cell shows its "
-        "worst point, grey areas were not cut. Stripes at fixed angles point to U, its timing or "
-        "the spindle speed; bands at fixed heights to X or to engaging; an even colour to the tool "
-        "setting.",
-        _extent,
-    ),
     views.View(
         "own",
         "Error map of the controller alone",
         "The table plays a refit or a filtered form of the drawing; this map compares the cut with "
         "that, so it shows what machine and controller add. The verdict uses the map above.",
-        _draw_own,
+        draw_own,
         lambda cut: views.has_surface(cut) and cut.control is not None,
-    ),
-    views.surface_view(
-        "sections",
-        "Sections",
-        "Top: the cut points must lie on the drawn oval everywhere. Bottom: the error alone, "
-        "enlarged far more, as on a roundness instrument. The line should stay near the middle "
-        "circle; a pattern rotated against the axes points to a wrong dead time.",
-        lambda cut: draw_sections(
-            cut.surface, cut.generated.geometry, cut.summary["cut"]["feed_mm"]
-        ),
-        "section",
     ),
     views.View(
         "corner",
@@ -352,19 +349,6 @@ _VIEWS: tuple[views.View[SkirtOutcome], ...] = (
             *(cut.surface, cut.trace, cut.generated.geometry, cut.summary["cut"]["spindle_rpm"])
         ),
         lambda cut: views.has_surface(cut) and cut.generated.geometry.corner is not None,
-    ),
-    views.height_view(
-        "The band should be narrow and without steps from bottom to top. A rise with height is "
-        "normal when the ovality rises; a spike at an end comes from the engage or disengage.",
-        _extent,
-    ),
-    views.surface_view(
-        "skirt",
-        "The skirt in space",
-        "The gauged surface with its deviations from a cylinder enlarged. It shows the oval, the "
-        "barrel shape and, if there is one, the corner; steps or waves would stand out.",
-        lambda cut: draw_skirt(cut.surface, cut.generated.geometry, _factor(cut)),
-        "space",
     ),
     views.View(
         "smoothing",
@@ -404,23 +388,23 @@ _VIEWS: tuple[views.View[SkirtOutcome], ...] = (
     views.following_view(
         "Difference between the actual and the demanded position of U; the band covers every turn "
         "of the cut. The shape of the velocity curve points to a wrong dead time or k1, that of "
-        "the acceleration curve to a wrong k2; a thin band means that all turns are alike.",
-        ANGLE,
+        "the acceleration curve to a wrong k2; a thin band means that all turns are alike."
     ),
     views.SEQUENCE,
     views.COMPARE,
 )
-_OVERVIEW: views.View[SkirtOutcome] = views.View(
-    "overview", "", "", _draw_overview, views.has_surface, is_on_page=False
-)
-
 REPORT = KindReport(
     what="skirt",
-    angle=ANGLE,
-    heights_mm=lambda cut: _extent(cut).heights_mm,
+    angle="spindle angle from the long axis",
+    heights_mm=lambda cut: (
+        cut.generated.geometry.z_first_mm,
+        cut.generated.geometry.z_last_mm,
+    ),
     rows=ROWS,
-    views=(*_VIEWS, _OVERVIEW),
+    views=_VIEWS,
     subject=_subject,
-    space=lambda cut: enlargement_of(_factor(cut)),
+    hint="Stripes at fixed angles point to U, its timing or the spindle speed; bands at fixed "
+    "heights to X or to engaging; an even colour to the tool setting.",
+    space=_space,
     pictures=draw_all,
 )

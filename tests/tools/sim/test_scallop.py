@@ -1,21 +1,17 @@
 """The ring-helix on the simulator: Z against its path, the surface between tracks."""
 
-import csv as csv_module
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from camtools.cli.scallop import main
 from camtools.cut.path import ToolPath, ramp_of
-from camtools.papers.paths import PathCut, PathStudy, cut_paths
 from camtools.part.common import MachineLimits
 from camtools.skirt.geometry.skirt_geometry import make_geometry
-from tests.tools.cases.camsim_cases import cut, while_in
-from tests.tools.cases.part_cases import ROOT, Capture, TableOf, load_part
+from tests.tools.cases.camsim_cases import camsim, cut, only_error, while_in
+from tests.tools.cases.part_cases import ROOT, TableOf, load_part
 
 PART = ROOT / "tools" / "parts" / "perkins240_ring_helix.toml"
-NOSE_MM = 0.8
 Z_DRIVE_HZ = 50.0  # of the default machine, two equal poles
 LAG_S = 2 / (2 * np.pi * Z_DRIVE_HZ) + 25e-6  # compensated by reading ahead: half a tick of hold
 ROUND_S = 21 * 50e-6
@@ -63,52 +59,6 @@ def test_z_follows_the_path(rpm: float, table_of: TableOf) -> None:
         assert np.abs(true_z[middle] - 0.1 * ring).max() < 1e-4
 
 
-Measured = tuple[PathStudy, tuple[PathCut, ...]]
-
-
-@pytest.fixture(scope="module")
-def short(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the part up to 6.2 mm: what is looked at lies within 2 mm around its middle."""
-    text = PART.read_text()
-    for key, value in (
-        ("height_mm = [0, 10, 20, 30, 40, 50, 62]", "height_mm = [0, 3.1, 6.2]"),
-        ("[91.940, 91.985, 92.0, 91.985, 91.940, 91.866, 91.737]", "[91.940, 91.957, 91.971]"),
-        ("end_slopes = [0.0029818594, -0.0062619048]", "end_slopes = [0.003, 0.00207]"),
-        ("height_mm = [0, 20, 62]", "height_mm = [0, 6.2]"),
-        ("ovality_mm = [0.15, 0.20, 0.30]", "ovality_mm = [0.15, 0.165]"),
-    ):
-        assert key in text
-        text = text.replace(key, value)
-    path = tmp_path_factory.mktemp("part") / "short.toml"
-    path.write_text(text)
-    return path
-
-
-@pytest.fixture(scope="module")
-def measured(short: Path) -> Measured:
-    """Cut the part along all three paths at its own 500 r/min."""
-    return cut_paths(load_part(short), NOSE_MM)
-
-
-# Half a spacing d of tracks that are e off leaves d e / nose more or less; the form error is added
-# twice, and the peak may lie between two heights of the map, 0.5 um d / nose off.
-def scallop_error_um(one: PathCut, z_error: float) -> float:
-    """Return how far measured and predicted peak to valley may differ."""
-    half_mm = one.row.path.feed_mm / 2
-    return float(half_mm / NOSE_MM * (z_error + 0.5) + 2 * one.form_error_um)
-
-
-@pytest.mark.long
-def test_scallops_are_the_predicted_ones(measured: Measured) -> None:
-    """At every angle, within what Z's error, the form error and the map's spacing come to."""
-    _, (ring, half, same) = measured
-    for one, z_um in ((ring, z_error_um(500, ring.row.path)), (half, 0.0), (same, 0.0)):
-        off_um = np.abs(one.scallop_um - one.predicted_um)
-        assert off_um.max() <= scallop_error_um(one, z_um)
-    assert scallop_error_um(ring, z_error_um(500, ring.row.path)) < 0.19
-    assert scallop_error_um(half, 0.0) < 0.04
-
-
 @pytest.mark.long
 def test_map_is_that_of_the_exact_tracks(table_of: TableOf) -> None:
     """Circles on the exact tracks of a helix, cut out of the exact surface, to 0.03 um."""
@@ -138,27 +88,19 @@ def test_summary_tells_the_scallop(table_of: TableOf) -> None:
     assert 0 < scallop["peak_to_valley_min_um"] < scallop["peak_to_valley_max_um"] < 110
 
 
-@pytest.mark.usefixtures("undrawn")
-def test_command_writes_table_and_picture(short: Path, tmp_path: Path, capsys: Capture) -> None:
-    """A line per path: a ring-helix of m rings takes 2 m - 1 turns, a helix its feeds and ramp."""
-    words = ["--nose-mm", "1.6", "--rpm", "2000"]  # a quarter of the time of its own 500
-    assert main([str(short), "-o", str(tmp_path / "out"), *words]) == 0
-    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
-        "scallop.csv",
-        "scallop.png",
-    ]
-    told = capsys.readouterr().out.splitlines()
-    assert [line.split("  ")[0] for line in told[2:]] == [
-        "ring-helix",
-        "helix, half the feed",
-        "helix",
-    ]
-    with (tmp_path / "out" / "scallop.csv").open() as stream:
-        rows = list(csv_module.DictReader(stream))
-    assert [float(row["scallop_max_um"]) for row in rows] == pytest.approx(
-        [0.7813, 0.1953, 0.7813], abs=1e-3
-    )
-    turns = [float(row["turns_measured"]) for row in rows]
-    assert turns == pytest.approx([125, 184, 122], abs=0.05)
-    times_s = [float(row["time_measured_s"]) for row in rows]
-    assert times_s == pytest.approx([turn * 60 / 2000 for turn in turns], rel=1e-3)
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--nose-mm", "0"), "--nose-mm 0: out of range; give mm, 0.01 .. 100"),
+        (("--scallop", "x.csv"), "no tool for it; give --nose-mm, too"),
+        (("--nose-mm", "1", "--scallop-mm", "5:4"), "--scallop-mm 5:4: no two rising heights"),
+        (("--nose-mm", "1", "--scallop-mm", "5"), "--scallop-mm 5: no two rising heights"),
+        (("--nose-mm", "1", "--scallop-mm", "a:b"), "--scallop-mm a:b: no two rising heights"),
+        (("--nose-mm", "1", "--scallop-mm", "61:63"), "beyond the part; give heights 0 .. 62"),
+        (("--nose-mm", "1", "--scallop", "x.csv", "--trace", "x.csv"), "named for two purposes"),
+    ],
+)
+def test_bad_options_are_refused(words: tuple[str, ...], told: str, table_of: TableOf) -> None:
+    """One line with the option and the remedy, and nothing written."""
+    assert told in only_error(camsim("run", table_of("perkins240"), *words))
+    assert not Path("x.csv").exists()
