@@ -25,11 +25,10 @@ typedef struct {
 static uint64_t total;
 static uint32_t n_inputs;
 
-/// Some bytes get other values; which ones depends on all of them.
-size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t max_size)
+/// Some bytes get other values; which ones depends on all of them and on a seed.
+static size_t change(uint8_t *data, size_t size, uint32_t seed)
 {
-    (void)max_size;
-    uint32_t dice = 1;
+    uint32_t dice = seed;
     for (size_t i = 0; i < size; i++) {
         dice = dice * 1664525u + 1013904223u + data[i];
     }
@@ -40,11 +39,17 @@ size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t max_size)
     return size;
 }
 
+size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t max_size)
+{
+    (void)max_size;
+    return change(data, size, 1);
+}
+
 __attribute__((weak)) size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size,
                                                      unsigned seed)
 {
-    (void)seed;
-    return LLVMFuzzerMutate(data, size, max_size);
+    (void)max_size;
+    return change(data, size, seed);
 }
 
 static bool is_read(input_t *input, const char *path)
@@ -73,12 +78,17 @@ static uint64_t run(const input_t *input)
     return fuzz_digest();
 }
 
-/// Each variant differs from the one before.
-static void run_variants(input_t *input, uint32_t n)
+/// Run the input with one to four changes, again and again.
+static void run_variants(const input_t *input, uint32_t n)
 {
-    for (uint32_t i = 1; i <= n && input->n <= (size_t)most_variant; i++) {
-        input->n = LLVMFuzzerCustomMutator(input->bytes, input->n, most_variant, i);
-        (void)run(input);
+    static input_t variant;
+    for (uint32_t i = 0; i < n && input->n <= (size_t)most_variant; i++) {
+        variant.n = input->n;
+        memcpy(variant.bytes, input->bytes, input->n);
+        for (uint32_t seed = 4u * i; seed <= 4u * i + i % 4u; seed++) {
+            variant.n = LLVMFuzzerCustomMutator(variant.bytes, variant.n, most_variant, seed);
+        }
+        (void)run(&variant);
     }
 }
 

@@ -121,6 +121,8 @@ static void note(void)
     fuzz_note(r->want.faults);
     fuzz_note(r->want.u_due_q6);
     fuzz_note(r->force_q6);
+    fuzz_note(fuzz_rig.machine.refusal.needed);
+    fuzz_note(fuzz_rig.machine.refusal.limit);
     fuzz_note(hal_host.out.outputs);
     fuzz_note(hal_host.out.spindle_mrpm);
     for (uint32_t i = 0; i < (uint32_t)hal_n_axes; i++) {

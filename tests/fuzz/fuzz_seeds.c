@@ -318,17 +318,44 @@ static void put_texts(void)
 }
 
 /// Bytes of every kind, for targets that take any.
-static void put_noise(const char *target)
+static void put_noise(const char *target, size_t n_bytes)
 {
     fixture_random_t random = {1};
     for (uint32_t i = 0; i < 8u; i++) {
         char name[16];
         uint8_t bytes[1000];
-        for (size_t j = 0; j < sizeof bytes; j++) {
+        for (size_t j = 0; j < n_bytes; j++) {
             bytes[j] = (uint8_t)fixture_random_u32(&random);
         }
         (void)snprintf(name, sizeof name, "noise_%u", (unsigned)i);
-        put(target, name, bytes, sizeof bytes);
+        put(target, name, bytes, n_bytes);
+    }
+}
+
+/// Learning from 40 turns of the same speed: a rehearsal, then engaging and cutting.
+static void put_learning(void)
+{
+    enum { n_turns = 40, turn_bytes = 18, n_rehearsed = 20, n_engaged = 4 };
+    static const uint16_t setup[] = {20, 0,  8,   30000, 10000, 900, 16,   5000, 100,
+                                     50, 20, 300, 30,    100,   200, 2000, 500};
+    static const uint16_t after[] = {1000, 100, 1000, 40, 40};
+    uint8_t bytes[sizeof setup + 1 + sizeof after + n_turns * turn_bytes] = {0};
+    memcpy(bytes, setup, sizeof setup);
+    memcpy(bytes + sizeof setup + 1, after, sizeof after);
+    for (uint32_t i = 0; i < (uint32_t)n_turns; i++) {
+        const bool is_rehearsed = i < (uint32_t)n_rehearsed;
+        const bool is_engaged = !is_rehearsed && i < (uint32_t)(n_rehearsed + n_engaged);
+        const uint8_t state = is_rehearsed ? 0x80 : is_engaged ? 0x82 : 0x83;
+        const uint8_t turn[turn_bytes] = {state, 44, 1, 1, 136, 19, 44, 1, 1, 10, 0, 0x10};
+        memcpy(bytes + sizeof bytes - (n_turns - i) * turn_bytes, turn, sizeof turn);
+    }
+    for (uint8_t order = 1; order <= 4u; order++) {
+        char name[16];
+        (void)snprintf(name, sizeof name, "order_%u", (unsigned)order);
+        for (uint32_t i = 0; i < (uint32_t)n_turns; i++) {
+            bytes[sizeof bytes - (n_turns - i) * turn_bytes + 3] = order;
+        }
+        put("learning", name, bytes, sizeof bytes);
     }
 }
 
@@ -343,7 +370,9 @@ int main(int argc, char **argv)
     put_frames();
     put_kept();
     put_texts();
-    put_noise("servo");
-    put_noise("learning");
+    put_noise("servo", 1000);
+    put_noise("feasible", 90);
+    put_noise("learning", 1000);
+    put_learning();
     return 0;
 }

@@ -43,6 +43,7 @@ TARGETS = (
             "host_sim/lathe/sim_inject.c", "host_sim/cli/camsim_options.c",
             "host_sim/cli/camsim_parse.c")),
     Target("servo", 1_000_000, 3000),
+    Target("feasible", 60_000, 200),
     Target("learning", 15_000, 1000),
     Target("kept", 17_000, 1500,
            ("firmware/param/cam_param.h", "firmware/param/cam_param_store.c")),

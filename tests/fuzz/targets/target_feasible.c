@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// Any parameters, with tables of every kind: the checks of a cut refuse them, or the configuration
+// that is made of them is within the ranges of the proof.
+#include "cam_build.h"
+#include "cam_feasible.h"
+#include "fixture_image.h"
+#include "fixture_shaft.h"
+#include "fuzz_bytes.h"
+#include "fuzz_digest.h"
+#include "fuzz_expect.h"
+#include "fuzz_rig.h"
+#include "hal_host.h"
+
+enum { n_tables = fuzz_rig_n_parts + 1, most_changes = 12, clock_hz = 480000000 };
+
+static cam_table_t tables[n_tables];
+
+static void make_tables(void)
+{
+    static fixture_image_t shaft;
+    if (tables[0].image != NULL) {
+        return;
+    }
+    for (uint32_t i = 0; i < (uint32_t)n_tables; i++) {
+        size_t size = 0;
+        const void *image = i < (uint32_t)fuzz_rig_n_parts ? fuzz_rig_image(i, &size) : NULL;
+        if (image == NULL) {
+            const fixture_shaft_t three = fixture_shaft_three();
+            fixture_shaft_make(&shaft, &three);
+            image = shaft.bytes;
+            size = shaft.size;
+        }
+        FUZZ_EXPECT(cam_table_check(image, size, &tables[i]) == cam_ok, "table %u", (unsigned)i);
+    }
+}
+
+/// @return a multiple of the default from 2^-16 to 2^8, an end of the range or any number of it
+static int64_t value_of(fuzz_bytes_t *b, const cam_param_info_t *info)
+{
+    const uint8_t how = fuzz_u8(b);
+    const uint32_t code = fuzz_u32(b);
+    const uint64_t span = (uint64_t)((int64_t)info->max - info->min);
+    if (how < 192u && info->def != 0) {
+        return (info->def * (int64_t)(code & 0xFFFFu)) >> (8u + how % 9u);
+    }
+    return how % 8u == 0u   ? info->min
+           : how % 8u == 1u ? info->max
+                            : info->min + (int64_t)((code % (span + 1u)) >> (how % 32u));
+}
+
+static cam_params_t drawn(fuzz_bytes_t *b)
+{
+    cam_params_t params = cam_param_defaults();
+    for (uint32_t n = fuzz_u8(b) % ((uint32_t)most_changes + 1u); n > 0u; n--) {
+        const cam_param_id_t id = (cam_param_id_t)(fuzz_u16(b) % (uint32_t)cam_n_params);
+        const cam_param_info_t *info = cam_param_info(id);
+        const int64_t value = value_of(b, info);
+        const int64_t fit = value < info->min ? info->min : value > info->max ? info->max : value;
+        fuzz_try(cam_param_set(&params, id, (int32_t)fit));
+    }
+    return params;
+}
+
+static void note_refusal(cam_refusal_t r)
+{
+    fuzz_note(r.err);
+    fuzz_note(r.param);
+    fuzz_note(r.needed);
+    fuzz_note(r.limit);
+    fuzz_note(r.speed_mrpm);
+    fuzz_note(r.highest_mrpm);
+    fuzz_note(r.largest_feed_nm);
+}
+
+static void note_cut(const cam_table_t *table, const cam_params_t *p, uint32_t mrpm, uint32_t hz)
+{
+    cam_demands_t axes;
+    (void)cam_feasible_demands(table, p, mrpm, hz, &axes);
+    for (uint32_t i = 0; i < (uint32_t)cam_n_demands; i++) {
+        fuzz_note((int64_t)axes.of[i].needed);
+        fuzz_note(axes.of[i].limit);
+    }
+    const cam_refusal_t found = cam_feasible(table, p, mrpm, hz);
+    FUZZ_EXPECT(found.err == cam_feasible_check(table, p, mrpm, hz), "%d", (int)found.err);
+    note_refusal(found);
+    fuzz_note(cam_demand_half_stroke_nm(table, p));
+    fuzz_note(cam_demand_clearance_nm(table, p));
+    fuzz_note(cam_derived_limits_following_nm(p, table));
+    fuzz_note(cam_derived_limits_approach_nm(p, table, hz));
+    fuzz_note(cam_derived_limits_averaging_mrpm(p, mrpm, hz));
+    fuzz_note(cam_derived_limits_form_pm(table));
+    fuzz_note(cam_derived_limits_count_pm(table, p->counts_per_turn));
+}
+
+#define VISIT(name, member, low, high)                                                             \
+    FUZZ_EXPECT((int64_t)(member) >= (low) && (int64_t)(member) <= (high), name " is %lld",        \
+                (long long)(member));                                                              \
+    fuzz_note((int64_t)(member));
+#include "ranges_walk.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static cam_config_t config;
+    fuzz_bytes_t b = {.at = data, .n = size};
+    make_tables();
+    const uint32_t hz = fuzz_rig_hz(fuzz_u8(&b));
+    const cam_table_t *table = &tables[fuzz_u8(&b) % (uint32_t)n_tables];
+    const uint32_t mrpm =
+        (uint32_t)((uint64_t)table->spindle_mrpm * (fuzz_u8(&b) + 1u) / 128u + 1u);
+    hal_host_reset(hz);
+    hal_host.slow.force.quantum_un = (fuzz_u8(&b) & 1u) != 0u ? 20000 : 0;
+    const cam_params_t params = drawn(&b);
+    note_refusal(cam_gains_check(&params, hz));
+    note_refusal(cam_derived_limits_check(&params, hz));
+    note_cut(table, &params, mrpm, hz);
+    const cam_refusal_t refusal = cam_build_config(&config, &params, table, mrpm, hz, clock_hz);
+    note_refusal(refusal);
+    if (refusal.err == cam_ok) {
+        walk_config(&config);
+    }
+    return 0;
+}
