@@ -39,6 +39,15 @@ def killed(s: Session) -> None:
     s.wait_machine()
 
 
+def canopen_drive(s: Session) -> None:
+    """Cut with a U drive that is not ours."""
+    s.spawn("drive", sys.executable, str(Path(__file__).with_name("canopen_drive.py")))
+    time.sleep(0.5)
+    s.start_cut("--without", "u")
+    s.wait_machine()
+    s.stop_controller()
+
+
 def download(s: Session) -> None:
     """Break a download off by a kill, at its ends and between; let camctl bring the table whole."""
     place = s.out / "table.camtab"
@@ -65,7 +74,7 @@ def download(s: Session) -> None:
     s.stop_controller()
 
 
-SCENARIOS = {f.__name__: f for f in (cut_on, flood, killed, download)}
+SCENARIOS = {f.__name__: f for f in (cut_on, flood, killed, canopen_drive, download)}
 
 if __name__ == "__main__":
     sys.exit(main(SCENARIOS))

@@ -180,3 +180,14 @@ def test_own_tests_of_the_port_pass_there(kernel: Kernel, tmp_path: Path) -> Non
     assert process.returncode == 0, said
     suite = next(ElementTree.parse(report).getroot().iter("testsuite"))
     assert int(suite.get("tests", "0")) > 0 and suite.get("skipped") == "0"
+
+
+@pytest.mark.long
+def test_drive_of_another_make_cuts_the_same_part(play: Play) -> None:
+    """The U drive is made with the library canopen, which knows nothing of our code."""
+    # Its dead time of a tick is not configured: U off the work, at 100 mm/s, lags by 0.1 mm.
+    ideal = {"k1_ns": 0, "k2_us2": 0, "lead_ns": 0, "following_limit_nm": 300_000}
+    result = play("canopen_drive", feed_mm=10, parameters=ideal)
+    assert result.summary["end"] == "done" and result.summary["faults"] == []
+    print(f"canopen drive: form error {result.summary['form_error_um']}")
+    assert result.summary["form_error_um"]["rms"] <= 0.2
