@@ -48,9 +48,16 @@ static int64_t value_of(fuzz_bytes_t *b, const cam_param_info_t *info)
                             : info->min + (int64_t)((code % (span + 1u)) >> (how % 32u));
 }
 
-static cam_params_t drawn(fuzz_bytes_t *b)
+/// @return the defaults, of a drive that takes positions or of a force drive with a weak loop, and
+///         some others
+static cam_params_t drawn(fuzz_bytes_t *b, bool takes_force)
 {
     cam_params_t params = cam_param_defaults();
+    if (takes_force) {
+        params.servo_integral_mHz = 0;
+        params.servo_pole_hz = 100;
+        params.servo_crossover_hz = 20;
+    }
     for (uint32_t n = fuzz_u8(b) % ((uint32_t)most_changes + 1u); n > 0u; n--) {
         const cam_param_id_t id = (cam_param_id_t)(fuzz_u16(b) % (uint32_t)cam_n_params);
         const cam_param_info_t *info = cam_param_info(id);
@@ -108,8 +115,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const uint32_t mrpm =
         (uint32_t)((uint64_t)table->spindle_mrpm * (fuzz_u8(&b) + 1u) / 128u + 1u);
     hal_host_reset(hz);
-    hal_host.slow.force.quantum_un = (fuzz_u8(&b) & 1u) != 0u ? 20000 : 0;
-    const cam_params_t params = drawn(&b);
+    const bool takes_force = (fuzz_u8(&b) & 1u) != 0u;
+    hal_host.slow.force.quantum_un = takes_force ? 20000 : 0;
+    const cam_params_t params = drawn(&b, takes_force);
     note_refusal(cam_gains_check(&params, hz));
     note_refusal(cam_derived_limits_check(&params, hz));
     note_cut(table, &params, mrpm, hz);
