@@ -33,6 +33,6 @@ def test_a_part_file_is_parsed_once(monkeypatch: pytest.MonkeyPatch) -> None:
         calls.append(text)
         return toml_tree(text)
 
-    monkeypatch.setattr("camtools.part.file.toml_tree", tree)
+    monkeypatch.setattr("camtools.part.model.toml_tree", tree)
     assert parse(PERKINS.read_bytes(), "p.toml").kind.name == "piston"
     assert len(calls) == 1
