@@ -103,6 +103,9 @@ static void test_approach_limit_adds_the_lag_of_the_drive(void)
     table.u_max_nm = 1000000; // then that of the cut counts
     TEST_ASSERT_INT32_WITHIN(4, (int32_t)lag_nm + 200000,
                              cam_derived_limits_approach_nm(&params, &table, 20000));
+    params.following_limit_nm = 1;
+    TEST_ASSERT_INT32_WITHIN(4, (int32_t)lag_nm + 1,
+                             cam_derived_limits_approach_nm(&params, &table, 20000));
     params.following_limit_nm = 100;
     TEST_ASSERT_INT32_WITHIN(4, (int32_t)lag_nm + 100,
                              cam_derived_limits_approach_nm(&params, &table, 20000));

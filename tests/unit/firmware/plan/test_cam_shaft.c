@@ -218,6 +218,7 @@ static void test_z_stands_while_one_lobe_after_the_other_is_cut(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, with_way(true, 0.0, 1));
     play();
     TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    TEST_ASSERT_EQUAL_INT64(INT64_C(0x1FFFFFFFE), f.motion.height_q32); // pattern 2: all of it
     uint32_t seen = 0;
     for (uint32_t i = 0; i < 100000u && f.want.state == cam_state_cutting; i++) {
         fixture_play_tick(&f);

@@ -323,12 +323,14 @@ static void test_u_at_its_stop_presses_with_limited_force_and_is_no_fault(void)
     configure();
     force.servo.most_q6 = press_q6;
     m.u_press_q6 = press_q6;
+    force.n_limited = 8; // from the ticks before
     m.state = cam_state_manual;
     let_settle();
     is_blocked = true;
     pos_nm = -300000.0;
     TEST_ASSERT_EQUAL_UINT32(2001, until_fault(0, 2000));
     TEST_ASSERT_EQUAL_INT32(press_q6, r.force_q6);
+    TEST_ASSERT_EQUAL_UINT32(0, force.n_limited);
     pos_nm = 300000.0; // the integral has not wound up
     TEST_ASSERT_EQUAL_UINT32(11, until_fault(0, 10));
     TEST_ASSERT_EQUAL_INT32(-press_q6, r.force_q6);
