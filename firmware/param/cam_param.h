@@ -302,7 +302,7 @@ enum {
     cam_rights_most_sender = 254,
 };
 
-/// Level, and what unlocked it. The number is part of the CAN protocol.
+/// Level: locked, or unlocked by the key switch. The numbers are part of the CAN protocol.
 typedef enum { cam_level_locked, cam_level_key } cam_level_t;
 
 /// State; made by cam_rights_init().
@@ -343,8 +343,8 @@ void cam_rights_lock(cam_rights_t *r);
 /// @return        whether command was lost since the last call
 bool cam_rights_poll(cam_rights_t *r, uint32_t inputs, uint32_t tick);
 
-/// @return cam_ok in the unlocked level; else cam_err_locked, or cam_err_lock_none if this port
-///         cannot unlock
+/// @return cam_ok in the unlocked level; else cam_err_locked, or cam_err_lock_none if the port
+///         has no key switch
 CAM_MUST_USE cam_err_t cam_rights_check_level(const cam_rights_t *r);
 
 /// @return [s] until the level is locked again, rounded up; 0: locked

@@ -2,7 +2,8 @@
 #include "fuzz_digest.h"
 #include <string.h> // memcpy
 
-static uint64_t digest; // FNV-1a, by values instead of bytes
+// As FNV-1a, with 64-bit values for bytes, and the high half folded into the low half.
+static uint64_t digest;
 
 void fuzz_digest_begin(void)
 {

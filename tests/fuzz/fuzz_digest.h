@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// fuzz_digest: a number that sums up what an input leads to, so that a replay sees every change of
-/// what the firmware does.
+/// fuzz_digest: one number for all values that a target notes while it runs an input; fuzz_replay.c
+/// compares it with a record.
 #ifndef FUZZ_DIGEST_H
 #define FUZZ_DIGEST_H
 
@@ -13,7 +13,7 @@ void fuzz_digest_begin(void);
 /// Add a value: an output, an answer, a member of the state.
 void fuzz_note(int64_t value);
 
-/// Add words of 32 bits, such as the members of a struct.
+/// Add a struct without padding, 32 bits at a time; a rest below four bytes is not added.
 void fuzz_note_words(const void *words, size_t n_bytes);
 
 /// @return the digest since its begin

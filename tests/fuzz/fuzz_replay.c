@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs a target without libFuzzer: on files, or on every input of some folders and on variants of
-// it. What they all lead to is compared with what was recorded, so that no change of what the
-// firmware does goes unnoticed.
+// Runs a target without libFuzzer: on single files, or on folders of inputs with variants of each,
+// whose summed digest is compared with a record.
 //
 //     fuzz_TARGET FILE ..                           run these, and print the digest of each
 //     fuzz_TARGET RECORD NAME N_VARIANTS FOLDER ..  compare with the line NAME of a record
@@ -21,11 +20,11 @@ typedef struct {
     size_t n;
 } input_t;
 
-/// The sum of all digests does not depend on the order of the files in a folder.
+/// Sum of all digests: independent of the order of files.
 static uint64_t total;
 static uint32_t n_inputs;
 
-/// Some bytes get other values; which ones depends on all of them and on a seed.
+/// Overwrite up to n_changes bytes, chosen by the content and a seed.
 static size_t change(uint8_t *data, size_t size, uint32_t seed)
 {
     uint32_t dice = seed;
@@ -78,7 +77,7 @@ static uint64_t run(const input_t *input)
     return fuzz_digest();
 }
 
-/// Run the input with one to four changes, again and again.
+/// Run n variants of an input of at most most_variant bytes, each mutated one to four times.
 static void run_variants(const input_t *input, uint32_t n)
 {
     static input_t variant;
@@ -93,7 +92,7 @@ static void run_variants(const input_t *input, uint32_t n)
 }
 
 /// Run all inputs of a folder. @return whether there are any
-static bool is_run(const char *path, uint32_t n_variants)
+static bool run_folder(const char *path, uint32_t n_variants)
 {
     static input_t input;
     DIR *folder = opendir(path);
@@ -105,15 +104,17 @@ static bool is_run(const char *path, uint32_t n_variants)
         if (entry->d_name[0] != '.' && is_read(&input, inner)) {
             (void)printf("%s\n", inner); // before it is run: a crash is that of the last line
             (void)fflush(stdout);
+            const uint64_t before = total;
             (void)run(&input);
             run_variants(&input, n_variants);
+            (void)printf("    %016llx\n", (unsigned long long)(total - before));
         }
     }
     return folder != NULL && closedir(folder) == 0 && n_inputs > n_before;
 }
 
 /// @return whether a file of lines "NAME DIGEST" has that of all inputs
-static bool is_recorded(const char *path, const char *name)
+static bool compare(const char *path, const char *name)
 {
     char line[128], now[128];
     (void)snprintf(now, sizeof now, "%s %016llx\n", name, (unsigned long long)total);
@@ -141,13 +142,13 @@ int main(int argc, char **argv)
     const unsigned long n_variants = argc > 4 ? strtoul(argv[3], &end, 10) : 0u;
     if (end != NULL && *end == '\0') {
         for (int i = 4; i < argc; i++) {
-            if (!is_run(argv[i], (uint32_t)n_variants)) {
+            if (!run_folder(argv[i], (uint32_t)n_variants)) {
                 (void)printf("%s: no folder of inputs\n", argv[i]);
                 return 2;
             }
         }
         (void)printf("%u inputs\n", (unsigned)n_inputs);
-        return is_recorded(argv[1], argv[2]) ? 0 : 1;
+        return compare(argv[1], argv[2]) ? 0 : 1;
     }
     for (int i = 1; i < argc; i++) {
         if (!is_read(&input, argv[i])) {

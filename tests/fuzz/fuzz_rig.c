@@ -86,6 +86,11 @@ bool fuzz_rig_is_traced(void)
     fuzz_note((int64_t)(member));
 #include "ranges_walk.h"
 
+void fuzz_rig_walk_config(cam_config_t *config)
+{
+    walk_config(config);
+}
+
 static uint32_t walked; // generation
 
 /// The configuration changes rarely: each generation of it is checked once.
@@ -95,7 +100,7 @@ static void walk(void)
     cam_config_t *const in_use =
         atomic_load(&g_cam.config.in_use) == first ? first : &g_cam.config.half[1];
     if (in_use->generation != walked) {
-        walk_config(in_use);
+        fuzz_rig_walk_config(in_use);
         walked = in_use->generation;
     }
     walk_state(&g_cam);
@@ -114,7 +119,7 @@ static void trace(void)
     }
 }
 
-/// What the tick says outside, and what its stages say to one another.
+/// Note the outputs of the tick, its faults and set-point, and the last refusal.
 static void note(void)
 {
     const cam_tick_record_t *r = fuzz_rig_record();
@@ -291,8 +296,8 @@ void fuzz_rig_start(fuzz_start_t start)
     memcpy(&g_cam, &c->core, sizeof g_cam);
     memcpy(&hal_host, &c->host, sizeof hal_host);
     memcpy(&fuzz_rig, &c->rig, sizeof fuzz_rig);
-    walked = UINT32_MAX; // what an input leads to depends on no input before it
-    fuzz_digest_begin();
+    walked = UINT32_MAX; // check and note the configuration for every input, not only the first
+    fuzz_digest_begin(); // without the ticks that made the copy, which only the first input runs
 }
 
 cam_err_t fuzz_rig_select(const void *image, size_t size)

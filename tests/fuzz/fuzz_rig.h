@@ -33,7 +33,7 @@ typedef struct {
 
 extern fuzz_rig_t fuzz_rig;
 
-/// A command may be refused: the judge does not ask.
+/// Give a command that may be refused; the digest gets the result, the judge does not.
 static inline void fuzz_try(cam_err_t err)
 {
     fuzz_note(err);
@@ -59,6 +59,9 @@ bool fuzz_rig_is_traced(void);
 /// One tick, the judge's verdict on it, and the ranges of the proof (tests/proof), within which its
 /// state must be.
 void fuzz_rig_tick(void);
+
+/// Check and note every member of a configuration against the ranges of the proof.
+void fuzz_rig_walk_config(cam_config_t *config);
 
 /// n times what main() does in its loop.
 void fuzz_rig_loop(uint32_t n);

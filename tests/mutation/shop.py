@@ -59,8 +59,11 @@ class Shop:
         subprocess.run([*_CONFIGURE, *options], cwd=folder, stdout=DEVNULL, check=True)
         if not self._is_built("firmware_tests", "fuzz", "simulator"):
             raise SystemExit(f"{folder}: does not build before a change")
-        self._words: dict[str, list[str]] = {}  # of the command of each program
-        self._programs = self._programs_of_rooms()
+        tests = json.loads(subprocess.check_output(_CTEST, cwd=folder, text=True))["tests"]
+        commands: dict[str, list[str]] = {test["name"]: test["command"] for test in tests}
+        subprocess.run(commands.pop("fuzz.seeds"), check=True)
+        self._words: dict[str, list[str]] = {}  # command line of each program
+        self._programs = self._programs_of_rooms(commands)
         shutil.rmtree(self._clean, ignore_errors=True)
         shutil.copytree(self._build, self._clean, symlinks=True)
         self.times: dict[str, float] = {}  # processor time [s] of each program before a change
@@ -80,11 +83,8 @@ class Shop:
     def _is_changed(self, name: str) -> bool:
         return (self._build / name).read_bytes() != (self._clean / name).read_bytes()
 
-    def _programs_of_rooms(self) -> dict[str, list[str]]:
-        """Make the seeds of replays; return the programs of all tests by the firmware's rooms."""
-        tests = json.loads(subprocess.check_output(_CTEST, cwd=self._tree, text=True))["tests"]
-        commands = {test["name"]: test["command"] for test in tests}
-        subprocess.run(commands.pop("fuzz.seeds"), check=True)
+    def _programs_of_rooms(self, commands: dict[str, list[str]]) -> dict[str, list[str]]:
+        """Return the test programs by room, with replays and scenarios as rooms of their own."""
         rooms: dict[str, list[str]] = {"replays": []}
         for test, command in commands.items():
             name = Path(command[0]).name
@@ -94,7 +94,8 @@ class Shop:
             is_replay = test.startswith("fuzz.")
             self._words[program] = command if is_replay else command[:1]
             programs = rooms.setdefault("replays" if is_replay else room, [])
-            programs.extend([program] if program not in programs else [])
+            if program not in programs:
+                programs.append(program)
         return rooms | {"scenarios": [SCENARIOS]}
 
     def measure(self) -> dict[str, float]:

@@ -113,7 +113,7 @@ static void judge(const cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
     const cam_ilc_status_t status = cam_ilc_status(t, s, 20000);
     fuzz_note_words(&status, sizeof status);
-    fuzz_note_words(&in_force, sizeof in_force / sizeof(int32_t) * sizeof(int32_t));
+    fuzz_note_words(&in_force, sizeof in_force);
     for (uint32_t k = 0; k < cam_ilc_n_values; k++) {
         fuzz_note(cam_ilc_get(t, k));
     }

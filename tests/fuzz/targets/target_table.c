@@ -57,9 +57,12 @@ static void evaluate(const cam_table_t *t, uint32_t theta_q32, int32_t z_nm)
 
 static void judge(const cam_table_t *t)
 {
-    fuzz_note_words(&t->z_first_nm,
-                    offsetof(cam_table_t, image) - offsetof(cam_table_t, z_first_nm));
-    fuzz_note_words(&t->swing, sizeof t->swing + sizeof t->u_change + sizeof t->swing_change);
+    const size_t first = offsetof(cam_table_t, z_first_nm);
+    const size_t end = offsetof(cam_table_t, crc32) + sizeof t->crc32;
+    fuzz_note_words((const char *)t + first, end - first);
+    fuzz_note_words(&t->swing, sizeof t->swing);
+    fuzz_note_words(&t->u_change, sizeof t->u_change);
+    fuzz_note_words(&t->swing_change, sizeof t->swing_change);
     FUZZ_EXPECT(t->image_size <= (uint32_t)most_bytes, "%u bytes", (unsigned)t->image_size);
     FUZZ_EXPECT(memchr(t->name, 0, sizeof t->name) != NULL, "name without an end");
     FUZZ_EXPECT(t->direction == 1 || t->direction == -1, "direction %d", (int)t->direction);

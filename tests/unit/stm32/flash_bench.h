@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// flash_bench: sectors of flash of a program's own, whose addresses fit 32 bits. The supply falls
-/// in any erase or write of them. A program defines flash_n_sectors and FLASH_PLACE, the name of
+/// flash_bench: flash sectors in memory with 32-bit addresses. The supply can fail in any erase or
+/// write. A program defines flash_n_sectors and FLASH_PLACE, the name of
 /// the first byte, and includes this once.
 #ifndef FLASH_BENCH_H
 #define FLASH_BENCH_H
@@ -15,7 +15,7 @@ enum {
     flash_n_words = flash_bytes / stm_flash_word_bytes
 };
 
-/// What a word reads as whose programming was cut off; at last all of it.
+/// What a word reads after its programming was interrupted; torn_not: it was complete.
 typedef enum { torn_as_erased, torn_as_half, torn_unreadable, torn_not, n_torn } torn_t;
 
 typedef struct {
@@ -26,7 +26,7 @@ typedef struct {
 
 _Alignas(stm_flash_word_bytes) __attribute__((used)) uint8_t FLASH_PLACE[flash_bytes];
 
-static flash_t flash; ///< but for its bytes, which are at FLASH_PLACE
+static flash_t flash; ///< except its bytes, which are at FLASH_PLACE
 static int n_left;    ///< operations until the supply falls in the last of them, 0: it stays
 static torn_t torn;
 static jmp_buf supply_falls;
