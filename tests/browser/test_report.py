@@ -126,7 +126,7 @@ def test_part_in_space_is_drawn(report_folder: Path, open_window: OpenWindow, ke
 def test_report_without_scripts_has_its_numbers(
     report_folder: Path, open_window: OpenWindow, keep: Keep
 ) -> None:
-    """A reader without JavaScript sees tables and sheets, and is told of the charts."""
+    """Without JavaScript tables and sheets are visible, with a notice about the charts."""
     page = open_window(java_script_enabled=False).page
     page.goto((report_folder / "report.html").as_uri())
     keep(page, "Report, without scripts", is_whole=True)

@@ -133,7 +133,7 @@ def test_unlock_awaits_the_key(bench: Bench, refusal: Refusal, monkeypatch: Monk
 
 
 def test_what_is_proposed_is_applied_during_unlock(bench: Bench) -> None:
-    """Tools/identify and tools/tune share the session of camctl: they cannot await the key."""
+    """The commands identify and tune share camctl's session, whose level they need."""
     bench.do("home")
     bench.turn_key(False)
     words = UOptions(interface="virtual", channel=bench.channel, node=bench.node)

@@ -1,14 +1,12 @@
 """The ring-helix on the simulator: Z against its path, the surface between tracks."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from camtools.cut.path import ToolPath, ramp_of
 from camtools.part.common import MachineLimits
 from camtools.skirt.geometry.skirt_geometry import make_geometry
-from tests.tools.cases.camsim_cases import camsim, cut, only_error, while_in
+from tests.tools.cases.camsim_cases import cut, while_in
 from tests.tools.cases.part_cases import ROOT, TableOf, load_part
 
 PART = ROOT / "tools" / "parts" / "perkins240_ring_helix.toml"
@@ -86,21 +84,3 @@ def test_summary_tells_the_scallop(table_of: TableOf) -> None:
     scallop = cut(*words, "--nose-mm", 5).summary["scallop"]
     assert scallop["z_last_mm"] - scallop["z_first_mm"] == pytest.approx(8)
     assert 0 < scallop["peak_to_valley_min_um"] < scallop["peak_to_valley_max_um"] < 110
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (("--nose-mm", "0"), "--nose-mm 0: out of range; give mm, 0.01 .. 100"),
-        (("--scallop", "x.csv"), "no tool for it; give --nose-mm, too"),
-        (("--nose-mm", "1", "--scallop-mm", "5:4"), "--scallop-mm 5:4: no two rising heights"),
-        (("--nose-mm", "1", "--scallop-mm", "5"), "--scallop-mm 5: no two rising heights"),
-        (("--nose-mm", "1", "--scallop-mm", "a:b"), "--scallop-mm a:b: no two rising heights"),
-        (("--nose-mm", "1", "--scallop-mm", "61:63"), "beyond the part; give heights 0 .. 62"),
-        (("--nose-mm", "1", "--scallop", "x.csv", "--trace", "x.csv"), "named for two purposes"),
-    ],
-)
-def test_bad_options_are_refused(words: tuple[str, ...], told: str, table_of: TableOf) -> None:
-    """One line with the option and the remedy, and nothing written."""
-    assert told in only_error(camsim("run", table_of("perkins240"), *words))
-    assert not Path("x.csv").exists()

@@ -51,7 +51,7 @@ class Interrupted(BaseException):
 
 
 class _Unbroken:
-    """Whether the main thread is in such a call, and the signal that came meanwhile."""
+    """Whether the main thread is inside `unbroken`, and the signal that arrived there."""
 
     is_on = False
     number: int | None = None
@@ -59,9 +59,9 @@ class _Unbroken:
 
 @contextmanager
 def unbroken() -> Iterator[None]:
-    """Let a signal raise Interrupted at the end of a call, so that no lock in it stays taken.
+    """Delay Interrupted until the end of the block, so that a library releases its locks.
 
-    For short calls of a library that shares locks with other threads.
+    Not nestable; for short calls of a library that shares locks with other threads.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

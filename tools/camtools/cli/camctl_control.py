@@ -72,7 +72,7 @@ class Control:
 
 _MOST_SENDER = 254
 _KEY_S = 60.0  # within which the key is turned
-_NO_VALUE = 255
+_NO_VALUE = 255  # no learned value has this number
 _SETTLE_S = 0.5  # within which the status tells what an order about rights has done
 
 
@@ -123,7 +123,8 @@ def _level(link: Link) -> str:
 def unlock(control: Control) -> None:
     """Take command, wait for the key switch, and stay unlocked until control-C or `lock`."""
     link, say = control.link, control.say
-    # No learned value has this number: the order takes command, but changes nothing.
+    # set_learned needs command and the unlocked level: it takes command, and its refusal shows
+    # whether the port has a key switch.
     if link.ask("set_learned", parameter=_NO_VALUE).result == "lock_none":
         raise Refused("unlock: the port has no key switch; add one to its settings")
     say(f"unlock: turn the key switch at the machine off and on, within {_KEY_S:.0f} s")

@@ -37,8 +37,8 @@ class UOptions(BusOptions):
 def connected_u(options: UOptions) -> Iterator[tuple[ConnectedU, int]]:
     """Open U of the controller that the options name; give it and the controller's node.
 
-    It commands as camctl does, and thus while `camctl unlock` waits for it. Raises CamtoolsError:
-    the bus cannot be opened.
+    It uses camctl's sender number, so it shares command and level with a running `camctl unlock`.
+    Raises CamtoolsError: the bus cannot be opened.
     """
     bus, where, node = options.opened()
     try:

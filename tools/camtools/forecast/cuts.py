@@ -1,8 +1,8 @@
-"""Cuts of a forecast: made here or on a cluster by Dask, kept by the digest of their causes.
+"""Cuts of a forecast: made here or on a cluster by Dask, stored under the digest of their inputs.
 
 A worker gets bytes, not paths: it keeps the table in a folder of its own, which ends with it. Every
 batch becomes a file of its own, which appears complete or not at all; a forecast that was stopped
-finds what is there and goes on.
+continues with the cuts that are missing.
 
 >>> import tempfile
 >>> with tempfile.TemporaryDirectory() as name:
@@ -45,7 +45,7 @@ TABLE, DESIGN = "part.camtab", "part.json"
 
 
 class Task(NamedTuple):
-    """What all cuts of a forecast have in common."""
+    """What all cuts of a forecast share."""
 
     table: bytes  # content of the table
     design: bytes  # content of its report
@@ -135,15 +135,15 @@ def cut_batch(task: Task, machines: Sequence[str]) -> list[CutOutcome]:
     return [cut_one(task, machine) for machine in machines]
 
 
-_BATCH = 8  # cuts: what is lost of a worker that dies, a second or two
+_BATCH = 8  # cuts; a worker that dies loses one batch, a second or two of work
 _CONNECT_S = 10.0
 
 
 def _local(n_workers: int, folder: str) -> "LocalCluster":
-    """Return processes of this computer. Ctrl-C is not theirs: they inherit that it is blocked."""
+    """Start workers on this computer; they inherit a blocked SIGINT: control-C ends only this."""
     from distributed import LocalCluster  # slow to load
 
-    resource_tracker.ensure_running()  # would unblock it when it starts between
+    resource_tracker.ensure_running()  # started later, it would unblock SIGINT
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         return LocalCluster(
@@ -222,7 +222,7 @@ SCHEMA = pa.schema([*(_FIELDS | {"status": pa.int32()}).items()])
 
 
 class Store:
-    """Outcomes in a folder, made by the first one; refuses a file there that is none of ours."""
+    """Outcomes in a folder, created by the first batch; refuses foreign Parquet files."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

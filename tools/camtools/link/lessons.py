@@ -1,4 +1,4 @@
-"""How the following error falls while the controller learns, by the status.
+"""The following error over the turns of learning, from the status messages.
 
 >>> seen = Convergence()
 >>> seen.add({"learn_turns": 8.0, "learn_error": 0.5, "learn_phase": 5.0})
@@ -21,12 +21,11 @@ MOST_LESSONS = 2000
 
 @dataclass(frozen=True, eq=False)
 class Lessons:
-    """What was learned, lesson by lesson, the oldest first; all have the length n.
+    """Lessons, the oldest first; all arrays have the length n.
 
-    turn: shape (n,), turns of which was learned, since the rehearsal or the cut began; error_um:
-    shape (n,), rms [um] of the error of that turn in the harmonics that are learned; phase: what is
-    learned, as in NAMES["learn_phase"]; begin_error_um: the same before anything was learned; None:
-    not told.
+    turn: number of turns learned from since the rehearsal or cut began; error_um: rms error of that
+    turn in the learned harmonics; phase: name of NAMES["learn_phase"]; begin_error_um: error before
+    learning, None: unknown.
     """
 
     turn: npt.NDArray[np.int64]
@@ -36,11 +35,10 @@ class Lessons:
 
 
 class Convergence:
-    """Errors of lessons, by their turns; a new rehearsal begins anew.
+    """Collects error over turns; a new rehearsal clears it.
 
-    The status tells turns and error in two pages, of which one may be of the lesson before; the
-    newest pair of each turn stands. Lessons that come faster than the pages are left out. most:
-    lessons that are kept; older ones are forgotten.
+    Turns and error come in two pages, one of which may be a lesson old: the newest pair of a turn
+    wins. Lessons that come faster than the pages are left out. most: lessons that are kept.
     """
 
     def __init__(self, most: int = MOST_LESSONS) -> None:

@@ -31,7 +31,8 @@ REMEDIES = {
     "released and faults reset; give the order again within 60 s",
     "acknowledge_none": "the port has no such button; wire one and name it in the port's settings, "
     "or waive it there",
-    "locked": "turn the key switch at the machine off and on during camctl unlock",
+    "locked": "turn the key switch at the machine off and on; for a command line, while camctl "
+    "unlock runs",
     "lock_none": "this port cannot be unlocked; add a key switch to its settings",
     "hard_limit": "the firmware image fixes this limit; it cannot be changed over the bus",
     "drive": "see that all drives are ready",

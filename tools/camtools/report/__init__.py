@@ -1,1 +1,1 @@
-"""What the reports of all kinds share: the page and its pictures of axes and comparison."""
+"""What the reports of all kinds share: the page, its charts and pictures."""

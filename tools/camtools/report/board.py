@@ -22,7 +22,7 @@ _TURN_STEPS = 65536  # in a column: where flanks are steep, less would show in t
 _SPACE_ROWS, _SPACE_COLUMNS = 64, 180
 _ROOM, _ROOM_FOR_SHAPE = 0.15, 0.35  # shares of the radius for errors and for the shape
 _WORTH_ENLARGING = 5  # a shape enlarged by less looks like another part
-# ColorBrewer's RdBu from blue to red, the colours of the static map.
+# ColorBrewer's RdBu from blue to red.
 _COLOURS = (
     *("#053061", "#2166ac", "#4393c3", "#92c5de", "#d1e5f0", "#f7f7f7"),
     *("#fddbc7", "#f4a582", "#d6604d", "#b2182b", "#67001f"),

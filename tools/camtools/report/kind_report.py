@@ -69,7 +69,7 @@ TOOL_PATH = "the tool's true path"
 
 @dataclass(frozen=True)
 class KindReport(Generic[CutT]):
-    """What a kind of part shows of a cut."""
+    """What a kind of part shows of a cut, and the pictures of its table."""
 
     what: str  # was cut: "skirt"
     angle: str  # from where the angle of the surface counts

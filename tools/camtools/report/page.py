@@ -77,8 +77,9 @@ def trace_text(outcome: AnyCut) -> str:
         return f"trace.parquet holds all {ticks} ticks of the run."
     last_s = float(outcome.trace.t_s[-1]) if outcome.trace.t_s.size else 0.0
     return (
-        "Because this cut is long, trace.parquet, the comparison and the pictures of U, following "
-        f"error and sequence cover the first {last_s:.1f} s only: {ticks} ticks of a shorter run."
+        "Because this cut is long, trace.parquet, the comparison, the charts of U and of its "
+        "following error, and the picture of the sequence cover the first "
+        f"{last_s:.1f} s only: {ticks} ticks of a shorter run."
     )
 
 

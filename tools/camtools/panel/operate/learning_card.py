@@ -1,4 +1,4 @@
-"""How the following error falls while the controller learns, live.
+"""The following error over the turns of learning.
 
 An update sends the series that has changed by ECharts' own setOption.
 """

@@ -66,7 +66,7 @@ class Help:
 _LOST = "The server of the panel does not answer: all values here are old."
 FAST_S, SLOW_S = 0.08, 0.5  # between two updates of numbers, and of the rest
 UNSEEN_S = 2.0  # of a page whose tab is hidden
-_TAKEN_S = 5.0  # longest time for which a page is waited for that does not say it has an update
+_TAKEN_S = 5.0  # longest wait for a page to confirm an update
 
 
 class OperatePage:
@@ -129,15 +129,14 @@ class OperatePage:
             await self._commands.by_key(str(event.key))
 
     def _seen(self, event: GenericEventArguments) -> None:
-        """Send little to a tab that nobody sees."""
+        """Update a hidden tab rarely."""
         self._is_seen = not isinstance(event.args, dict) or event.args.get("is_seen") is not False
         self._fast.interval = FAST_S if self._is_seen else UNSEEN_S
 
     async def _show_fast(self) -> None:
-        """Show the newest, and wait until the page has taken it.
+        """Show the newest values and wait for the page to confirm.
 
-        A browser that cannot keep up thus gets fewer updates and not older ones: what is sent
-        without waiting would queue up before it, by seconds.
+        A slow browser gets fewer updates instead of a growing queue of old ones.
         """
         snapshot = self._context.service.snapshot()
         read = self._context.service.parameters()

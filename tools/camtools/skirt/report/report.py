@@ -1,4 +1,4 @@
-"""The report of a skirt, with pictures of U over a turn, the corner and equal volumes.
+"""The report of a skirt: views, and pictures of corner, controller and equal volumes.
 
 >>> REPORT.views[0].key, REPORT.views[-1].key
 ('fault', 'compare')
