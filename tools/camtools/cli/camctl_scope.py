@@ -132,7 +132,7 @@ def _finish(
     """Write what was read, pictures with a number; give the memory back to the black box."""
     say = control.say
     made = _pictures(wanted, recording)
-    pictures = {one.with_stem(one.stem + number): data for one, data in made.items()}
+    pictures = {picture.with_stem(picture.stem + number): data for picture, data in made.items()}
     camctl_files.write(path, recording, pictures, say, is_raw=wanted.raw)
     control.say(*_lines(recording))
     if not wanted.keep:
