@@ -21,18 +21,12 @@ MOST_LESSONS = 2000
 
 @dataclass(frozen=True, eq=False)
 class Lessons:
-    """What was learned, lesson by lesson, the oldest first; all have the length n.
+    """What was learned, lesson by lesson, the oldest first; all have the length n."""
 
-    turn: shape (n,), turns of which was learned, since the rehearsal or the cut began; error_um:
-    shape (n,), rms [um] of the error of that turn in the harmonics that are learned; phase: what is
-    learned, as in NAMES["learn_phase"]; begin_error_um: the same before anything was learned; None:
-    not told.
-    """
-
-    turn: npt.NDArray[np.int64]
-    error_um: npt.NDArray[np.float64]
-    phase: tuple[str, ...]
-    begin_error_um: float | None
+    turn: npt.NDArray[np.int64]  # counted from the begin of the rehearsal or the cut
+    error_um: npt.NDArray[np.float64]  # rms of that turn in the harmonics that are learned
+    phase: tuple[str, ...]  # what is learned, as in NAMES["learn_phase"]
+    begin_error_um: float | None  # before anything was learned; None: not reported
 
 
 class Convergence:

@@ -169,8 +169,8 @@ def state_remedy(command: str, state: str) -> str:
         return "see the states in firmware/README.md"
     if needed == _OFF:
         return f"{_TO_OFF[state]} first" if state in _TO_OFF else "give it again"
-    way = _FROM_OFF[needed]
-    return way if state == _OFF else f"{_TO_OFF[state]}, then {way}"
+    remedy = _FROM_OFF[needed]
+    return remedy if state == _OFF else f"{_TO_OFF[state]}, then {remedy}"
 
 
 def _cut_remedy(command: str, state: str) -> str:

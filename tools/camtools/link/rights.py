@@ -11,10 +11,10 @@ sender, so it gives its orders in the same session. Another user, or another --s
 
 >>> import tempfile
 >>> folder = Path(tempfile.mkdtemp())
->>> one = SharedSession("virtual demo", 64, 12, folder)
->>> one.tell(7), one.read(), SharedSession("virtual demo", 64, 13, folder).read()
+>>> mine = SharedSession("virtual demo", 64, 12, folder)
+>>> mine.write(7), mine.read(), SharedSession("virtual demo", 64, 13, folder).read()
 (None, 7, 0)
->>> one.tell(0), one.read()
+>>> mine.write(0), mine.read()
 (None, 0)
 """
 
@@ -87,8 +87,8 @@ class Rights:
 
     sender: by which others know it, 1 .. 254. may: whether the first order that needs command takes
     it; session: that of the controller in which this link commands; 0: it does not; is_joined:
-    whether that is the session of another process of this sender; on_lost: told why command was
-    lost, and who has it now, 0: nobody; by default CommandLost is raised from whatever waits;
+    whether that is the session of another process of this sender; on_lost: called with why command
+    was lost and who has it now, 0: nobody; by default CommandLost is raised from whatever waits;
     on_change: called whenever `session` has changed; joined: returns the session of another process
     of this sender; 0: there is none.
     """
@@ -108,7 +108,7 @@ class Rights:
         """Share the session at a node with other processes of this user and sender."""
         shared = SharedSession(self._link.where, node, self.sender)
         self.joined = shared.read
-        self.on_change = lambda: shared.tell(self.session)
+        self.on_change = lambda: shared.write(self.session)
 
     # Frames
 
@@ -241,8 +241,8 @@ def _raise_lost(text: str, _holder: int) -> None:
 class SharedSession:
     """The file of the session of a sender at a controller.
 
-    where: how the bus is called in messages; node, sender: of the controller, and of who commands
-    it; folder: of this user alone; default: that of the live lathes.
+    where: name of the bus in messages; folder: accessible to this user alone, by default that of
+    the live lathes.
     """
 
     def __init__(self, where: str, node: int, sender: int, folder: Path | None = None) -> None:
@@ -250,7 +250,7 @@ class SharedSession:
         home = runtime_folder() if folder is None else folder
         self._path = home / f"command-{bus:08x}-{node}-{sender}.session"
 
-    def tell(self, session: int) -> None:
+    def write(self, session: int) -> None:
         """Write the session of this process; 0 removes what this process wrote."""
         own = {"session": session, "pid": os.getpid(), "start": start_of(os.getpid())}
         with suppress(OSError):  # without the file the others take command themselves
@@ -262,7 +262,7 @@ class SharedSession:
                 self._path.unlink()
 
     def read(self) -> int:
-        """Return the session that a process which lives has told; 0: there is none."""
+        """Return the session that a live process has written; 0: there is none."""
         facts = self._read()
         pid, session = facts.get("pid"), facts.get("session")
         if not isinstance(pid, int) or not isinstance(session, int):
