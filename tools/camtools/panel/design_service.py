@@ -51,9 +51,9 @@ class DesignService:
         """Return where the report of a run is served; the run's key is `Run.key`."""
         return f"/{self.report_key}/{run}/{REPORT}"
 
-    def note(self, visitor: Visitor, what: str, arguments: dict[str, object], told: str) -> None:
+    def note(self, visitor: Visitor, what: str, arguments: dict[str, object], outcome: str) -> None:
         """Log what a visitor did."""
-        self._log.add(visitor, what, arguments, Outcome(True, told))
+        self._log.add(visitor, what, arguments, Outcome(True, outcome))
 
     def stop_runs(self, visitor: Visitor, chosen: list[str]) -> None:
         """Stop the chosen runs that wait or go on, by default the one that goes on."""

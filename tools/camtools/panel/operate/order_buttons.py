@@ -58,10 +58,10 @@ class Orders:
 
     async def give(self, name: str, words: str = "", /, **arguments: object) -> Outcome:
         """Give an order, and show what came of it."""
-        told = words or name.replace("_", " ")
-        self._tell(f"{told} ..", "busy")
+        words = words or name.replace("_", " ")
+        self._tell(f"{words} ..", "busy")
         outcome = await self.context.service.do(Order(name, arguments), self.visitor)
-        self.tell(told, outcome)
+        self.tell(words, outcome)
         return outcome
 
     def tell(self, words: str, outcome: Outcome) -> None:
@@ -125,7 +125,7 @@ class Orders:
     def show(self, snapshot: Snapshot) -> None:
         """Switch all guarded controls by what is so now.
 
-        What holds for all of them is told once, not below every button.
+        A reason that holds for all of them is shown once, not below every button.
         """
         lost = "" if snapshot.is_connected else "no connection to the controller"
         of_all = lost or self.why_no_rights or held_text(snapshot)

@@ -6,7 +6,7 @@ While no controller is heard the bus is closed and opened again, once a second.
 
 >>> job = Job("start", {}, Visitor("v1"))
 >>> job.tell(False, "busy"); job.tell(True, "start: engaging")
->>> job.told.result()
+>>> job.outcome.result()
 Outcome(is_done=False, text='busy')
 """
 
@@ -59,7 +59,7 @@ class Job:
     is_urgent: bool = False  # whether it overtakes
     still_allowed: Callable[[], str] = lambda: ""  # when its turn comes; why not, or ""
     is_attended: bool = False  # whether it ends when that is no longer so
-    told: Future[Outcome] = field(default_factory=Future)  # gets the outcome
+    outcome: Future[Outcome] = field(default_factory=Future)  # gets the outcome
     given_s: float = field(default_factory=time.monotonic)
 
     def leave(self) -> None:
@@ -68,8 +68,8 @@ class Job:
 
     def tell(self, is_done: bool, text: str) -> None:
         """Say what came of it, once."""
-        if not self.told.done():
-            self.told.set_result(Outcome(is_done, text))
+        if not self.outcome.done():
+            self.outcome.set_result(Outcome(is_done, text))
 
 
 class LinkThread:

@@ -47,8 +47,8 @@ class ParameterSet:
 
     def is_of(self, signals: Mapping[str, float]) -> bool:
         """Return whether the status still tells the same of them."""
-        told = (int(signals["params_version"]), kept_text(signals))
-        return told == (self.version, self.kept)
+        reported = (int(signals["params_version"]), kept_text(signals))
+        return reported == (self.version, self.kept)
 
     def text(self) -> str:
         """Return them as a TOML file, which `params_load` and camctl take."""
