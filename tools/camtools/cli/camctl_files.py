@@ -39,7 +39,7 @@ def names_of(text: str) -> list[str]:
 
 
 def check_name(path: Path) -> None:
-    """Raise when the name of a file does not tell its format."""
+    """Refuse a file whose suffix names no format."""
     if path.suffix not in _SUFFIXES:
         raise CamtoolsError([f"{path}: give a name that ends in {' or '.join(_SUFFIXES)}"])
 
@@ -90,7 +90,7 @@ def _csv(columns: dict[str, Any]) -> Iterator[bytes]:
 
 
 def file_bytes(path: Path, recording: scope.Recording, *, is_raw: bool) -> bytes:
-    """Return a recording in the format that the name of its file tells.
+    """Return a recording in the format of its file's suffix.
 
     The first column is the time from the trigger on; every column is a number, because PlotJuggler
     before 3.14 opens no Parquet file with text in it.

@@ -52,7 +52,7 @@ def send_block(link: Link, block: bytes) -> None:
 
 
 def _give(link: Link, image: bytes, at: int, remedy: str) -> int:
-    """Send a block; return where to go on."""
+    """Send a block; return where the next one begins."""
     for _ in range(MOST_REPEATS):
         part = image[at : at + BLOCK_BYTES]
         try:

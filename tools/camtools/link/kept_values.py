@@ -286,7 +286,7 @@ def set_learned(link: Link, values: Sequence[int]) -> None:
 
 
 def learning_report(status: Status) -> list[str]:
-    """Return what the status tells of learning, a line each."""
+    """Return the lines of the status about learning."""
     s = status.signals
     phase = NAMES["learn_phase"].get(int(s["learn_phase"]), "unknown")
     reason = NAMES["learn_reason"].get(int(s["learn_reason"]), "unknown")

@@ -32,9 +32,9 @@ class Lessons:
 class Convergence:
     """Errors of lessons, by their turns; a new rehearsal begins anew.
 
-    The status tells turns and error in two pages, of which one may be of the lesson before; the
-    newest pair of each turn stands. Lessons that come faster than the pages are left out. most:
-    lessons that are kept; older ones are forgotten.
+    Turns and error come in two pages of the status, and one page may still be of the lesson before;
+    the newest pair of each turn is kept. Lessons that come faster than the pages are left out.
+    most: number of lessons that are kept.
     """
 
     def __init__(self, most: int = MOST_LESSONS) -> None:

@@ -171,8 +171,8 @@ class Bridge:
     """Two threads that carry frames until the controller or the bus is gone.
 
     A frame with an identifier that the controller sends itself is not carried to it: a bus may hand
-    everybody his own frames. to_controller, from_controller: pipes, which stay open. spoke: the
-    controller has sent its first frame; problem: why frames are carried no more; "" while they are,
+    everybody his own frames. to_controller, from_controller: pipes, which stay open. spoke: set by
+    the first frame of the controller. problem: why frames are carried no more; "" while they are,
     and when the controller has ended.
     """
 

@@ -140,7 +140,7 @@ def _by_numbers(link: Link, answer: Answer) -> str:
 
 
 def _by_hand(answer: Answer) -> str:
-    """Return the limit that the answer to a refused order by hand tells; "" where it has none."""
+    """Return the limit in the answer to a refused order by hand; "" where it has none."""
     if answer.command == "jog" and answer.result == "hand_speed":
         return f"; by hand this axis moves at most {answer.value:.9g} mm/s"
     if answer.command == "step" and answer.result == "travel":

@@ -85,22 +85,19 @@ def sender_text(sender: int) -> str:
 class Rights:
     """Whether this link commands, and how it keeps that.
 
-    sender: by which others know it, 1 .. 254. may: whether the first order that needs command takes
-    it; session: that of the controller in which this link commands; 0: it does not; is_joined:
-    whether that is the session of another process of this sender; on_lost: called with why command
-    was lost and who has it now, 0: nobody; by default CommandLost is raised from whatever waits;
-    on_change: called whenever `session` has changed; joined: returns the session of another process
-    of this sender; 0: there is none.
+    on_lost: called with why command was lost and who has it now, 0: nobody; by default CommandLost
+    is raised from whatever waits. on_change: called whenever `session` has changed. joined: returns
+    the session of another process of this sender; 0: there is none.
     """
 
     def __init__(self, link: Link, sender: int) -> None:
         self._link, self.sender = link, sender
         self.may = May.IF_FREE
-        self.session = 0
+        self.session = 0  # in which this link commands; 0: it does not
         self.on_lost: Callable[[str, int], None] = _raise_lost
         self.on_change: Callable[[], None] = lambda: None
         self.joined: Callable[[], int] = lambda: 0
-        self.is_joined = self._was_joined = False
+        self.is_joined = self._was_joined = False  # whether the session is that of another process
         self._sent_s, self._sent_rows, self._n_heard = 0.0, 0, 0
         self._begun_s = 0.0
 
@@ -169,7 +166,7 @@ class Rights:
 
     def _mend_command(self, holder: int) -> bool:
         if self.session and holder == self.sender:
-            return True  # the answer was another's; the next heartbeat tells if it was not
+            return True  # the answer was another's; if not, the next heartbeat shows it
         if self.session and not self.is_joined:
             self._lose(holder)
             return False
@@ -218,7 +215,7 @@ class Rights:
         self.on_change()
 
     def _end(self) -> None:
-        """Forget the session; one that was joined is its owner's to tell of."""
+        """Forget the session; the end of one that was joined is reported by its owner."""
         is_own = self.session != 0 and not self.is_joined
         self.session, self.is_joined = 0, False
         if is_own:

@@ -190,7 +190,7 @@ _FD = _Transfer("read_scope_fd", 4032, 16)
 
 
 class Reader:
-    """Reads a recording piece by piece; after a failure read() goes on where it was.
+    """Reads a recording piece by piece; after a failure read() continues where it stopped.
 
     Over a bus that was opened for CAN FD it asks for long messages, and for classic ones when none
     of those arrives: the controller's side of the bus may be classic. link: may be another one for

@@ -132,7 +132,7 @@ def _faults(text: str, names: str) -> int:
 
 
 def trigger_of(text: str, tick_hz: int) -> Trigger:
-    """Return the trigger of a text. Raises CamtoolsError: it is none; the line tells the forms."""
+    """Return the trigger of a text. Raises CamtoolsError: it is none; the line has the forms."""
     if match := re.fullmatch(r"(\w+)([<>])(.+)", text):
         return _passing(text, match[1], match[2], match[3])
     kind, _, value = text.partition("=")

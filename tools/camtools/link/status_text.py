@@ -38,7 +38,7 @@ PRESS = "Press acknowledge at the machine for half a second"
 
 
 def name_of(signals: Signals, signal: str) -> str:
-    """Return the word for the value of a signal; "" where the controller does not tell it."""
+    """Return the word for the value of a signal; "" where it was not received."""
     number = signals.get(signal)
     return "" if number is None else NAMES[signal].get(int(number), "unknown")
 

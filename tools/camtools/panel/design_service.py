@@ -56,7 +56,7 @@ class DesignService:
         self._log.add(visitor, what, arguments, Outcome(True, outcome))
 
     def stop_runs(self, visitor: Visitor, chosen: list[str]) -> None:
-        """Stop the chosen runs that wait or go on, by default the one that goes on."""
+        """Stop the chosen runs that wait or run, by default the running one."""
         running = [] if self.queue.running is None else [self.queue.running.name]
         there = [*running, *self.queue.waiting]
         for name in [name for name in chosen if name in there] or running:

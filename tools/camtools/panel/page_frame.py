@@ -75,7 +75,7 @@ class FrameStop:
             await self.stop()
 
     async def stop(self) -> None:
-        """End what moves, without a question, and tell what came of it."""
+        """Stop all motion without a question, and show the outcome."""
         withdraw(self._button.client)
         order = stop_order(self._context.service.snapshot().state)
         outcome = await self._context.service.do(Order(order, {}), self._visitor)

@@ -55,8 +55,8 @@ class HandCard:
             ui.label(name).classes("op-axis-name")
             for (sign, (word, _)), sense in zip(_SIGNS.items(), senses, strict=True):
                 jog = ui.button(f"{name} {sign}", color=None).classes("op-jog")
-                said = f"Jog {name} {sign}, {sense}: hold the button"
-                jog.props(f'no-caps unelevated data-jog="{axis}{sign}" aria-label="{said}"')
+                label = f"Jog {name} {sign}, {sense}: hold the button"
+                jog.props(f'no-caps unelevated data-jog="{axis}{sign}" aria-label="{label}"')
                 orders.guard(jog.props(f"data-testid=jog-{axis}{word}"), "jog")
             for sign, (word, sense_of_1) in _SIGNS.items():
                 press = partial(self._give_step, axis, sense_of_1)

@@ -28,10 +28,10 @@ async def made(part: Path) -> tuple[bytes, str]:
             stdout=asyncio.subprocess.DEVNULL,
             stderr=asyncio.subprocess.PIPE,
         )
-        _, said = await process.communicate()
+        _, errors = await process.communicate()
         images = sorted(Path(folder).glob("*.camtab"))
         if process.returncode or not images:
-            return b"", said.decode("utf-8", "replace").strip()[-300:]
+            return b"", errors.decode("utf-8", "replace").strip()[-300:]
         return images[0].read_bytes(), images[0].name
 
 

@@ -126,7 +126,7 @@ class CommandLog:
                 self._stream = None
 
     def _write(self, record: Mapping[str, Any]) -> None:
-        """Append a line; a full disk stops no machine, but is told."""
+        """Append a line; a full disk stops no machine, but is reported."""
         if self._stream is None or self._path is None:
             return
         line = json.dumps(record).encode() + b"\n"
@@ -184,7 +184,7 @@ class Commander:
         return self._log_change("take", visitor, outcome)
 
     def take_over(self, visitor: Visitor) -> Outcome:
-        """Take the command from whoever has it, who is told."""
+        """Take the command from whoever has it; the loser's page shows it."""
         with self._lock:
             loser = self.holder
             outcome = self._give(visitor)
@@ -226,9 +226,9 @@ class Commander:
         self._log_change("pass_on", visitor, Outcome(True, f"the page of {before} was loaded anew"))
 
     def lose_on_bus(self, why: str, sender: int) -> None:
-        """Take note that the panel has lost command over the controller; who commanded is told.
+        """Take note that the panel lost command over the controller; the holder's page shows it.
 
-        Where nobody else has it, as when the panel was stopped for a second, he commands on.
+        Where nobody else has it, as when the panel was stopped for a second, the holder keeps it.
         """
         with self._lock:
             loser = self.holder

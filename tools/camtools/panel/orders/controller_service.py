@@ -49,7 +49,7 @@ class ControllerService:
         """Carry an order out and return what came of it; what is refused is logged, too.
 
         The outcome of `jog_begin` comes when the axis stands again. `jog_hold` and `jog_end` are
-        answered at once and not logged: the outcome of `jog_begin` tells how it ended.
+        answered at once and not logged: the outcome of `jog_begin` has how it ended.
         """
         if order.name in ("jog_hold", "jog_end"):
             return self._held(order, visitor)
@@ -77,7 +77,7 @@ class ControllerService:
         visitor.is_here = visitor.was_connected = True
 
     def page_clock(self, visitor: Visitor, sent_ms: float) -> None:
-        """Take note of a page's clock: when it sent the message that told it, performance.now()."""
+        """Take note of a page's clock: performance.now() as the page sent its message."""
         self._presses.is_late(visitor, sent_ms)
 
     def page_lost(self, visitor: Visitor) -> None:

@@ -46,7 +46,7 @@ OpenLink = Callable[[], Link]
 
 
 class _Overtaken(Exception):  # noqa: N818 - no error: it ends what runs
-    """An urgent job waits, or what runs may not go on; the text says which."""
+    """An urgent job waits, or the running one may not continue; the text says which."""
 
 
 @dataclass(eq=False)
@@ -114,7 +114,7 @@ class LinkThread:
         return replace(newest, work=self._work, has_command=self._has_command)
 
     def lessons(self) -> Lessons:
-        """Return how the error fell while the controller learned, as far as the status told."""
+        """Return how the error fell while the controller learned, as far as the status showed."""
         return self._convergence.lessons()
 
     def parameters(self) -> ParameterSet | None:
@@ -123,7 +123,7 @@ class LinkThread:
         return self._parameters
 
     def give(self, job: Job) -> None:
-        """Hand a job over; its future is told, whatever happens."""
+        """Hand a job over; its future gets an outcome, whatever happens."""
         if not self.snapshot().is_connected:
             job.tell(False, f"not sent: {self.snapshot().problem}; {NOT_HEARD}")
         elif job.is_urgent:

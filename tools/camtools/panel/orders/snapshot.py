@@ -46,7 +46,7 @@ class ParameterSet:
         object.__setattr__(self, "checksum", checksum(self.values))
 
     def is_of(self, signals: Mapping[str, float]) -> bool:
-        """Return whether the status still tells the same of them."""
+        """Return whether version and kept are still those of the status."""
         reported = (int(signals["params_version"]), kept_text(signals))
         return reported == (self.version, self.kept)
 
@@ -65,7 +65,7 @@ class ParameterSet:
 
 
 def parameter_set(values: Mapping[str, int], status: Status) -> ParameterSet | None:
-    """Return what was read, if the status tells the same checksum; else a value has changed."""
+    """Return what was read; None where the status has another checksum: a value has changed."""
     signals = status.signals
     if int(signals["params_checksum"]) != checksum(values):
         return None

@@ -39,7 +39,7 @@ KEYS = {
 
 
 class Help:
-    """A dialog; STOP goes on to work while it is open."""
+    """A dialog; STOP works while it is open."""
 
     def __init__(self) -> None:
         with titled_dialog("Keys", "help") as self._dialog:

@@ -54,7 +54,7 @@ _BREAK = re.compile(rb"[\r\n]+")
 
 
 class RunQueue:
-    """Runs that wait, and the one that goes on; a command cuts, which the words of a run follow."""
+    """Runs that wait, and the running one; `command` gets the words of a run as arguments."""
 
     def __init__(self, store: RunStore, command: list[str] | None = None) -> None:
         self._store = store
@@ -88,7 +88,7 @@ class RunQueue:
         return [folder.name for folder, _ in self._waiting]
 
     def stop(self, name: str) -> None:
-        """Stop a run, or let one that waits not begin."""
+        """Stop a run, or remove it from those that wait."""
         for i, (folder, _) in enumerate(self._waiting):
             if folder.name == name:
                 del self._waiting[i]
@@ -149,7 +149,7 @@ class RunQueue:
     async def _cut(self, folder: Path, words: list[str]) -> int:
         """Carry the command out; return its exit status.
 
-        A terminal of its own makes the simulator tell how far it is five times a second.
+        On a terminal of its own the simulator reports its progress five times a second.
         """
         ours, theirs = pty.openpty()
         try:

@@ -177,7 +177,7 @@ class RunStore:
         raise CamtoolsError([f"run {key[:80]!r}: no such run; it may have been removed"])
 
     def remove(self, key: str) -> None:
-        """Remove a run of the panel that does not go on."""
+        """Remove a run of the panel that has ended."""
         run = self.run(key)
         if run.place != OWN:
             raise CamtoolsError([f"{run.name}: made by tools/run; remove it with tools/run --keep"])

@@ -1,7 +1,7 @@
 """Which orders make sense in a state, and what is missing before the next one can be given.
 
 What the controller refuses stands in firmware/machine/cam_machine.c; the list names what can be
-seen from its status and its parameters. A speed that is not feasible is told by the refusal itself.
+seen from its status and its parameters. A speed that is not feasible shows in the refusal itself.
 
 >>> why_not("start", "off", {})
 'only in ready'
@@ -127,7 +127,7 @@ def _is_u_outside(s: Signals, p: Values) -> bool:
 
 
 def _lacks_home(axis: str) -> Look:
-    """Whether a home is demanded that was not found; a Z that others lead needs none."""
+    """Whether a home is demanded that was not found; a Z moved by another controller needs none."""
 
     def look(s: Signals, p: Values) -> bool:
         is_led = axis == "z" and bool(p.get("z_is_measured", 0))
@@ -188,7 +188,7 @@ _ITEMS: dict[str, tuple[Look, str]] = {
 # A reset would be accepted while a cause is still there, and the next enable refused.
 _CAUSES = "estop drive bus"
 _HOMES = "home_u home_x home_z"
-# By state: what may be missing, in the order of doing, the order that leads on, and what to do.
+# By state: what may be missing, in the order of doing; the order to give next; and what to do.
 _STEPS = {
     "off": (
         f"{_CAUSES} table u_place {_HOMES} no_button acknowledge",
