@@ -217,8 +217,9 @@ class Link:
         """
         self.rights.prepare(command)
         for _ in range(MOST_MENDS):
-            more = {"timeout_s": timeout_s, "parameter": parameter, "echo": None}
-            answer = self.ask_once(command, **more, **value)  # type: ignore[arg-type]
+            answer = self.ask_once(
+                command, timeout_s=timeout_s, parameter=parameter, echo=None, **value
+            )
             if not self.rights.mend(answer):
                 break
         return answer
