@@ -101,7 +101,7 @@ def test_a_second_camctl_of_the_same_user_shares_the_session(bench: Bench) -> No
 def test_a_session_that_is_over_is_not_joined(bench: Bench) -> None:
     """What a file tells of a session that the controller knows no more is left aside."""
     shared = SharedSession(f"virtual {bench.channel}", 64, sender_of("camctl"))
-    shared.tell(200)
+    shared.write(200)
     assert bench.do("phase", "3") == "phase = 3 deg\n"
     assert shared.read() == 0
 

@@ -10,7 +10,7 @@ from camtools.link.controller import Link
 from camtools.link.messages import COMMAND
 from camtools.link.refusal_text import ask_done
 from camtools.link.rights import sender_of, sender_text
-from camtools.panel.views.availability import way_on
+from camtools.panel.views.availability import next_steps
 from camtools.panel.views.wording import held_text, other_sender
 from checks.patience import limit_s
 from tests.tools.cases.camctl_bench import Bench
@@ -134,7 +134,7 @@ def test_the_button_is_asked_for_before_enable(strict: Bench, first: Seat) -> No
 
     def missing() -> list[str]:
         now = first.service.snapshot()
-        return [item.key for item in way_on(now.state, now.signals, {}).missing]
+        return [item.key for item in next_steps(now.state, now.signals, {}).missing]
 
     until(lambda: missing() == ["acknowledge"])
     assert "press acknowledge at the machine for half a second" in first.refused("enable")

@@ -5,7 +5,7 @@ from itertools import product
 import pytest
 
 from camtools.link.messages import NAMES
-from camtools.panel.views.availability import RULES, stop_order, way_on, why_not
+from camtools.panel.views.availability import RULES, next_steps, stop_order, why_not
 from camtools.panel.views.wording import LOOKS, look
 
 STATES = list(NAMES["state"].values())
@@ -23,7 +23,7 @@ GOOD = {name: values[-1] for name, values in INPUTS.items()} | {"is_estop": 0.0,
 
 def missing(state: str, values: dict[str, int] | None = None, **changed: float) -> list[str]:
     """Return the names of what is missing when all is well but for some signals."""
-    return [item.key for item in way_on(state, GOOD | changed, values or {}).missing]
+    return [item.key for item in next_steps(state, GOOD | changed, values or {}).missing]
 
 
 def test_every_state_has_a_look_of_its_own() -> None:
@@ -41,7 +41,7 @@ def test_every_state_and_input_gives_sentences(state: str) -> None:
     for values in product(*INPUTS.values()):
         signals = dict(zip(INPUTS, values, strict=True))
         for is_connected in (True, False):
-            told = way_on(state, signals, {}, is_connected=is_connected).sentences
+            told = next_steps(state, signals, {}, is_connected=is_connected).sentences
             assert told and all(text.endswith(".") for text in told)
             assert len(set(told)) == len(told)
 
@@ -50,20 +50,20 @@ def test_every_state_and_input_gives_sentences(state: str) -> None:
 def test_nothing_is_missing_where_all_is_well(state: str) -> None:
     """The order that leads on is one that makes sense in that state."""
     signals = GOOD | {"is_held": float(state == "holding")}
-    way = way_on(state, signals, {})
-    assert not way.missing, way
-    if way.order:
-        assert why_not(way.order, state, signals) == ""
+    steps = next_steps(state, signals, {})
+    assert not steps.missing, steps
+    if steps.order:
+        assert why_not(steps.order, state, signals) == ""
 
 
 def test_what_is_missing_is_told_in_the_order_of_doing() -> None:
     """People and power come first, then the table, then the places of the axes."""
     values = {"homing_required": 1, "x_home": 2, "z_home": 2, "u_stroke_nm": 1_000_000}
     bad = {"is_estop": 1.0, "is_drive_ready": 0.0, "is_bus_lost": 1.0, "table_size": 0.0}
-    way = way_on("off", bad | {"u_actual": -0.6}, values)
-    keys = [item.key for item in way.missing]
+    steps = next_steps("off", bad | {"u_actual": -0.6}, values)
+    keys = [item.key for item in steps.missing]
     assert keys == ["estop", "drive", "bus", "table", "u_place", "home_x", "home_z"]
-    assert way.order == "enable" and way.sentence == "Release the emergency stop."
+    assert steps.order == "enable" and steps.sentence == "Release the emergency stop."
 
 
 def test_a_z_that_others_lead_needs_no_home() -> None:
@@ -82,17 +82,17 @@ def test_homing_waits_for_the_spindle_and_its_index() -> None:
 def test_the_wait_for_a_steady_spindle_is_told() -> None:
     """While it lasts, and after it ended the start; Start is offered again."""
     for state in ("rehearsing", "engaging"):
-        way = way_on(state, GOOD | {"start_wait": 1.0}, {})
-        assert way.sentence == "Wait until the spindle turns steadily."
-    way = way_on("ready", GOOD | {"start_wait": 2.0}, {})
-    assert "did not turn steadily" in way.sentence and way.order == "start"
+        steps = next_steps(state, GOOD | {"start_wait": 1.0}, {})
+        assert steps.sentence == "Wait until the spindle turns steadily."
+    steps = next_steps("ready", GOOD | {"start_wait": 2.0}, {})
+    assert "did not turn steadily" in steps.sentence and steps.order == "start"
     assert why_not("start", "ready", GOOD | {"start_wait": 2.0}) == ""
 
 
 def test_a_feed_of_nothing_holds_without_a_hold() -> None:
     """Resume would be refused there: the override is to be raised."""
-    way = way_on("holding", GOOD | {"is_held": 0.0, "override_of_feed": 0.0}, {})
-    assert [item.key for item in way.missing] == ["feed"] and way.order == ""
+    steps = next_steps("holding", GOOD | {"is_held": 0.0, "override_of_feed": 0.0}, {})
+    assert [item.key for item in steps.missing] == ["feed"] and steps.order == ""
 
 
 @pytest.mark.parametrize("state", STATES)

@@ -11,7 +11,7 @@ from camtools.link.kept_values import get_all
 from camtools.link.messages import NUMBERS
 from camtools.link.operator import AXES, carry_out
 from camtools.link.refusal_text import ask_done
-from camtools.panel.views.availability import Way, way_on
+from camtools.panel.views.availability import NextSteps, next_steps
 from checks.patience import limit_s
 from tests.tools.cases.camctl_bench import FAULTS, Bench
 
@@ -25,15 +25,15 @@ class Operator:
     def __init__(self, link: Link) -> None:
         self.link, self.values = link, get_all(link)
 
-    def way(self) -> Way:
+    def steps(self) -> NextSteps:
         """Return what is missing by a status that is yet to come."""
         self.link.status.signals.clear()
         status = self.link.listen()
-        return way_on(status.state, status.signals, self.values)
+        return next_steps(status.state, status.signals, self.values)
 
     def missing(self) -> list[str]:
         """Return the names of what is missing."""
-        return [item.key for item in self.way().missing]
+        return [item.key for item in self.steps().missing]
 
     def set(self, **values: int) -> None:
         """Set parameters and read them all."""
@@ -48,15 +48,15 @@ class Operator:
 
     def refused(self, result: str) -> None:
         """Give the order that leads on; it must be refused for a reason, and something missing."""
-        way = self.way()
-        answer = self.link.ask(way.order)
-        assert way.missing and answer.result == result, (way, answer)
+        steps = self.steps()
+        answer = self.link.ask(steps.order)
+        assert steps.missing and answer.result == result, (steps, answer)
 
     def goes_on(self, state: str) -> None:
         """Give the order that leads on, with nothing missing; it must be accepted."""
-        way = self.way()
-        assert not way.missing, way
-        ask_done(self.link, way.order)
+        steps = self.steps()
+        assert not steps.missing, steps
+        ask_done(self.link, steps.order)
         self.until(state)
 
     def home(self, axis: str) -> None:

@@ -56,7 +56,9 @@ def lobe_products(
     """Return what is printed of a cam, and the content of every file by its name."""
     studies = lobe.study_lobes(part, wishes)
     extremes = lobe.lobe_figures(part, studies)
-    files = {f"lobe_{one.number}.csv": csv_text(lobe.lobe_columns(one)).encode() for one in studies}
+    files = {
+        f"lobe_{study.number}.csv": csv_text(lobe.lobe_columns(study)).encode() for study in studies
+    }
     files["analysis.json"] = emit_json(extremes).encode()
     if with_pictures:
         fine = lobe.study_lobes(part, wishes._replace(step_deg=_DRAWN_DEG))
@@ -66,9 +68,9 @@ def lobe_products(
 
 def _lobe_wishes(given: AnalysisWishes) -> LobeWishes:
     """Return the wishes for a cam; refuse options that it has no use for."""
-    for one in fields(given):
-        name, value = one.name, getattr(given, one.name)
-        if name not in LobeWishes._fields and value != one.default:
+    for field in fields(given):
+        name, value = field.name, getattr(given, field.name)
+        if name not in LobeWishes._fields and value != field.default:
             problem = f"{option_of(name)} {value}: has no meaning for a cam"
             raise CamtoolsError([f"{problem}; leave it out"])
     return LobeWishes(given.step_deg, given.rpm)
@@ -80,10 +82,10 @@ def skirt_products(
     """Return what is printed of a skirt, and the content of every file by its name."""
     found = make_analysis(part, wishes)
     files = _files(found, wishes.nose_mm, with_pictures=with_pictures)
-    told = section.summary(found)
+    text = section.summary(found)
     if "refit_notes.md" in files:
-        told += "\n" + files["refit_notes.md"].decode("utf-8")
-    return told, files
+        text += "\n" + files["refit_notes.md"].decode("utf-8")
+    return text, files
 
 
 def analyse(part: PartFile, output: Folder, wishes: AnalysisWishes) -> int:
@@ -96,14 +98,14 @@ def analyse(part: PartFile, output: Folder, wishes: AnalysisWishes) -> int:
     loaded = load_able("analyse", part)
     try:
         if isinstance(loaded, LobePart):
-            told, files = lobe_products(loaded, _lobe_wishes(wishes))
+            text, files = lobe_products(loaded, _lobe_wishes(wishes))
         else:
             assert isinstance(loaded, SkirtPart)
-            told, files = skirt_products(loaded, wishes)
+            text, files = skirt_products(loaded, wishes)
     except CamtoolsError as error:
         raise CamtoolsError([f"{part}: {line}" for line in error.lines]) from error
     write_all(output, files)
-    sys.stdout.write(told)
+    sys.stdout.write(text)
     return 0
 
 

@@ -39,7 +39,7 @@ def names_of(text: str) -> list[str]:
 
 
 def check_name(path: Path) -> None:
-    """Raise when the name of a file does not tell its format."""
+    """Refuse a file whose suffix names no format."""
     if path.suffix not in _SUFFIXES:
         raise CamtoolsError([f"{path}: give a name that ends in {' or '.join(_SUFFIXES)}"])
 
@@ -55,10 +55,10 @@ def _raw_csv(recording: scope.Recording) -> Iterator[bytes]:
 def write_raw(path: Path, recording: scope.Recording, say: Say) -> None:
     """Write a recording as CSV, in the controller's numbers."""
     write_all(path.parent, {path.name: _raw_csv(recording)})
-    _told(path, recording, say)
+    _report(path, recording, say)
 
 
-def _told(path: Path, recording: scope.Recording, say: Say) -> None:
+def _report(path: Path, recording: scope.Recording, say: Say) -> None:
     n = len(recording.rows)
     say(f"{path}: {n} rows of {len(recording.signals)} signals at {recording.tick_hz} Hz")
 
@@ -71,7 +71,7 @@ def _columns(recording: scope.Recording, is_raw: bool) -> dict[str, Any]:
 
 
 def _about(recording: scope.Recording) -> dict[str, str]:
-    told = {
+    about = {
         "tick_hz": recording.tick_hz,
         "every": recording.every,
         "first_tick": recording.first_tick,
@@ -80,7 +80,7 @@ def _about(recording: scope.Recording) -> dict[str, str]:
         "end": recording.end,
         "faults": faults_in(recording.faults),
     }
-    return {ABOUT: json.dumps(told)}
+    return {ABOUT: json.dumps(about)}
 
 
 def _csv(columns: dict[str, Any]) -> Iterator[bytes]:
@@ -90,7 +90,7 @@ def _csv(columns: dict[str, Any]) -> Iterator[bytes]:
 
 
 def file_bytes(path: Path, recording: scope.Recording, *, is_raw: bool) -> bytes:
-    """Return a recording in the format that the name of its file tells.
+    """Return a recording in the format of its file's suffix.
 
     The first column is the time from the trigger on; every column is a number, because PlotJuggler
     before 3.14 opens no Parquet file with text in it.
@@ -108,8 +108,10 @@ def write(
 ) -> None:
     """Write a recording and its pictures; each folder gets all of its files or none."""
     files = {path: file_bytes(path, recording, is_raw=is_raw), **pictures}
-    for folder in {one.parent for one in files}:
-        write_all(folder, {one.name: data for one, data in files.items() if one.parent == folder})
-    _told(path, recording, say)
+    for folder in {file.parent for file in files}:
+        write_all(
+            folder, {file.name: data for file, data in files.items() if file.parent == folder}
+        )
+    _report(path, recording, say)
     for picture in pictures:
         say(f"{picture}: drawn")

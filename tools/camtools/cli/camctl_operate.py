@@ -45,11 +45,11 @@ def follow_cut(link: Link, out: TextIO) -> str:
     It has to stay: without its heartbeats command would be lost, and the cut would end by that.
     Raises Refused: it was stopped, ended in a fault or off, or command was lost.
     """
-    is_drawn, told, turns, has_end = out.isatty(), "", 0.0, True
+    is_drawn, shown, turns, has_end = out.isatty(), "", 0.0, True
     reached = "before the first turn"
 
     def show(status: Status) -> None:
-        nonlocal told, turns, has_end, reached
+        nonlocal shown, turns, has_end, reached
         turns = max(turns, status.signals.get("turns_whole", 0.0))
         has_end = bool(status.signals.get("has_end", 1.0))
         if status.state in ("rehearsing", "engaging", "cutting", "holding"):
@@ -57,8 +57,8 @@ def follow_cut(link: Link, out: TextIO) -> str:
         progress = cut_progress(status.state, status.signals)
         tens = "" if progress.fraction is None else f"{progress.fraction * 10:.0f}"
         key = progress.text if is_drawn else status.state + tens
-        if status.state in IN_CUT and key != told:
-            told = key
+        if status.state in IN_CUT and key != shown:
+            shown = key
             out.write(f"{status.state}: {progress.text}" + (_SAME_LINE if is_drawn else "\n"))
             out.flush()
 
@@ -93,8 +93,8 @@ def _reached_text(state: str, signals: Mapping[str, float]) -> str:
     fraction = cut_progress(state, signals).fraction
     if fraction is None:
         return f"while {state}"
-    number, of = int(signals.get("pass", 0)), int(signals.get("passes", 0))
-    in_pass = f"in pass {number} of {of} " if of > 1 else ""
+    number, n_passes = int(signals.get("pass", 0)), int(signals.get("passes", 0))
+    in_pass = f"in pass {number} of {n_passes} " if n_passes > 1 else ""
     whole = signals["turns_whole"]
     return f"{in_pass}at {100 * fraction:.0f} %, {fraction * whole:.0f} of {whole:.0f} turns"
 
@@ -218,8 +218,8 @@ def zero(
     ] = None,
 ) -> None:
     """Set the position of an axis to a known value; nothing moves."""
-    value, other = (diameter, height) if axis == "x" else (height, diameter)
-    if value is None or other is not None:
+    value, unwanted = (diameter, height) if axis == "x" else (height, diameter)
+    if value is None or unwanted is not None:
         given = "diameter" if axis == "x" else "height"
         raise CamtoolsError([f"zero {axis}: give --{given} MM, and nothing else"])
     control.say(operator.set_zero(control.link, axis, value))

@@ -31,11 +31,11 @@ _TENTH = 10  # per cent of what is read, between two lines of progress
 _OF_ANGLE = "angle_q32"
 
 
-def numbered(path: Path, number: int, of: int) -> Path:
+def numbered(path: Path, number: int, n_files: int) -> Path:
     """Return the name of one of several files; that of a single one stays."""
-    if of == 1:
+    if n_files == 1:
         return path
-    return path.with_stem(f"{path.stem}-{number:0{len(str(of))}d}")
+    return path.with_stem(f"{path.stem}-{number:0{len(str(n_files))}d}")
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ def _finish(
     """Write what was read, pictures with a number; give the memory back to the black box."""
     say = control.say
     made = _pictures(wanted, recording)
-    pictures = {one.with_stem(one.stem + number): data for one, data in made.items()}
+    pictures = {picture.with_stem(picture.stem + number): data for picture, data in made.items()}
     camctl_files.write(path, recording, pictures, say, is_raw=wanted.raw)
     control.say(*_lines(recording))
     if not wanted.keep:

@@ -27,7 +27,7 @@ class UOptions(BusOptions):
 
     def check(self, *, is_bus: bool, machine: str | None) -> None:
         """Refuse options of the bus without --bus."""
-        given = [one.name for one in fields(self) if getattr(self, one.name)]
+        given = [option.name for option in fields(self) if getattr(self, option.name)]
         if given and not is_bus:
             remedy = "use --bus instead of --machine" if machine else "add --bus"
             raise UsageError(f"--{given[0]}: needs a bus: {remedy}")

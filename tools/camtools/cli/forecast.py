@@ -123,7 +123,7 @@ def forecast(options: Options) -> int:
 
     def take(outcomes: list[CutOutcome]) -> None:
         store.add(outcomes)
-        progress.add(len(outcomes), sum(not one.is_gauged for one in outcomes))
+        progress.add(len(outcomes), sum(not outcome.is_gauged for outcome in outcomes))
 
     try:
         cut_all(plan.task, missing, take, scheduler=options.scheduler, n_workers=options.workers)

@@ -125,7 +125,7 @@ class Options:
 
 
 class _Part:
-    """A part, its table and the way of its U."""
+    """A part, its table and the motion of its U."""
 
     def __init__(self, path: Path, rpm: float | None) -> None:
         self.made: Made = make(load(path), path, rpm=rpm)
@@ -169,7 +169,7 @@ class _Found(NamedTuple):
     settings: dict[str, int]
 
 
-def _one(u: U, arguments: Options, part: _Part | None) -> _Found:
+def _fitted(u: U, arguments: Options, part: _Part | None) -> _Found:
     """Excite, fit and report."""
     believed = u.believed()
     wishes = Wishes(
@@ -209,38 +209,38 @@ def _simulate(arguments: Options, given: str) -> int:
     part = wanted if arguments.part is not None else None
     with tempfile.TemporaryDirectory(prefix="identify.") as folder:
         u = SimulatedU(Path(folder), machine, given, wanted.image)
-        one = _one(u, arguments, part)
+        fit = _fitted(u, arguments, part)
     if arguments.output is not None:
-        files = _files(name, one.found, one.believed, one.lines, part)
-        if arguments.apply and one.is_good:
-            text = with_keys(machine.decode("utf-8"), "controller", one.settings)
+        files = _files(name, fit.found, fit.believed, fit.lines, part)
+        if arguments.apply and fit.is_good:
+            text = with_keys(machine.decode("utf-8"), "controller", fit.settings)
             files[f"{name}_identified.toml"] = text.encode("utf-8")
         write_all(arguments.output, files)
-    return _status(one, arguments, f"{name}_identified.toml" if arguments.apply else "")
+    return _status(fit, arguments, f"{name}_identified.toml" if arguments.apply else "")
 
 
-def _status(one: _Found, arguments: Options, applied: str) -> int:
-    if one.is_good and applied:
+def _status(fit: _Found, arguments: Options, applied: str) -> int:
+    if fit.is_good and applied:
         sys.stdout.write(f"applied: {applied}\n")
-    if not one.is_good:
+    if not fit.is_good:
         what = "nothing was applied" if arguments.apply else "the fit is not good enough to apply"
-        first = one.found.problems()[0]
+        first = fit.found.problems()[0]
         sys.stderr.write(f"identify: {what}: {first}\n")
-    return 0 if one.is_good else NOT_GOOD
+    return 0 if fit.is_good else NOT_GOOD
 
 
 def _connect(arguments: Options) -> int:
     part = _Part(arguments.part, arguments.rpm) if arguments.part is not None else None
     with connected_u(arguments.u) as (u, node):
-        one = _one(u, arguments, part)
+        fit = _fitted(u, arguments, part)
         if arguments.output is not None:
             name = f"node{node}"
-            files = _files(name, one.found, one.believed, one.lines, part)
+            files = _files(name, fit.found, fit.believed, fit.lines, part)
             write_all(arguments.output, files)
-        if arguments.apply and one.is_good:
-            u.apply(one.settings)
+        if arguments.apply and fit.is_good:
+            u.apply(fit.settings)
     what = "k1_ns, k2_us2, lead_ns, u_friction_nm; the drives are off, enable and home again"
-    return _status(one, arguments, what if arguments.apply else "")
+    return _status(fit, arguments, what if arguments.apply else "")
 
 
 def _recorded(csv: Path, output: Path | None) -> int:
@@ -250,10 +250,8 @@ def _recorded(csv: Path, output: Path | None) -> int:
     text = "\n".join(record_lines(found, record)) + "\n"
     sys.stdout.write(text)
     if output is not None:
-        name, results = (
-            f"{csv.stem}_identified",
-            json.dumps(record_numbers(found, record), indent=2),
-        )
+        name = f"{csv.stem}_identified"
+        results = json.dumps(record_numbers(found, record), indent=2)
         files = {f"{name}.json": f"{results}\n".encode(), f"{name}.txt": text.encode()}
         write_all(output, files)
     return NOT_GOOD if found.problems else 0

@@ -131,7 +131,7 @@ def _files(made: Made, machine: str | None) -> dict[str, bytes]:
 
 
 def _environment(bus: Mapping[str, Any]) -> str:
-    """Return how a shell tells other programs of python-can the bus."""
+    """Return the shell command that names the bus to other programs of python-can."""
     named = {name: str(bus[name]) for name in ("interface", "channel", "bitrate") if name in bus}
     words = [f"CAN_{name.upper()}={shlex.quote(value)}" for name, value in named.items()]
     rest = {name: value for name, value in bus.items() if name not in named}
@@ -162,7 +162,7 @@ class _Session:
         return self._bridge.spoke.is_set()
 
     def run(self) -> None:
-        """Hand on what the lathe says and what is typed, while one of both lives."""
+        """Pass on the lathe's output and what is typed, while at least one process lives."""
         while self._alive:
             self._look_after()
             ready, _, _ = select.select(self._heard, [], [], _LOOK_S)

@@ -1,6 +1,6 @@
 """Command line that makes every figure and table of the papers anew.
 
->>> [one.KEY for one in MODULES][:2]
+>>> [module.KEY for module in MODULES][:2]
 ['S0, S1', 'S2']
 """
 
@@ -25,11 +25,11 @@ def papers(output: Folder) -> int:
 
     A page compares them.
     """
-    found = [filled(one.KEY, one.quantities()) for one in MODULES]
+    found = [filled(module.KEY, module.quantities()) for module in MODULES]
     files = {PAGE: page(found).encode("utf-8")}
-    for one in MODULES:
-        files |= {name: csv_text(columns()).encode() for name, columns in one.TABLES.items()}
-        files |= pictures(PICTURES[one.KEY]())
+    for module in MODULES:
+        files |= {name: csv_text(columns()).encode() for name, columns in module.TABLES.items()}
+        files |= pictures(PICTURES[module.KEY]())
     write_all(output, files)
     n = sum(len(paper.rows) for paper in found)
     sys.stdout.write(f"{n} figures and tables, {len(files) - 1} files; {PAGE} compares them\n")

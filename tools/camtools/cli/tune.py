@@ -124,30 +124,30 @@ def _keys(arguments: Options) -> dict[str, Any]:
     return read_tree(arguments.drive) if arguments.drive is not None else {}
 
 
-def _write(folder: Path, one: Subject, proposal: Proposal) -> None:
+def _write(folder: Path, subject: Subject, proposal: Proposal) -> None:
     from camtools.tune.plots import loop_png  # matplotlib is slow to load
 
-    name, text = one.name, "\n".join(proposal.lines) + "\n"
-    loop = text_of(proposal.values, one.drive, f"tools/tune of {name}")
+    name, text = subject.name, "\n".join(proposal.lines) + "\n"
+    loop = text_of(proposal.values, subject.drive, f"tools/tune of {name}")
     files = {
-        f"{name}_loop.png": loop_png(proposal.judged, f"{name}: position loop", one.measured),
+        f"{name}_loop.png": loop_png(proposal.judged, f"{name}: position loop", subject.measured),
         f"{name}_loop.txt": text.encode("ascii"),
         f"{name}_servo.toml": loop.encode("utf-8"),
     }
     write_all(folder, files)
 
 
-def _tuned(one: Subject, arguments: Options) -> dict[str, int]:
+def _tuned(subject: Subject, arguments: Options) -> dict[str, int]:
     """Show and write the loop; return the parameters to be set, none if it is refused."""
-    proposal = proposed(one, arguments.loop)
+    proposal = proposed(subject, arguments.loop)
     if proposal.problem:
-        sys.stderr.write(f"tune: {arguments.loop or one.where}: {proposal.problem}\n")
+        sys.stderr.write(f"tune: {arguments.loop or subject.where}: {proposal.problem}\n")
         return {}
     if arguments.out is not None:
-        _write(arguments.out, one, proposal)
+        _write(arguments.out, subject, proposal)
     sys.stdout.write("\n".join(proposal.lines) + "\n")
     sys.stdout.flush()
-    return settings_of(proposal.values, one.drive)
+    return settings_of(proposal.values, subject.drive)
 
 
 def _described(arguments: Options) -> int:
@@ -155,14 +155,14 @@ def _described(arguments: Options) -> int:
     file, csv, keys = arguments.drive, arguments.record, _keys(arguments)
     if csv is None:
         assert file is not None
-        one = Subject(file.stem, str(file), drive_of(keys, str(file)), [])
+        subject = Subject(file.stem, str(file), drive_of(keys, str(file)), [])
     else:
         record = parse_loop_record(record_text(csv), str(csv))
         found = fit_table(record, float(keys.get("scale_quantum_nm", 0.0)))
         drive = drive_of(with_fit(keys, found, record.rate_hz), str(csv))
         where = file or csv
-        one = Subject(where.stem, str(where), drive, list(fit_lines_of(found)))
-    return 0 if _tuned(one, arguments) else REFUSED
+        subject = Subject(where.stem, str(where), drive, list(fit_lines_of(found)))
+    return 0 if _tuned(subject, arguments) else REFUSED
 
 
 def _simulated(arguments: Options, name: str) -> int:
@@ -173,11 +173,11 @@ def _simulated(arguments: Options, name: str) -> int:
         if arguments.pulse is not None:
             return 0 if _pushed(u, arguments.pulse) else REFUSED
         found = excited.measure(u, name, arguments.highest_hz or excited.HIGHEST_HZ)
-    one = subject_of(found, keys, (arguments.drive or Path(name)).stem, name)
-    settings = _tuned(one, arguments)
+    subject = subject_of(found, keys, (arguments.drive or Path(name)).stem, name)
+    settings = _tuned(subject, arguments)
     if settings and arguments.apply and arguments.out is not None:
         text = with_keys(machine.decode("utf-8"), "controller", settings)
-        file = f"{one.name}_tuned.toml"
+        file = f"{subject.name}_tuned.toml"
         write_all(arguments.out, {file: text.encode("utf-8")})
         sys.stdout.write(f"applied: {file}\n")
     return 0 if settings else REFUSED

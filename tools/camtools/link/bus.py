@@ -1,4 +1,4 @@
-"""A bus of python-can, opened; what it lacks is told in one line with the remedy.
+"""A bus of python-can, opened; an error names the cause and the remedy in one line.
 
 python-can joins a group on the interface of the default route; a computer that is connected to
 nothing has none. Here the group is joined on the loopback, which is always there. Other programs of
@@ -6,12 +6,12 @@ python-can on the same computer take part as ever. The kernel hands everybody hi
 they are known by the socket that sent them and dropped unread, so that many of them cannot crowd
 out those of others.
 
->>> one, other = (LoopbackBus("239.74.163.2", port=43113) for _ in range(2))
->>> one.send(can.Message(arbitration_id=1, is_extended_id=False))
->>> frame = other.recv(1.0)
->>> frame.arbitration_id, one.recv(0.01)
+>>> sender, receiver = (LoopbackBus("239.74.163.2", port=43113) for _ in range(2))
+>>> sender.send(can.Message(arbitration_id=1, is_extended_id=False))
+>>> frame = receiver.recv(1.0)
+>>> frame.arbitration_id, sender.recv(0.01)
 (1, None)
->>> one.shutdown(), other.shutdown()
+>>> sender.shutdown(), receiver.shutdown()
 (None, None)
 
 >>> bus, where = open_bus({"interface": "virtual", "channel": "demo"})
@@ -92,8 +92,8 @@ class LoopbackBus(UdpMulticastBus):
     def __init__(self, channel: str, port: int) -> None:
         is_msgpack_installed()
         can.BusABC.__init__(self, channel)
-        both = _Socket(channel, port)
-        self._multicast, self._own = both, both.own
+        sock = _Socket(channel, port)
+        self._multicast, self._own = sock, sock.own
         self._can_protocol = can.CanProtocol.CAN_FD
         self.channel_info = f"udp_multicast {channel} {port}"
 
@@ -147,9 +147,10 @@ def _wanted(interface: str) -> list[str]:
     driver = getattr(importlib.import_module(module), name)
     arguments = inspect.signature(driver).parameters.values()
     return [
-        one.name
-        for one in arguments
-        if one.default is one.empty and one.kind is one.POSITIONAL_OR_KEYWORD
+        parameter.name
+        for parameter in arguments
+        if parameter.default is parameter.empty
+        and parameter.kind is parameter.POSITIONAL_OR_KEYWORD
     ]
 
 
@@ -200,7 +201,7 @@ def open_bus(given: Mapping[str, Any]) -> tuple[can.BusABC, str]:
         known = f"did you mean {near[0]}?" if near else f"it has {', '.join(sorted(BACKENDS))}"
         raise CamtoolsError([f"interface {interface}: unknown to python-can; {known}"])
     place = " ".join([str(interface), *(str(asked[n]) for n in ("channel", "port") if n in asked)])
-    logging.getLogger("can").setLevel(logging.CRITICAL)  # drivers tell there what is told here
+    logging.getLogger("can").setLevel(logging.CRITICAL)  # drivers log what the error below reports
     try:
         if _is_loopback(asked):
             return LoopbackBus(str(asked["channel"]), int(asked["port"])), place

@@ -24,7 +24,7 @@ from camtools.link.rights import Rights, sender_of
 
 _MESSAGES = {message.name: message for message in messages.DATABASE.messages}
 _STATUS = {
-    _MESSAGES[one].frame_id: _MESSAGES[one] for one in ("State", "Spindle", "AxisU", "Detail")
+    _MESSAGES[name].frame_id: _MESSAGES[name] for name in ("State", "Spindle", "AxisU", "Detail")
 }
 WANTED = {signal.name for message in _STATUS.values() for signal in message.signals}
 BLOCK_ID, FLOW_ID, PART_ID, FD_PART_ID = (
@@ -76,12 +76,10 @@ def _frame(identifier: int, data: bytes) -> can.Message:
 class Link:
     """A bus with one controller.
 
-    bus: open; where: how the user named the bus, for messages; node: number of the controller, 1 ..
-    127; identifiers here are those of node 64, as in the DBC. status: newest that came; on_row:
-    called with the status whenever a set of its messages is complete; on_wait: called before each
-    frame is waited for; what it raises ends what runs, as a signal would; is_fd: whether the
-    bus was opened for frames of CAN FD; rights: whether this link commands; its heartbeats are sent
-    while frames are waited for.
+    where: how the user named the bus, for messages. node: 1 .. 127; identifiers here are those of
+    node 64, as in the DBC. on_row: called whenever a set of status messages is complete. on_wait:
+    called before each frame is waited for; what it raises ends what runs, as a signal would.
+    Heartbeats are sent while frames are waited for.
     """
 
     def __init__(self, bus: can.BusABC, where: str, node: int = DBC_NODE) -> None:
@@ -129,12 +127,12 @@ class Link:
 
     def _take_status(self, message: Message, data: bytes) -> None:
         try:
-            said = message.decode_simple(data, decode_choices=False, allow_truncated=False)
+            decoded = message.decode_simple(data, decode_choices=False, allow_truncated=False)
         except DecodeError:  # a page of a controller that is newer than this program
             return
-        self.status.signals |= {name: float(str(value)) for name, value in said.items()}
+        self.status.signals |= {name: float(str(value)) for name, value in decoded.items()}
         self.status.at_s = time.monotonic()
-        if message.name == "Detail" and said["page"] == 0 and "state" in self.status.signals:
+        if message.name == "Detail" and decoded["page"] == 0 and "state" in self.status.signals:
             self.status.n_rows += 1
             self.on_row(self.status)
 
@@ -219,8 +217,9 @@ class Link:
         """
         self.rights.prepare(command)
         for _ in range(MOST_MENDS):
-            more = {"timeout_s": timeout_s, "parameter": parameter, "echo": None}
-            answer = self.ask_once(command, **more, **value)  # type: ignore[arg-type]
+            answer = self.ask_once(
+                command, timeout_s=timeout_s, parameter=parameter, echo=None, **value
+            )
             if not self.rights.mend(answer):
                 break
         return answer

@@ -52,7 +52,7 @@ def send_block(link: Link, block: bytes) -> None:
 
 
 def _give(link: Link, image: bytes, at: int, remedy: str) -> int:
-    """Send a block; return where to go on."""
+    """Send a block; return where the next one begins."""
     for _ in range(MOST_REPEATS):
         part = image[at : at + BLOCK_BYTES]
         try:
@@ -92,8 +92,8 @@ def check_image(image: bytes, name: str) -> None:
 def download(link: Link, image: bytes, progress: Callable[[int, float], None]) -> None:
     """Bring an image into the place that is not in use, and have it checked there.
 
-    progress: called with [bytes] that are stored and [s] since the begin. Raises Refused: the
-    controller refuses, or the bus loses too much. The old table stays in force.
+    progress: as that of bring(). Raises Refused: the controller refuses, or the bus loses too much.
+    The old table stays in force.
     """
     begin = link.ask("begin_download", timeout_s=BEGIN_S, size=len(image))
     require(link, begin, "begin download")

@@ -105,14 +105,13 @@ def excite(
 
     U moves to its place, the amplitude rises, the wave plays, the amplitude falls, and U goes back
     to where it stood. Whatever ends this function early brings U to rest. A force does not fall: it
-    drops at the end, and at once when this function ends early. samples: [unit] one period, a
-    sample for each tick; periods: how often it plays in full; unit: positions, or forces of a U
-    that takes them, added to those of its loop: each is in the row of the next tick; fade_ticks:
-    [ticks] in which the amplitude rises, and falls; 16 .. 65535; place_nm: [nm] of U, about which
-    the wave plays; signals: to record in every tick; progress: called with the bytes of the
-    recording that are there and those in all. Raises CamtoolsError: a number or a signal has no
-    place in its message; Refused: the controller refuses with its numbers, it was cut short, or
-    ticks were lost.
+    drops at the end, and at once when this function ends early.
+
+    samples: [unit] one period, a sample for each tick; forces are added to those of U's loop, and
+    each is in the row of the next tick. periods: at full amplitude. fade_ticks: 16 .. 65535.
+    place_nm: of U, about which the wave plays. progress: called with the bytes read and those in
+    all. Raises CamtoolsError: a number or a signal does not fit its message; Refused: the
+    controller refuses with its numbers, it was cut short, or ticks were lost.
     """
     check_excitation(periods, fade_ticks, place_nm)
     mask_of(signals)

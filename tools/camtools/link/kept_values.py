@@ -138,18 +138,17 @@ def problem_of(name: str, value: object) -> str:
 def parse(data: bytes, name: str, note: Callable[[str], object] = lambda _: None) -> dict[str, int]:
     """Return the parameters of a file, in the order of the controller; groups have no meaning.
 
-    data: TOML; name: of the file, for messages; note: gets a line where the file has retired
-    parameters, which are ignored. Raises CamtoolsError: it is no TOML, or a parameter is unknown,
-    twice there, no number or out of its range: a line for each.
+    note: called with a line where retired parameters are ignored. Raises CamtoolsError: it is no
+    TOML, or a parameter is unknown, twice there, no number or out of its range: a line for each.
     """
     try:
-        told = toml_tree(data.decode("utf-8"))
+        tree = toml_tree(data.decode("utf-8"))
     except ValueError as error:
         text = f"{name}: no parameters: {error}; save them by camctl params save"
         raise CamtoolsError([text]) from error
     retired: list[str] = []
     problems, values = [], {}
-    for group, key, value in _flat(told):
+    for group, key, value in _flat(tree):
         if key in _KEPT and not group:
             continue
         if key.startswith(_RETIRED):
@@ -188,7 +187,7 @@ def set_all(link: Link, values: Mapping[str, int]) -> dict[str, tuple[int, int]]
 
 
 def change_kept(link: Link, action: str) -> str:
-    """Keep those in force, or bring others into force, by MEMORY; return what is so now."""
+    """Keep those in force, or bring others into force, by MEMORY; return the outcome."""
     answer = ask_done(link, MEMORY[action][0], timeout_s=KEEP_S)
     return f"{action}: done, version {answer.value:.0f}"
 
@@ -230,15 +229,15 @@ def learned_text(values: Sequence[int], part: str) -> str:
 def learned_values(data: bytes, name: str) -> list[int]:
     """Return the values of such a file; an error names file, key and remedy."""
     try:
-        told = toml_tree(data.decode("utf-8"))
+        tree = toml_tree(data.decode("utf-8"))
     except ValueError as error:
         text = f"{name}: no learned values: {error}; give a file of camctl learned save"
         raise CamtoolsError([text]) from error
     for key in ("friction_q6", "chip_q32", "chip_mean_q32"):
-        told.setdefault(key, 0)  # files of version 1.0.0 have none
+        tree.setdefault(key, 0)  # files of version 1.0.0 have none
     values: list[int] = []
     for key, n in LAYOUT.items():
-        found = told.get(key)
+        found = tree.get(key)
         here = [found] if n == 1 else found
         if not isinstance(here, list) or len(here) != n or not all(map(_is_word, here)):
             what = f"{n} whole numbers" if n > 1 else "a whole number"
@@ -246,7 +245,7 @@ def learned_values(data: bytes, name: str) -> list[int]:
                 [f"{name}: {key}: not {what} of 32 bits; give a file of camctl learned save"]
             )
         values += here
-    if extra := sorted(told.keys() - LAYOUT.keys() - {"part"}):
+    if extra := sorted(tree.keys() - LAYOUT.keys() - {"part"}):
         raise CamtoolsError(
             [f"{name}: {extra[0]}: unknown key; give a file of camctl learned save"]
         )
@@ -257,7 +256,7 @@ def _is_word(value: object) -> bool:
     return isinstance(value, int) and not isinstance(value, bool) and -(2**31) <= value < 2**31
 
 
-def _say_no(index: int, answer: Answer) -> Refused:
+def _refusal(index: int, answer: Answer) -> Refused:
     result = answer.result.replace("_", " ")
     otherwise = REMEDIES.get(answer.result, "nothing is changed")
     remedy = "the state must be off or ready" if "state" in answer.result else otherwise
@@ -270,7 +269,7 @@ def get_learned(link: Link) -> list[int]:
     for index in range(N_VALUES):
         answer = link.ask("get_learned", parameter=index)
         if answer.result != "done":
-            raise _say_no(index, answer)
+            raise _refusal(index, answer)
         values.append(int(answer.value))
     return values
 
@@ -283,11 +282,11 @@ def set_learned(link: Link, values: Sequence[int]) -> None:
         if answer.result != "done":
             for back in range(index):
                 link.ask("set_learned", parameter=back, value=before[back])
-            raise _say_no(index, answer)
+            raise _refusal(index, answer)
 
 
 def learning_report(status: Status) -> list[str]:
-    """Return what the status tells of learning, a line each."""
+    """Return the lines of the status about learning."""
     s = status.signals
     phase = NAMES["learn_phase"].get(int(s["learn_phase"]), "unknown")
     reason = NAMES["learn_reason"].get(int(s["learn_reason"]), "unknown")

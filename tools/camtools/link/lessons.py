@@ -21,17 +21,12 @@ MOST_LESSONS = 2000
 
 @dataclass(frozen=True, eq=False)
 class Lessons:
-    """Lessons, the oldest first; all arrays have the length n.
+    """Lessons, the oldest first; all arrays have the same length."""
 
-    turn: number of turns learned from since the rehearsal or cut began; error_um: rms error of that
-    turn in the learned harmonics; phase: name of NAMES["learn_phase"]; begin_error_um: error before
-    learning, None: unknown.
-    """
-
-    turn: npt.NDArray[np.int64]
-    error_um: npt.NDArray[np.float64]
-    phase: tuple[str, ...]
-    begin_error_um: float | None
+    turn: npt.NDArray[np.int64]  # counted from the begin of the rehearsal or the cut
+    error_um: npt.NDArray[np.float64]  # rms of that turn in the harmonics that are learned
+    phase: tuple[str, ...]  # what is learned, as in NAMES["learn_phase"]
+    begin_error_um: float | None  # before anything was learned; None: not reported
 
 
 class Convergence:

@@ -6,7 +6,7 @@ that made it, so that a stale file is recognised and removed.
 >>> import tempfile
 >>> folder = Path(tempfile.mkdtemp())
 >>> with announced(folder, "demo", {"bus": {"interface": "virtual"}, "node": 64}) as lathe:
-...     [one.name for one in live_lathes(folder)], lathe.bus
+...     [found.name for found in live_lathes(folder)], lathe.bus
 (['demo'], {'interface': 'virtual'})
 >>> live_lathes(folder)
 []
@@ -38,15 +38,12 @@ _START_FIELD = 19  # of /proc/PID/stat, behind the name in brackets: when it was
 
 @dataclass(frozen=True)
 class LiveLathe:
-    """What a live lathe announces.
-
-    facts: all that was announced: `pid` and `start` of the process, and what else it told.
-    """
+    """What a live lathe announces."""
 
     name: str  # by which camctl --live finds it
     bus: dict[str, Any]  # arguments of can.Bus
     node: int  # of the controller
-    facts: dict[str, Any]
+    facts: dict[str, Any]  # all of it, with `pid` and `start` of the process
 
 
 def runtime_folder() -> Path:
@@ -118,8 +115,8 @@ def only_lathe(name: str | None, folder: Path | None = None) -> LiveLathe | None
 def announced(folder: Path, name: str, facts: Mapping[str, Any]) -> Iterator[LiveLathe]:
     """Announce a live lathe of this process, by a free name that begins like the given one.
 
-    facts: `bus`, arguments of can.Bus; `node`, number of the controller; whatever else is to be
-    told. Raises CamtoolsError: the folder cannot be written.
+    facts: `bus`, arguments of can.Bus; `node`, number of the controller; anything else.
+    Raises CamtoolsError: the folder cannot be written.
     """
     whole = dict(facts) | {"pid": os.getpid(), "start": start_of(os.getpid())}
     taken = {lathe.name for lathe in live_lathes(folder)}
@@ -174,9 +171,9 @@ class Bridge:
     """Two threads that carry frames until the controller or the bus is gone.
 
     A frame with an identifier that the controller sends itself is not carried to it: a bus may hand
-    everybody his own frames. bus: open; to_controller, from_controller: descriptors of the pipes;
-    they stay open. spoke: the controller has sent its first frame; problem: why frames are carried
-    no more; "" while they are, and when the controller has ended.
+    everybody his own frames. to_controller, from_controller: pipes, which stay open. spoke: set by
+    the first frame of the controller. problem: why frames are carried no more; "" while they are,
+    and when the controller has ended.
     """
 
     def __init__(self, bus: can.BusABC, to_controller: int, from_controller: int) -> None:
@@ -184,7 +181,7 @@ class Bridge:
         self._bus, self._to, self._from = bus, to_controller, from_controller
         self._own: set[int] = set()
         self._is_over = False
-        self._threads = [threading.Thread(target=one) for one in (self._forth, self._back)]
+        self._threads = [threading.Thread(target=carry) for carry in (self._forth, self._back)]
         for thread in self._threads:
             thread.start()
 

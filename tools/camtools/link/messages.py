@@ -98,9 +98,8 @@ def command_bytes(
 ) -> bytes:
     """Return a command as its frame has it.
 
-    value: at most one signal of the message Command, in its unit; sender, session: who sends it,
-    and the session in which he commands; 0, 0: nobody who commands. Raises CamtoolsError: the value
-    is outside the range of its signal.
+    value: at most one signal of the message Command, in its unit; sender, session: 0, 0 from a
+    sender without command. Raises CamtoolsError: the value is outside the range of its signal.
     """
     number = NUMBERS["command"][command]
     signals: dict[str, float] = {"command": number, "parameter": parameter}
@@ -113,16 +112,16 @@ def command_bytes(
 
 def answer_of(data: bytes) -> Answer:
     """Return an answer; values that depend on the command are scaled by its signal."""
-    said = {name: int(str(raw)) for name, raw in ANSWER.decode_simple(
+    numbers = {name: int(str(raw)) for name, raw in ANSWER.decode_simple(
         data, decode_choices=False, scaling=False).items()}  # fmt: skip
-    signal = _VALUE_SIGNALS.get(said["command"])
-    value = said[signal.name] * signal.scale if signal else 0
-    result = NAMES["result"].get(said["result"], f"error {said['result']}")
+    signal = _VALUE_SIGNALS.get(numbers["command"])
+    value = numbers[signal.name] * signal.scale if signal else 0
+    result = NAMES["result"].get(numbers["result"], f"error {numbers['result']}")
     if result == NOT_COMMANDER:  # it tells who has command, whatever the command's own value is
         value = int.from_bytes(data[4:], "little")
     return Answer(
-        command=NAMES["command"].get(said["command"], str(said["command"])),
+        command=NAMES["command"].get(numbers["command"], str(numbers["command"])),
         result=result,
         value=value,
-        parameter=said["parameter"],
+        parameter=numbers["parameter"],
     )

@@ -157,7 +157,7 @@ def place_mm(link: Link, axis: str) -> float:
 
 
 def usual_mm_per_s(link: Link, axis: str) -> float:
-    """Return how fast an axis jogs where nobody says it: 1 mm/s, or what it may."""
+    """Return the default jog speed of an axis: 1 mm/s, or its limit if lower."""
     return min(USUAL_MM_PER_S, parameter(link, f"{axis}_jog_um_per_s") / 1000)
 
 
@@ -191,7 +191,7 @@ def _braked(link: Link) -> Iterator[None]:
 
 
 def _orders(link: Link) -> float:
-    """Return the number of orders that were begun, as a page tells that is yet to come."""
+    """Return the number of orders that were begun, from the next page of the status."""
     link.status.signals.pop("hand_orders", None)
     if not link.wait_in_its_time(lambda: "hand_orders" in link.status.signals, _PAGES_S):
         link.listen()
@@ -229,13 +229,13 @@ def carry_out(link: Link, command: str, axis: str, **value: float) -> str:
 
 
 def _quick_end(link: Link) -> str:
-    """Return what the order came to as far as the pages since the last call tell."""
+    """Return what the order came to, by the pages since the last call."""
     end = link.status.signals.pop("hand_end", None)
     return "runs" if end is None else NAMES["hand_end"].get(int(end), "unknown")
 
 
 def for_seconds(seconds: float | None) -> Callable[[], bool]:
-    """Return what tells whether a time from now on has not passed; None: an hour."""
+    """Return a function that is true until a time from now on has passed; None: an hour."""
     end_s = time.monotonic() + (_LONGEST_S if seconds is None else seconds)
     return lambda: time.monotonic() < end_s
 

@@ -141,7 +141,7 @@ def _by_numbers(link: Link, answer: Answer) -> str:
 
 
 def _by_hand(answer: Answer) -> str:
-    """Return the limit that the answer to a refused order by hand tells; "" where it has none."""
+    """Return the limit in the answer to a refused order by hand; "" where it has none."""
     if answer.command == "jog" and answer.result == "hand_speed":
         return f"; by hand this axis moves at most {answer.value:.9g} mm/s"
     if answer.command == "step" and answer.result == "travel":
@@ -170,8 +170,8 @@ def state_remedy(command: str, state: str) -> str:
         return "see the states in firmware/README.md"
     if needed == _OFF:
         return f"{_TO_OFF[state]} first" if state in _TO_OFF else "give it again"
-    way = _FROM_OFF[needed]
-    return way if state == _OFF else f"{_TO_OFF[state]}, then {way}"
+    remedy = _FROM_OFF[needed]
+    return remedy if state == _OFF else f"{_TO_OFF[state]}, then {remedy}"
 
 
 def _cut_remedy(command: str, state: str) -> str:

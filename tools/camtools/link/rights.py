@@ -11,10 +11,10 @@ sender, so it gives its orders in the same session. Another user, or another --s
 
 >>> import tempfile
 >>> folder = Path(tempfile.mkdtemp())
->>> one = SharedSession("virtual demo", 64, 12, folder)
->>> one.tell(7), one.read(), SharedSession("virtual demo", 64, 13, folder).read()
+>>> mine = SharedSession("virtual demo", 64, 12, folder)
+>>> mine.write(7), mine.read(), SharedSession("virtual demo", 64, 13, folder).read()
 (None, 7, 0)
->>> one.tell(0), one.read()
+>>> mine.write(0), mine.read()
 (None, 0)
 """
 
@@ -85,22 +85,19 @@ def sender_text(sender: int) -> str:
 class Rights:
     """Whether this link commands, and how it keeps that.
 
-    sender: by which others know it, 1 .. 254. may: whether the first order that needs command takes
-    it; session: that of the controller in which this link commands; 0: it does not; is_joined:
-    whether that is the session of another process of this sender; on_lost: told why command was
-    lost, and who has it now, 0: nobody; by default CommandLost is raised from whatever waits;
-    on_change: called whenever `session` has changed; joined: returns the session of another process
-    of this sender; 0: there is none.
+    on_lost: called with why command was lost and who has it now, 0: nobody; by default CommandLost
+    is raised from whatever waits. on_change: called whenever `session` has changed. joined: returns
+    the session of another process of this sender; 0: there is none.
     """
 
     def __init__(self, link: Link, sender: int) -> None:
         self._link, self.sender = link, sender
         self.may = May.IF_FREE
-        self.session = 0
+        self.session = 0  # in which this link commands; 0: it does not
         self.on_lost: Callable[[str, int], None] = _raise_lost
         self.on_change: Callable[[], None] = lambda: None
         self.joined: Callable[[], int] = lambda: 0
-        self.is_joined = self._was_joined = False
+        self.is_joined = self._was_joined = False  # whether the session is that of another process
         self._sent_s, self._sent_rows, self._n_heard = 0.0, 0, 0
         self._begun_s = 0.0
 
@@ -108,7 +105,7 @@ class Rights:
         """Share the session at a node with other processes of this user and sender."""
         shared = SharedSession(self._link.where, node, self.sender)
         self.joined = shared.read
-        self.on_change = lambda: shared.tell(self.session)
+        self.on_change = lambda: shared.write(self.session)
 
     # Frames
 
@@ -169,7 +166,7 @@ class Rights:
 
     def _mend_command(self, holder: int) -> bool:
         if self.session and holder == self.sender:
-            return True  # the answer was another's; the next heartbeat tells if it was not
+            return True  # the answer was another's; if not, the next heartbeat shows it
         if self.session and not self.is_joined:
             self._lose(holder)
             return False
@@ -218,7 +215,7 @@ class Rights:
         self.on_change()
 
     def _end(self) -> None:
-        """Forget the session; one that was joined is its owner's to tell of."""
+        """Forget the session; the end of one that was joined is reported by its owner."""
         is_own = self.session != 0 and not self.is_joined
         self.session, self.is_joined = 0, False
         if is_own:
@@ -241,8 +238,8 @@ def _raise_lost(text: str, _holder: int) -> None:
 class SharedSession:
     """The file of the session of a sender at a controller.
 
-    where: how the bus is called in messages; node, sender: of the controller, and of who commands
-    it; folder: of this user alone; default: that of the live lathes.
+    where: name of the bus in messages; folder: accessible to this user alone, by default that of
+    the live lathes.
     """
 
     def __init__(self, where: str, node: int, sender: int, folder: Path | None = None) -> None:
@@ -250,7 +247,7 @@ class SharedSession:
         home = runtime_folder() if folder is None else folder
         self._path = home / f"command-{bus:08x}-{node}-{sender}.session"
 
-    def tell(self, session: int) -> None:
+    def write(self, session: int) -> None:
         """Write the session of this process; 0 removes what this process wrote."""
         own = {"session": session, "pid": os.getpid(), "start": start_of(os.getpid())}
         with suppress(OSError):  # without the file the others take command themselves
@@ -262,7 +259,7 @@ class SharedSession:
                 self._path.unlink()
 
     def read(self) -> int:
-        """Return the session that a process which lives has told; 0: there is none."""
+        """Return the session that a live process has written; 0: there is none."""
         facts = self._read()
         pid, session = facts.get("pid"), facts.get("session")
         if not isinstance(pid, int) or not isinstance(session, int):

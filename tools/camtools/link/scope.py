@@ -177,7 +177,7 @@ def phase(link: Link) -> str:
 
 
 @dataclass(frozen=True)
-class _Way:
+class _Transfer:
     """How pieces come: by which command, of how many words, in which unit they are counted."""
 
     command: str
@@ -185,12 +185,12 @@ class _Way:
     grain: int
 
 
-_CLASSIC = _Way("read_scope", 252, 1)
-_FD = _Way("read_scope_fd", 4032, 16)
+_CLASSIC = _Transfer("read_scope", 252, 1)
+_FD = _Transfer("read_scope_fd", 4032, 16)
 
 
 class Reader:
-    """Reads a recording piece by piece; after a failure read() goes on where it was.
+    """Reads a recording piece by piece; after a failure read() continues where it stopped.
 
     Over a bus that was opened for CAN FD it asks for long messages, and for classic ones when none
     of those arrives: the controller's side of the bus may be classic. link: may be another one for
@@ -209,39 +209,39 @@ class Reader:
         """
         if phase(link) != "done":
             raise Refused(f"{link.where}: the recorder is {phase(link)}: no recording is complete")
-        told = {name: get(link, name) for name in FIELDS}
-        identity = tuple(told[name] for name in ("number", "first_tick", "n_rows", "signals"))
+        fields = {name: get(link, name) for name in FIELDS}
+        identity = tuple(fields[name] for name in ("number", "first_tick", "n_rows", "signals"))
         if identity != self._of:
             self._of = identity
             self._data.clear()
-        self._bring(link, 4 * told["n_rows"] * told["n_signals"], progress)
-        return _recording(told, bytes(self._data))
+        self._bring(link, 4 * fields["n_rows"] * fields["n_signals"], progress)
+        return _recording(fields, bytes(self._data))
 
     def _bring(self, link: Link, n_bytes: int, progress: Callable[[int, int], None] | None) -> None:
-        way = _FD if link.is_fd and _carries_fd(link) else _CLASSIC
+        transfer = _FD if link.is_fd and _carries_fd(link) else _CLASSIC
         while len(self._data) < n_bytes:
-            n_words = min(way.n_words, (n_bytes - len(self._data)) // 4)
-            self._data += _piece(link, way, len(self._data) // 4, n_words)
+            n_words = min(transfer.n_words, (n_bytes - len(self._data)) // 4)
+            self._data += _piece(link, transfer, len(self._data) // 4, n_words)
             if progress is not None:
                 progress(len(self._data), n_bytes)
 
 
-def _recording(told: dict[str, int], data: bytes) -> Recording:
-    names = tuple(name for i, name in enumerate(SIGNALS) if told["signals"] >> i & 1)
-    is_excited = ENDS[told["end"]] == "state_left" and EXCITED[told["excited"]] == "done"
-    since_first = (told["trigger_tick"] - told["first_tick"]) % 2**32  # ticks wrap
+def _recording(fields: dict[str, int], data: bytes) -> Recording:
+    names = tuple(name for i, name in enumerate(SIGNALS) if fields["signals"] >> i & 1)
+    is_excited = ENDS[fields["end"]] == "state_left" and EXCITED[fields["excited"]] == "done"
+    since_first = (fields["trigger_tick"] - fields["first_tick"]) % 2**32  # ticks wrap
     return Recording(
         signals=names,
-        rows=np.frombuffer(data, "<i4").reshape(told["n_rows"], len(names)),
-        tick_hz=told["tick_hz"],
-        every=told["every"],
-        first_tick=told["first_tick"],
-        end=ENDS[told["end"]],
-        n_lost=told["n_lost"],
-        n_fall=told["n_fall"] if is_excited else 0,
-        n_before=told["n_before"],
-        trigger_tick=told["first_tick"] + since_first,
-        faults=told["faults"],
+        rows=np.frombuffer(data, "<i4").reshape(fields["n_rows"], len(names)),
+        tick_hz=fields["tick_hz"],
+        every=fields["every"],
+        first_tick=fields["first_tick"],
+        end=ENDS[fields["end"]],
+        n_lost=fields["n_lost"],
+        n_fall=fields["n_fall"] if is_excited else 0,
+        n_before=fields["n_before"],
+        trigger_tick=fields["first_tick"] + since_first,
+        faults=fields["faults"],
     )
 
 
@@ -254,14 +254,14 @@ def _carries_fd(link: Link) -> bool:
     return False
 
 
-def _piece(link: Link, way: _Way, offset: int, n_words: int) -> bytes:
+def _piece(link: Link, transfer: _Transfer, offset: int, n_words: int) -> bytes:
     """Return words of the recording, asked for again until they are sound."""
     problem = ""
-    count = -(-n_words // way.grain)
+    count = -(-n_words // transfer.grain)
     for _ in range(MOST_REPEATS):
         link.parts.clear()
         try:
-            answer = link.ask(way.command, offset=offset, count=count)
+            answer = link.ask(transfer.command, offset=offset, count=count)
         except Refused as error:
             problem = str(error)
             continue

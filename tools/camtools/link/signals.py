@@ -62,9 +62,9 @@ def unit_of(signal: str, tick_hz: int) -> Unit:
         "_q32": ("_deg", 360 / _TURN),
         "_mrpm": ("_rpm", 1e-3),
     }
-    for end, (told, factor) in factors.items():
+    for end, (shown_end, factor) in factors.items():
         if signal.endswith(end):
-            return Unit(signal.removesuffix(end) + told, factor, signal == "angle_q32")
+            return Unit(signal.removesuffix(end) + shown_end, factor, signal == "angle_q32")
     return Unit(signal, 1)
 
 
@@ -132,7 +132,7 @@ def _faults(text: str, names: str) -> int:
 
 
 def trigger_of(text: str, tick_hz: int) -> Trigger:
-    """Return the trigger of a text. Raises CamtoolsError: it is none; the line tells the forms."""
+    """Return the trigger of a text. Raises CamtoolsError: it is none; the line has the forms."""
     if match := re.fullmatch(r"(\w+)([<>])(.+)", text):
         return _passing(text, match[1], match[2], match[3])
     kind, _, value = text.partition("=")

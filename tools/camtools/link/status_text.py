@@ -38,7 +38,7 @@ PRESS = "Press acknowledge at the machine for half a second"
 
 
 def name_of(signals: Signals, signal: str) -> str:
-    """Return the word for the value of a signal; "" where the controller does not tell it."""
+    """Return the word for the value of a signal; "" where it was not received."""
     number = signals.get(signal)
     return "" if number is None else NAMES[signal].get(int(number), "unknown")
 
@@ -99,17 +99,15 @@ _NEEDED = {"has_end", "turns_left", "turns_whole", "pass_speed"}
 
 @dataclass(frozen=True)
 class CutProgress:
-    """How far a pass is.
+    """How far a pass is; None where that is not known.
 
-    fraction: share of the turns of the pass that is over, 0 .. 1, its rehearsal included; None: not
-    known; left_s: [s] to the end of the pass; of one that is held, if it were resumed at once; in
-    ready, of the next one. What the axes take to approach the start is not in it. None: not known;
-    text: both for people.
+    left_s: to the end of the pass; of one that is held, if it were resumed at once; in ready, of
+    the next one. What the axes take to approach the start is not in it.
     """
 
-    fraction: float | None
+    fraction: float | None  # of the turns of the pass, its rehearsal included, 0 .. 1
     left_s: float | None
-    text: str
+    text: str  # both for people
 
 
 def duration_text(seconds: float) -> str:
@@ -131,8 +129,8 @@ def cut_progress(state: str, signals: Mapping[str, float]) -> CutProgress:
     if not signals.keys() >= {"has_end", "pass_speed"}:
         return CutProgress(None, None, "the controller does not report its progress")
     if not signals["has_end"]:
-        led = "Z is moved by another controller: only a stop ends this cut"
-        return CutProgress(None, None, led if signals["pass_speed"] else "no table")
+        text = "Z is moved by another controller: only a stop ends this cut"
+        return CutProgress(None, None, text if signals["pass_speed"] else "no table")
     if not signals.keys() >= _NEEDED:
         return CutProgress(None, None, "the controller does not report its progress")
     left, whole, rpm = signals["turns_left"], signals["turns_whole"], signals["pass_speed"]
@@ -144,8 +142,8 @@ def cut_progress(state: str, signals: Mapping[str, float]) -> CutProgress:
 def _text(
     state: str, signals: Mapping[str, float], fraction: float | None, left_s: float | None
 ) -> str:
-    number, of = int(signals.get("pass", 0)), int(signals.get("passes", 0))
-    which = f"pass {number} of {of}" if of > 1 else ""
+    number, n_passes = int(signals.get("pass", 0)), int(signals.get("passes", 0))
+    which = f"pass {number} of {n_passes}" if n_passes > 1 else ""
     time = duration_text(left_s) if left_s is not None else "unknown time"
     if state == "ready":
         return f"next{' ' + which if which else ''}: {time}"
@@ -158,15 +156,11 @@ def _text(
 
 @dataclass(frozen=True)
 class TickLoad:
-    """How long the interrupt takes.
+    """How long the interrupt takes; None where the port does not measure it."""
 
-    longest_us, mean_us: [us] since the start, and over the last quarter of a second; None: the port
-    does not measure.
-    """
-
-    longest_us: float | None
-    mean_us: float | None
-    period_us: float | None  # [us] from tick to tick
+    longest_us: float | None  # since the start
+    mean_us: float | None  # over the last quarter of a second
+    period_us: float | None  # from tick to tick
     share: float | None  # the longest as a share of the period
     text: str  # for people
 
@@ -184,8 +178,8 @@ def tick_load(signals: Mapping[str, float]) -> TickLoad:
     rate_hz = signals.get("tick_rate") or None
     period_us = 1e6 / rate_hz if rate_hz else None
     if longest_us is None or period_us is None:
-        told = "tick_time_max" in signals and period_us is not None
-        text = "the port does not measure it" if told else "unknown"
+        is_reported = "tick_time_max" in signals and period_us is not None
+        text = "the port does not measure it" if is_reported else "unknown"
         return TickLoad(longest_us, mean_us, period_us, None, text)
     share = longest_us / period_us
     text = f"longest {longest_us:.1f} of {period_us:.4g} us ({share:.0%})".replace("%", " %")

@@ -51,12 +51,12 @@ class DesignService:
         """Return where the report of a run is served; the run's key is `Run.key`."""
         return f"/{self.report_key}/{run}/{REPORT}"
 
-    def note(self, visitor: Visitor, what: str, arguments: dict[str, object], told: str) -> None:
+    def note(self, visitor: Visitor, what: str, arguments: dict[str, object], outcome: str) -> None:
         """Log what a visitor did."""
-        self._log.add(visitor, what, arguments, Outcome(True, told))
+        self._log.add(visitor, what, arguments, Outcome(True, outcome))
 
     def stop_runs(self, visitor: Visitor, chosen: list[str]) -> None:
-        """Stop the chosen runs that wait or go on, by default the one that goes on."""
+        """Stop the chosen runs that wait or run, by default the running one."""
         running = [] if self.queue.running is None else [self.queue.running.name]
         there = [*running, *self.queue.waiting]
         for name in [name for name in chosen if name in there] or running:

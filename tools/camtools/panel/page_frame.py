@@ -75,7 +75,7 @@ class FrameStop:
             await self.stop()
 
     async def stop(self) -> None:
-        """End what moves, without a question, and tell what came of it."""
+        """Stop all motion without a question, and show the outcome."""
         withdraw(self._button.client)
         order = stop_order(self._context.service.snapshot().state)
         outcome = await self._context.service.do(Order(order, {}), self._visitor)
@@ -183,10 +183,10 @@ class _CommandBar:
     def show(self) -> None:
         """Bring the bar up to date."""
         commander, visitor = self._context.commander, self._visitor
-        holder, other = commander.holder, other_sender(self._context.service.snapshot())
-        self._who.text = _who(commander, visitor, other)
-        is_free = holder is None and not other
-        is_mine = holder is visitor and not other
+        holder, sender = commander.holder, other_sender(self._context.service.snapshot())
+        self._who.text = _who(commander, visitor, sender)
+        is_free = holder is None and not sender
+        is_mine = holder is visitor and not sender
         mine = "Give command back" if is_mine else "Take over"
         self._take.text = "Take command" if is_free else mine
         news = commander.news(visitor)
@@ -196,27 +196,27 @@ class _CommandBar:
 
     async def _on_hello(self, event: events.GenericEventArguments) -> None:
         """Take the clock of a page that has connected, and what it continues."""
-        told = event.args if isinstance(event.args, dict) else {}
-        sent_ms = told.get("sent_ms")
+        hello = event.args if isinstance(event.args, dict) else {}
+        sent_ms = hello.get("sent_ms")
         if isinstance(sent_ms, int | float):
             self._context.service.page_clock(self._visitor, float(sent_ms))
-        before = _visitors.get(str(told.get("before")))
+        before = _visitors.get(str(hello.get("before")))
         if before is not None and before is not self._visitor:
             self._context.commander.pass_on(before, self._visitor)
             self.show()
-            await ask_again(event.client, str(told.get("asks")))
+            await ask_again(event.client, str(hello.get("asks")))
 
     async def _on_take(self) -> None:
         commander, visitor, service = self._context.commander, self._visitor, self._context.service
         newest = service.snapshot()
-        holder, other = commander.holder, other_sender(newest)
-        if holder is visitor and not other:
+        holder, sender = commander.holder, other_sender(newest)
+        if holder is visitor and not sender:
             if newest.state in IN_WORK and not await confirmed("Give back?", _ENDS, "Give back"):
                 return
             outcome = commander.release(visitor)
-        elif holder is None and not other:
+        elif holder is None and not sender:
             outcome = commander.take(visitor)
-        elif await confirmed("Take the command over?", _warning(holder, other), "Take over"):
+        elif await confirmed("Take the command over?", _warning(holder, sender), "Take over"):
             outcome = await service.take_over(visitor)
         else:
             return
@@ -224,13 +224,13 @@ class _CommandBar:
         self.show()
 
 
-def _warning(holder: Visitor | None, other: int) -> str:
-    who = sender_text(other) if other else str(holder)
+def _warning(holder: Visitor | None, sender: int) -> str:
+    who = sender_text(sender) if sender else str(holder)
     return f"{who} has command now and will be notified. Running motion continues."
 
 
-def _who(commander: Commander, visitor: Visitor, other: int) -> str:
-    if other:
-        return f"{sender_text(other)} commands the controller"
+def _who(commander: Commander, visitor: Visitor, sender: int) -> str:
+    if sender:
+        return f"{sender_text(sender)} commands the controller"
     holder = commander.holder
     return "you command" if holder is visitor else f"{holder or 'nobody'} commands"

@@ -119,7 +119,7 @@ class Figure:
 
 @contextmanager
 def refusals_shown() -> Iterator[None]:
-    """Show why what is done within the block was refused, and go on after it."""
+    """Show why what is done within the block was refused, and continue after it."""
     try:
         yield
     except (CamtoolsError, UnicodeDecodeError) as error:

@@ -1,7 +1,7 @@
 """A preview for people: charts as options of ECharts, words and rows.
 
 >>> options = section({"nominal_mm": 46.0, "deviation_um": [0.0, -100.0, 0.0, -100.0]}, None)
->>> [one["name"] for one in options["series"]]
+>>> [curve["name"] for curve in options["series"]]
 ['nominal circle', 'drawing']
 
 >>> verdict_words({"is_feasible": True, "highest_rpm": 3000.0, "asked_rpm": 2500.0,
@@ -177,13 +177,15 @@ _NAMES = {
 }
 
 
-def verdict_words(told: dict[str, Any]) -> tuple[str, str]:
+def verdict_words(verdict: dict[str, Any]) -> tuple[str, str]:
     """Return the verdict in a word, and the speed in a sentence."""
-    speed = f"at most {tenth_below(told['highest_rpm'])} r/min, limited by {told['decided_by']}"
-    if told["highest_rpm"] <= 0:
-        speed = f"at no speed, limited by {told['decided_by']}"
-    word = "feasible" if told["is_feasible"] else "not feasible"
-    return word, f"{speed}; required {told['asked_rpm']:g} r/min"
+    speed = (
+        f"at most {tenth_below(verdict['highest_rpm'])} r/min, limited by {verdict['decided_by']}"
+    )
+    if verdict["highest_rpm"] <= 0:
+        speed = f"at no speed, limited by {verdict['decided_by']}"
+    word = "feasible" if verdict["is_feasible"] else "not feasible"
+    return word, f"{speed}; required {verdict['asked_rpm']:g} r/min"
 
 
 def _digits(value: float) -> str:
@@ -195,7 +197,7 @@ def _digits(value: float) -> str:
     return f"{value:.0f}" if abs(value) >= 10_000 else f"{value:.5g}"
 
 
-def margin_rows(told: dict[str, Any]) -> list[dict[str, str]]:
+def margin_rows(verdict: dict[str, Any]) -> list[dict[str, str]]:
     """Return what the table needs of each limit, the nearest one first."""
     return [
         {
@@ -204,7 +206,7 @@ def margin_rows(told: dict[str, Any]) -> list[dict[str, str]]:
             "of": f"{_digits(margin['limit'])} {margin['unit']}",
             "left": f"{margin['left_percent']:.1f} %",
         }
-        for margin in sorted(told["margins"], key=lambda margin: float(margin["left_percent"]))
+        for margin in sorted(verdict["margins"], key=lambda margin: float(margin["left_percent"]))
     ]
 
 
@@ -212,9 +214,9 @@ def _bytes_text(n_bytes: int) -> str:
     return f"{n_bytes:,} bytes".replace(",", " ")
 
 
-def table_words(told: dict[str, Any]) -> list[str]:
+def table_words(verdict: dict[str, Any]) -> list[str]:
     """Return the size of the table and of its channels in lines."""
-    table = told["table"]
+    table = verdict["table"]
     tolerance = table["tolerance_nm"]
     within = "" if tolerance is None else f", within {tolerance:g} nm"
     lines = [f"table of {_bytes_text(table['bytes'])}{within}"]

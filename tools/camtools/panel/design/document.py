@@ -81,8 +81,8 @@ def _changed(root: Any, path: Path, value: Value) -> Any:  # noqa: ANN401 (dict,
     if value is None:
         at.pop(last, None)
     elif isinstance(value, list) and isinstance(old, list) and len(old) == len(value):
-        for i, (one, new) in enumerate(zip(list(old), value, strict=True)):
-            if repr(one) != repr(new):  # the digits of the others stay
+        for i, (before, new) in enumerate(zip(list(old), value, strict=True)):
+            if repr(before) != repr(new):  # the digits of the others stay
                 old[i] = new
     else:
         at[last] = value
@@ -92,13 +92,14 @@ def _changed(root: Any, path: Path, value: Value) -> Any:  # noqa: ANN401 (dict,
 def problems_of(lines: list[str], text: str, file: str = "") -> list[Problem]:
     """Return messages with their places in the text of a part file, whose name is left out."""
     found = []
-    for one in lines:
-        told = one.removeprefix(f"{file}: ") if file else one
-        named = _FIELD.match(_NUMBER.sub("", told))
-        at_line = _AT_LINE.match(told)
-        found.append(Problem(named[1] if named else "", int(at_line[1]) if at_line else None, told))
-    places = lines_of(text, {one.field for one in found if one.field})
-    return [one._replace(line=places.get(one.field, one.line)) for one in found]
+    for line in lines:
+        message = line.removeprefix(f"{file}: ") if file else line
+        named = _FIELD.match(_NUMBER.sub("", message))
+        at_line = _AT_LINE.match(message)
+        number = int(at_line[1]) if at_line else None
+        found.append(Problem(named[1] if named else "", number, message))
+    places = lines_of(text, {problem.field for problem in found if problem.field})
+    return [problem._replace(line=places.get(problem.field, problem.line)) for problem in found]
 
 
 def lines_of(text: str, fields: Iterable[str]) -> dict[str, int]:
@@ -169,11 +170,11 @@ def typed(key: Key, text: str) -> Any:  # noqa: ANN401 (a value of TOML)
     if key.sort == "switch":
         return text == "true"
     if key.sort == "choice":
-        return next((one for one in key.choices if str(one) == text), text)
+        return next((choice for choice in key.choices if str(choice) == text), text)
     if key.sort == "numbers":
         inner = text.strip("[] \t")
         is_list = text.startswith("[") or "," in text or isinstance(key.value, list)
-        numbers = [_number(one) for one in inner.replace(";", ",").split(",") if one.strip()]
+        numbers = [_number(item) for item in inner.replace(";", ",").split(",") if item.strip()]
         return numbers if is_list or len(numbers) != 1 else numbers[0]
     return _number(text)
 

@@ -118,7 +118,7 @@ class Draft:
     def __init__(self, text: str) -> None:
         self.text = text
         self._before: list[str] = []
-        self._behind: list[str] = []
+        self._undone: list[str] = []
         self._changed_s = -1e9
 
     def change(self, text: str, at_s: float, *, is_step: bool = False) -> None:
@@ -129,19 +129,19 @@ class Draft:
             self._before.append(self.text)
             del self._before[:-_MOST_STEPS]
         self._changed_s = -1e9 if is_step else at_s
-        self._behind.clear()
+        self._undone.clear()
         self.text = text
 
     def undo(self) -> str:
         """Return the text before the last change."""
-        return self._moved(self._before, self._behind)
+        return self._moved(self._before, self._undone)
 
     def redo(self) -> str:
         """Return the text that was undone last."""
-        return self._moved(self._behind, self._before)
+        return self._moved(self._undone, self._before)
 
-    def _moved(self, texts: list[str], others: list[str]) -> str:
-        if texts:
-            others.append(self.text)
-            self.text, self._changed_s = texts.pop(), -1e9
+    def _moved(self, source: list[str], target: list[str]) -> str:
+        if source:
+            target.append(self.text)
+            self.text, self._changed_s = source.pop(), -1e9
         return self.text

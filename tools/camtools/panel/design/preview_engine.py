@@ -1,8 +1,8 @@
 """Previews in processes of their own: the newest change wins, and none can stall the panel.
 
-Every page has a `Seat`. Its newest request is given to a process that is free, the one that served
-the seat last if it can be; a request that a newer one overtakes is dropped, also while it is
-computed. A process that takes too long, too much memory, or dies is replaced, and its page is told.
+Every page has a `Seat`. Its newest request is given to a process that is free, if possible the one
+that served the seat last; a request that a newer one overtakes is dropped, also while it is
+computed. A process that takes too long, too much memory, or dies is replaced; its page shows that.
 
 >>> PreviewLimits().time_s
 20.0
@@ -75,8 +75,8 @@ class Seat:
             if answer["stage"] == "text":
                 found.set_result(answer["text"])
             elif answer["stage"] in ("problems", "lost", "done"):
-                told = [one["text"] for one in answer.get("problems", [])]
-                found.set_exception(CamtoolsError(told or ["the change was lost; try again"]))
+                lines = [problem["text"] for problem in answer.get("problems", [])]
+                found.set_exception(CamtoolsError(lines or ["the change was lost; try again"]))
 
         request = {"do": "edit", "text": text, "path": path, "value": value}
         self._engine.submit(_Job(self, request, False, take))
@@ -124,7 +124,7 @@ class Engine:
             return
         waiting = job.seat.waiting
         if job.is_droppable:
-            for old in [one for one in waiting if one.is_droppable]:
+            for old in [old for old in waiting if old.is_droppable]:
                 waiting.remove(old)
             self._overtake(job.seat)
         elif len(waiting) >= _MOST_WAITING:
@@ -167,11 +167,11 @@ class Engine:
             if not self._idle:
                 return
             if seat.waiting and seat not in served:
-                at = next((i for i, one in enumerate(self._idle) if one.last is seat), 0)
+                at = next((i for i, worker in enumerate(self._idle) if worker.last is seat), 0)
                 worker = self._idle.pop(at)
                 worker.job, worker.last = seat.waiting.popleft(), seat
                 self._busy.append(worker)
-                # the one who was served waits behind the others
+                # a seat that was served goes to the end of the queue
                 self._seats.remove(seat)
                 self._seats.append(seat)
                 self._begin(self._serve(worker))
@@ -234,8 +234,8 @@ class Engine:
                 job.is_second = True  # nobody knew that this process was gone
                 job.seat.waiting.appendleft(job)
             elif not job.is_overtaken and job.seat.is_open:
-                told = {"field": "", "line": None, "text": problem}
-                job.on_answer({"stage": "lost", "problems": [told]})
+                shown = {"field": "", "line": None, "text": problem}
+                job.on_answer({"stage": "lost", "problems": [shown]})
             await _killed(worker.process)
             if not self._is_closed:
                 self._begin(self._spawn())

@@ -24,7 +24,7 @@ import numpy as np
 
 from camtools.base.cache import Memory, recall, remembering
 from camtools.base.errors import CamtoolsError
-from camtools.base.quantities import Floats, omega_rad_s
+from camtools.base.quantities import MM_PER_M, UM_PER_MM, Floats, omega_rad_s
 from camtools.cut.verdict import margins_of, refused_of
 from camtools.panel.design.document import edited, problems_of
 from camtools.part.common import MachineLimits
@@ -45,7 +45,6 @@ from camtools.table.image import Table, pack
 from camtools.table.summary import describe_channel
 
 N_ANGLES = 1440
-_UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
 _DIGITS = 7
 _CHANNELS = {
     KIND_U: "U",
@@ -72,16 +71,16 @@ def motion_of(turn: ExactTurn, rpm: float, ratio: SpeedRatio | None = None) -> d
     The spindle has a mean speed [r/min], and a modulated one its ratio to that.
     """
     omega = omega_rad_s(rpm)
-    one = np.ones_like(turn.u_mm)
-    r, r1, r2 = (one, 0 * one, 0 * one) if ratio is None else ratio
+    ones = np.ones_like(turn.u_mm)
+    r, r1, r2 = (ones, 0 * ones, 0 * ones) if ratio is None else ratio
     velocity = turn.d1 * r
     acceleration = turn.d2 * r**2 + turn.d1 * r * r1
     jerk = turn.d3 * r**3 + 3 * turn.d2 * r**2 * r1 + turn.d1 * r * (r1**2 + r * r2)
     return {
-        "u_um": turn.u_mm * _UM_PER_MM,
+        "u_um": turn.u_mm * UM_PER_MM,
         "velocity_mm_s": velocity * omega,
-        "acceleration_m_s2": acceleration * (omega**2 / _MM_PER_M),
-        "jerk_km_s3": jerk * (omega**3 / _MM_PER_M**2),
+        "acceleration_m_s2": acceleration * (omega**2 / MM_PER_M),
+        "jerk_km_s3": jerk * (omega**3 / MM_PER_M**2),
     }
 
 
@@ -98,13 +97,13 @@ def curves_of(exact: Exact, rpm: float, z_mm: float | None, speed: Channel | Non
         "rpm": rpm,
         "is_modulated": speed is not None,
         "nominal_mm": turn.nominal_mm,
-        "deviation_um": rounded((turn.radius_mm - turn.nominal_mm) * _UM_PER_MM),
+        "deviation_um": rounded((turn.radius_mm - turn.nominal_mm) * UM_PER_MM),
         "motion": {name: rounded(values) for name, values in motion.items()},
         "peaks": {name: float(np.abs(values).max()) for name, values in motion.items()},
         "stroke_um": float(np.ptp(motion["u_um"])),
         "profile": {
             "z_mm": rounded(profile.z_mm),
-            "curves": {one.name: rounded(2 * one.radius_mm) for one in profile.curves},
+            "curves": {curve.name: rounded(2 * curve.radius_mm) for curve in profile.curves},
         },
     }
 
@@ -113,8 +112,8 @@ def limits_of(limits: MachineLimits) -> Shown:
     """Return the limits that lines of the pictures stand for."""
     return {
         "velocity_mm_s": limits.u_speed_mm_s,
-        "acceleration_m_s2": limits.u_acceleration_mm_s2 / _MM_PER_M,
-        "stroke_um": limits.u_stroke_mm * _UM_PER_MM,
+        "acceleration_m_s2": limits.u_acceleration_mm_s2 / MM_PER_M,
+        "stroke_um": limits.u_stroke_mm * UM_PER_MM,
     }
 
 
@@ -154,10 +153,10 @@ class Judged:
 def table_facts(table: Table) -> Shown:
     """Return bytes, knots and slices of a table and of its channels."""
     channels = []
-    for one in table.channels:
-        about = describe_channel(one)
+    for channel in table.channels:
+        about = describe_channel(channel)
         keys = ("bytes", "n_slices", "knots_per_pattern", "patterns_per_turn")
-        channels.append({"name": _CHANNELS[one.kind]} | {key: about[key] for key in keys})
+        channels.append({"name": _CHANNELS[channel.kind]} | {key: about[key] for key in keys})
     return {"bytes": len(pack(table)), "channels": channels}
 
 

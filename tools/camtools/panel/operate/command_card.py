@@ -103,8 +103,8 @@ class Override:
             with ui.element("div").classes("op-detents"):
                 for percent in detents:
                     name, press = f"{order}-{percent}", partial(self._give, percent)
-                    one = orders.small_button(f"{percent} %", name, order, press)
-                    one.classes("op-detent op-hundred" if percent == 100 else "op-detent")
+                    button = orders.small_button(f"{percent} %", name, order, press)
+                    button.classes("op-detent op-hundred" if percent == 100 else "op-detent")
 
     def _pan(self, event: GenericEventArguments) -> None:
         self._is_moved = event.args == "start"

@@ -55,8 +55,8 @@ class HandCard:
             ui.label(name).classes("op-axis-name")
             for (sign, (word, _)), sense in zip(_SIGNS.items(), senses, strict=True):
                 jog = ui.button(f"{name} {sign}", color=None).classes("op-jog")
-                said = f"Jog {name} {sign}, {sense}: hold the button"
-                jog.props(f'no-caps unelevated data-jog="{axis}{sign}" aria-label="{said}"')
+                label = f"Jog {name} {sign}, {sense}: hold the button"
+                jog.props(f'no-caps unelevated data-jog="{axis}{sign}" aria-label="{label}"')
                 orders.guard(jog.props(f"data-testid=jog-{axis}{word}"), "jog")
             for sign, (word, sense_of_1) in _SIGNS.items():
                 press = partial(self._give_step, axis, sense_of_1)
@@ -75,14 +75,14 @@ class HandCard:
 
     async def _jog(self, event: GenericEventArguments) -> None:
         """Hand an event of jog.js on; only what is new is shown, a hold is not."""
-        told = event.args if isinstance(event.args, dict) else {}
-        name, where = f"jog_{told.get('phase')}", str(told.get("where", ""))
-        sent_ms = told.get("sent_ms", 0.0)
-        if name not in _JOG or not isinstance(told.get("press"), int):
+        message = event.args if isinstance(event.args, dict) else {}
+        name, where = f"jog_{message.get('phase')}", str(message.get("where", ""))
+        sent_ms = message.get("sent_ms", 0.0)
+        if name not in _JOG or not isinstance(message.get("press"), int):
             return
         if not isinstance(sent_ms, int | float):
             return
-        press = {"press": told["press"]}
+        press = {"press": message["press"]}
         sent = {"sent_ms": float(sent_ms)} if name != "jog_end" else {}
         if name != "jog_begin":
             await self._orders.context.service.do(Order(name, press | sent), self._orders.visitor)

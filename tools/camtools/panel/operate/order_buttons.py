@@ -29,7 +29,7 @@ class _Guarded:
     why: str | None = None
 
     def show(self, of_all: str, own: str) -> None:
-        """Switch the control, and tell why it is off: for a reason of all, or for its own."""
+        """Switch the control, and show why it is off: for a reason of all, or for its own."""
         why = of_all or own
         if self.reason is not None:
             self.reason.set_text("" if of_all else own)
@@ -58,10 +58,10 @@ class Orders:
 
     async def give(self, name: str, words: str = "", /, **arguments: object) -> Outcome:
         """Give an order, and show what came of it."""
-        told = words or name.replace("_", " ")
-        self._tell(f"{told} ..", "busy")
+        words = words or name.replace("_", " ")
+        self._tell(f"{words} ..", "busy")
         outcome = await self.context.service.do(Order(name, arguments), self.visitor)
-        self.tell(told, outcome)
+        self.tell(words, outcome)
         return outcome
 
     def tell(self, words: str, outcome: Outcome) -> None:
@@ -79,11 +79,11 @@ class Orders:
             self._last.classes(replace=f"op-last op-last-{tone}")
 
     def why_all_are_off(self) -> None:
-        """Draw the line that tells why this visitor may give no orders."""
+        """Draw the line that shows why this visitor may give no orders."""
         self._of_all = ui.label("").classes("op-rights").props("role=status data-testid=rights")
 
     def last_order(self) -> None:
-        """Draw the line that tells the last order and its outcome."""
+        """Draw the line that shows the last order and its outcome."""
         self._last = ui.label("No order yet.").classes("op-last")
         self._last.props("role=status aria-live=polite data-testid=last-order").mark("last-order")
 
@@ -125,7 +125,7 @@ class Orders:
     def show(self, snapshot: Snapshot) -> None:
         """Switch all guarded controls by what is so now.
 
-        What holds for all of them is told once, not below every button.
+        A reason that holds for all of them is shown once, not below every button.
         """
         lost = "" if snapshot.is_connected else "no connection to the controller"
         of_all = lost or self.why_no_rights or held_text(snapshot)

@@ -112,8 +112,8 @@ class ParamsCard:
             problem = ui.label("").classes("op-problem").props("role=alert")
 
             def look() -> None:
-                told = judged(name, str(field.value))
-                problem.set_text(told if isinstance(told, str) else "")
+                result = judged(name, str(field.value))
+                problem.set_text(result if isinstance(result, str) else "")
 
             field.on_value_change(look)
             answer_buttons(dialog, "param", "Set", "param-set", lambda: field.value)

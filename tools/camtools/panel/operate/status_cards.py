@@ -6,14 +6,15 @@ from typing import Any
 
 from nicegui import ui
 
+from camtools.link.lessons import Lessons
 from camtools.link.refusal_text import FAULTS
 from camtools.link.status_text import cut_progress, tick_load
 from camtools.panel.operate.order_buttons import Orders
 from camtools.panel.orders.commander import CommandLog
 from camtools.panel.orders.snapshot import Snapshot
 from camtools.panel.pieces import Figure, card, withdraw
-from camtools.panel.views import wording
-from camtools.panel.views.availability import Way, stop_order
+from camtools.panel.views import convergence_chart, wording
+from camtools.panel.views.availability import NextSteps, stop_order
 from camtools.panel.views.wording import READ_IT, Field, box_text, look
 
 _BIG = (wording.SPEED, wording.FOLLOWING)
@@ -27,12 +28,12 @@ class FiguresCard:
         self._figures: list[tuple[Field, Figure]] = []
         with card("Spindle and axes", "figures", is_live=True):
             with ui.element("div").classes("op-big-row"):
-                for one in _BIG:
-                    self._add(one, "big")
+                for field in _BIG:
+                    self._add(field, "big")
                 self._draw_dial()
             with ui.element("div").classes("op-figures"):
-                for one in _ROWS:
-                    self._add(one, "middle")
+                for field in _ROWS:
+                    self._add(field, "middle")
             self._notes = ui.label("").classes("op-notes").props("data-testid=notes")
 
     def _draw_dial(self) -> None:
@@ -43,14 +44,14 @@ class FiguresCard:
                 ui.label(name).classes(f"op-dial-mark op-dial-{name[:-1]}")
             self._needle = ui.element("div").classes("op-needle")
 
-    def _add(self, one: Field, size: str) -> None:
-        self._figures.append((one, Figure(one.label, one.unit, one.key, size=size)))
+    def _add(self, field: Field, size: str) -> None:
+        self._figures.append((field, Figure(field.label, field.unit, field.key, size=size)))
 
     def show(self, snapshot: Snapshot) -> None:
         """Show the numbers."""
         s = snapshot.signals
-        for one, figure in self._figures:
-            figure.show(one.text(s))
+        for field, figure in self._figures:
+            figure.show(field.text(s))
         angle_deg = s.get("angle") if s.get("is_synced") else None
         turned = f"transform: rotate({-(angle_deg or 0.0):.1f}deg); visibility: visible"
         self._needle.style("visibility: hidden" if angle_deg is None else turned)
@@ -79,17 +80,38 @@ class ProgressCard:
     def show(self, snapshot: Snapshot) -> None:
         """Show the newest."""
         s = snapshot.signals
-        told = cut_progress(snapshot.state, s)
-        share = told.fraction if snapshot.state != "ready" else None
+        progress = cut_progress(snapshot.state, s)
+        share = progress.fraction if snapshot.state != "ready" else None
         self._percent.show(wording.plain(None if share is None else floor(100 * share), 0))
-        self._left.show(wording.clock(told.left_s))
+        self._left.show(wording.clock(progress.left_s))
         self._parts.show(wording.PARTS.text(s))
         self._bar.set_value(round(share or 0.0, 3))
-        self._text.set_text(told.text)
+        self._text.set_text(progress.text)
         load = tick_load(s)
         self._load_bar.set_value(round(min(load.share or 0.0, 1.0), 2))
         late = wording.LATE_TICKS.text(s)
         self._load.set_text(f"{load.text}; {late} late ticks".replace(" us", " µs"))
+
+
+class LearningCard:
+    """How the following error falls while the controller learns: a small chart, and words."""
+
+    def __init__(self) -> None:
+        self._shown: list[list[float]] = []
+        with card("Learning", "learning", is_live=True):
+            self._words = ui.label("").classes("op-note").props("data-testid=learning")
+            self._chart = ui.echart(convergence_chart.options()).classes("op-chart")
+            label = "Error of U in the learned harmonics, over the turns used for learning"
+            self._chart.props(f'role=img aria-label="{label}" data-testid=learning-chart')
+
+    def show(self, snapshot: Snapshot, lessons: Lessons) -> None:
+        """Show what was learned up to now; the chart is sent when a lesson has come."""
+        self._words.set_text(convergence_chart.words(snapshot.signals))
+        points = convergence_chart.points_of(lessons.turn.tolist(), lessons.error_um.tolist())
+        if points != self._shown:
+            self._shown = points
+            series = {"id": "lessons", "data": points}  # ECharts' setOption takes what has changed
+            self._chart.run_chart_method("setOption", {"series": [series]})
 
 
 _SHOWN = 30
@@ -102,9 +124,9 @@ def line_of(record: Mapping[str, Any]) -> str:
     ...          "arguments": {"percent": 90.0}, "is_done": True, "outcome": "feed = 90 %"})
     '12:00  v1  feed percent=90.0: done - feed = 90 %'
     """
-    told = "".join(f" {name}={value}" for name, value in record["arguments"].items())
+    arguments = "".join(f" {name}={value}" for name, value in record["arguments"].items())
     mark = "done" if record["is_done"] else "not done"
-    what = f"{record['order']}{told}: {mark} - {record['outcome']}"
+    what = f"{record['order']}{arguments}: {mark} - {record['outcome']}"
     return f"{record['time']}  {record['visitor']}  {what}"
 
 
@@ -146,22 +168,22 @@ class GuideCard:
             self._steps.mark("missing")
             self._problem = ui.label("").classes("op-problem").props("data-testid=problem")
 
-    def show(self, snapshot: Snapshot, way: Way) -> None:
+    def show(self, snapshot: Snapshot, steps: NextSteps) -> None:
         """Show what has changed."""
-        told = (snapshot.faults, tuple(way.sentences), snapshot.is_connected)
+        shown = (snapshot.faults, tuple(steps.sentences), snapshot.is_connected)
         self._meaning.set_text(look(snapshot.state, is_connected=snapshot.is_connected).meaning)
         box = box_text(snapshot.signals)
         self._box_text.set_text(box)
         self._box.set_visibility(bool(box))
         self._problem.set_text(snapshot.problem)
-        if told == self._shown:
+        if shown == self._shown:
             return
-        self._shown = told
+        self._shown = shown
         self._draw_faults(snapshot.faults)
         self._steps.clear()
         with self._steps:
-            for i, sentence in enumerate(way.sentences):
-                is_last = i == len(way.missing)
+            for i, sentence in enumerate(steps.sentences):
+                is_last = i == len(steps.missing)
                 with ui.element("li").classes("op-then" if is_last else "op-missing"):
                     ui.label(sentence)
 
@@ -212,13 +234,13 @@ class StateBar:
         name = stop_order(self._state)
         await self._orders.give(name, "STOP" if name == "stop" else "STOP: drives off")
 
-    def show(self, snapshot: Snapshot, way: Way) -> None:
+    def show(self, snapshot: Snapshot, steps: NextSteps) -> None:
         """Show the state."""
         self._state = snapshot.state
-        one = look(snapshot.state, is_connected=snapshot.is_connected)
-        if self._word.text != one.word:
-            self._word.set_text(one.word)
-            self._icon.props(f"name={one.icon}")
-            self._box.classes(replace=f"op-state live tone-{one.tone}")
-        self._first.set_text(way.sentence)
+        style = look(snapshot.state, is_connected=snapshot.is_connected)
+        if self._word.text != style.word:
+            self._word.set_text(style.word)
+            self._icon.props(f"name={style.icon}")
+            self._box.classes(replace=f"op-state live tone-{style.tone}")
+        self._first.set_text(steps.sentence)
         self._where.set_text(snapshot.work or snapshot.table_name or "no table")

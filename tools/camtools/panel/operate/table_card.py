@@ -28,10 +28,10 @@ async def made(part: Path) -> tuple[bytes, str]:
             stdout=asyncio.subprocess.DEVNULL,
             stderr=asyncio.subprocess.PIPE,
         )
-        _, said = await process.communicate()
+        _, errors = await process.communicate()
         images = sorted(Path(folder).glob("*.camtab"))
         if process.returncode or not images:
-            return b"", said.decode("utf-8", "replace").strip()[-300:]
+            return b"", errors.decode("utf-8", "replace").strip()[-300:]
         return images[0].read_bytes(), images[0].name
 
 
@@ -80,19 +80,19 @@ class TableCard:
             self._orders.refuse("make a table", "choose a part first")
             return
         self._chosen.set_text(f"Making the table of {self._part.value} ..")
-        image, told = await made(_PARTS / str(self._part.value))
+        image, text = await made(_PARTS / str(self._part.value))
         if image:
-            self._take(image, told)
+            self._take(image, text)
         else:
             self._chosen.set_text("No table chosen yet.")
-            self._orders.tell("make a table", Outcome(False, told))
+            self._orders.tell("make a table", Outcome(False, text))
 
     async def _give(self, name: str, words: str) -> None:
         if not self._image:
             self._orders.refuse(words, "choose a table first")
             return
-        told = f"{words} {self._name}"
-        await self._orders.give(name, told, image=self._image, name=self._name)
+        words = f"{words} {self._name}"
+        await self._orders.give(name, words, image=self._image, name=self._name)
 
     def show(self, snapshot: Snapshot) -> None:
         """Show the table in use and how far a download is."""

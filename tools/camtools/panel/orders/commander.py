@@ -4,9 +4,11 @@ The file of the log is its owner's alone. At 4 MB it gets the name FILE.1, that 
 was before is gone.
 
 >>> commander = Commander(CommandLog(None))
->>> one, other = Visitor("v1"), Visitor("v2")
->>> commander.take(one).is_done, commander.take_over(other).is_done, commander.news(one)[:17]
-(True, True, 'page v2 took over')
+>>> first, second = Visitor("v1"), Visitor("v2")
+>>> commander.take(first).is_done, commander.take_over(second).is_done
+(True, True)
+>>> commander.news(first)[:17]
+'page v2 took over'
 """
 
 import errno
@@ -124,7 +126,7 @@ class CommandLog:
                 self._stream = None
 
     def _write(self, record: Mapping[str, Any]) -> None:
-        """Append a line; a full disk stops no machine, but is told."""
+        """Append a line; a full disk stops no machine, but is reported."""
         if self._stream is None or self._path is None:
             return
         line = json.dumps(record).encode() + b"\n"
@@ -177,12 +179,12 @@ class Commander:
             if self.holder in (None, visitor):
                 outcome = self._give(visitor)
             else:
-                told = f"{self.holder} commands; take over to command yourself"
-                outcome = Outcome(False, told)
-        return self._told("take", visitor, outcome)
+                why = f"{self.holder} commands; take over to command yourself"
+                outcome = Outcome(False, why)
+        return self._log_change("take", visitor, outcome)
 
     def take_over(self, visitor: Visitor) -> Outcome:
-        """Take the command from whoever has it, who is told."""
+        """Take the command from whoever has it; the loser's page shows it."""
         with self._lock:
             loser = self.holder
             outcome = self._give(visitor)
@@ -190,7 +192,7 @@ class Commander:
                 at = utc(self.since_s)
                 self._news[loser] = f"{visitor} took over command at {at}"
                 outcome = Outcome(True, f"taken over from {loser}")
-        return self._told("take_over", visitor, outcome)
+        return self._log_change("take_over", visitor, outcome)
 
     def _give(self, visitor: Visitor) -> Outcome:
         self.holder, self.since_s = visitor, time.time()
@@ -204,7 +206,7 @@ class Commander:
             if is_held:
                 self.holder = None
         text = "nobody commands" if is_held else "you do not command"
-        return self._told("release", visitor, Outcome(is_held, text))
+        return self._log_change("release", visitor, Outcome(is_held, text))
 
     def lose(self, visitor: Visitor, why: str = "the page was closed") -> None:
         """Take note that a page is gone; if it commanded, nobody does, and it shows why."""
@@ -213,7 +215,7 @@ class Commander:
                 return
             self.holder = None
             self._news[visitor] = f"{why}: nobody commands ({utc(time.time())})"
-        self._told("lose", visitor, Outcome(True, f"{why}: nobody commands"))
+        self._log_change("lose", visitor, Outcome(True, f"{why}: nobody commands"))
 
     def pass_on(self, before: Visitor, visitor: Visitor) -> None:
         """Give the command of a page that is gone to the one that was loaded in its place."""
@@ -221,12 +223,12 @@ class Commander:
             if self.holder is not before or before.is_here:
                 return
             self.holder = visitor
-        self._told("pass_on", visitor, Outcome(True, f"the page of {before} was loaded anew"))
+        self._log_change("pass_on", visitor, Outcome(True, f"the page of {before} was loaded anew"))
 
     def lose_on_bus(self, why: str, sender: int) -> None:
-        """Take note that the panel has lost command over the controller; who commanded is told.
+        """Take note that the panel lost command over the controller; the holder's page shows it.
 
-        Where nobody else has it, as when the panel was stopped for a second, he commands on.
+        Where nobody else has it, as when the panel was stopped for a second, the holder keeps it.
         """
         with self._lock:
             loser = self.holder
@@ -234,8 +236,8 @@ class Commander:
                 return
             self.holder = None if sender else loser
             self._news[loser] = f"{why} ({utc(time.time())})"
-        self._told("lose", loser, Outcome(True, why))
+        self._log_change("lose", loser, Outcome(True, why))
 
-    def _told(self, what: str, visitor: Visitor, outcome: Outcome) -> Outcome:
+    def _log_change(self, what: str, visitor: Visitor, outcome: Outcome) -> Outcome:
         self._log.add(visitor, what, {}, outcome)
         return outcome

@@ -4,7 +4,7 @@
 as often as it draws. `do()` judges each order by the visitor who gives it, whatever buttons his
 page shows: the rights are here and nowhere else. Every order and its outcome is logged.
 
->>> _told({"image": b"123456789", "name": "a part"})
+>>> _loggable({"image": b"123456789", "name": "a part"})
 {'image': '9 bytes, CRC-32 cbf43926', 'name': "'a part'"}
 """
 
@@ -49,7 +49,7 @@ class ControllerService:
         """Carry an order out and return what came of it; what is refused is logged, too.
 
         The outcome of `jog_begin` comes when the axis stands again. `jog_hold` and `jog_end` are
-        answered at once and not logged: the outcome of `jog_begin` tells how it ended.
+        answered at once and not logged: the outcome of `jog_begin` has how it ended.
         """
         if order.name in ("jog_hold", "jog_end"):
             return self._held(order, visitor)
@@ -57,7 +57,7 @@ class ControllerService:
             outcome = await self._done(order, visitor)
         except CamtoolsError as error:
             outcome = Outcome(False, str(error))
-        self._log.add(visitor, order.name, _told(order.arguments), outcome)
+        self._log.add(visitor, order.name, _loggable(order.arguments), outcome)
         return outcome
 
     async def take_over(self, visitor: Visitor) -> Outcome:
@@ -77,7 +77,7 @@ class ControllerService:
         visitor.is_here = visitor.was_connected = True
 
     def page_clock(self, visitor: Visitor, sent_ms: float) -> None:
-        """Take note of a page's clock: when it sent the message that told it, performance.now()."""
+        """Take note of a page's clock: performance.now() as the page sent its message."""
         self._presses.is_late(visitor, sent_ms)
 
     def page_lost(self, visitor: Visitor) -> None:
@@ -120,7 +120,7 @@ class ControllerService:
         if job.is_attended:
             arguments["rests"] = job.leave
         self._thread.give(job)
-        return await asyncio.shield(asyncio.wrap_future(job.told))
+        return await asyncio.shield(asyncio.wrap_future(job.outcome))
 
     def _held(self, order: Order, visitor: Visitor) -> Outcome:
         try:
@@ -137,7 +137,7 @@ class ControllerService:
         return Outcome(is_held, "" if is_held else "the press is over")
 
 
-def _told(arguments: Mapping[str, Any]) -> dict[str, Any]:
+def _loggable(arguments: Mapping[str, Any]) -> dict[str, Any]:
     """Return arguments for the log: of a file its size and checksum."""
 
     def text(value: object) -> object:

@@ -6,7 +6,7 @@ While no controller is heard the bus is closed and opened again, once a second.
 
 >>> job = Job("start", {}, Visitor("v1"))
 >>> job.tell(False, "busy"); job.tell(True, "start: engaging")
->>> job.told.result()
+>>> job.outcome.result()
 Outcome(is_done=False, text='busy')
 """
 
@@ -46,7 +46,7 @@ OpenLink = Callable[[], Link]
 
 
 class _Overtaken(Exception):  # noqa: N818 - no error: it ends what runs
-    """An urgent job waits, or what runs may not go on; the text says which."""
+    """An urgent job waits, or the running one may not continue; the text says which."""
 
 
 @dataclass(eq=False)
@@ -59,7 +59,7 @@ class Job:
     is_urgent: bool = False  # whether it overtakes
     still_allowed: Callable[[], str] = lambda: ""  # when its turn comes; why not, or ""
     is_attended: bool = False  # whether it ends when that is no longer so
-    told: Future[Outcome] = field(default_factory=Future)  # gets the outcome
+    outcome: Future[Outcome] = field(default_factory=Future)  # gets the outcome
     given_s: float = field(default_factory=time.monotonic)
 
     def leave(self) -> None:
@@ -68,8 +68,8 @@ class Job:
 
     def tell(self, is_done: bool, text: str) -> None:
         """Say what came of it, once."""
-        if not self.told.done():
-            self.told.set_result(Outcome(is_done, text))
+        if not self.outcome.done():
+            self.outcome.set_result(Outcome(is_done, text))
 
 
 class LinkThread:
@@ -114,7 +114,7 @@ class LinkThread:
         return replace(newest, work=self._work, has_command=self._has_command)
 
     def lessons(self) -> Lessons:
-        """Return how the error fell while the controller learned, as far as the status told."""
+        """Return how the error fell while the controller learned, as far as the status showed."""
         return self._convergence.lessons()
 
     def parameters(self) -> ParameterSet | None:
@@ -123,7 +123,7 @@ class LinkThread:
         return self._parameters
 
     def give(self, job: Job) -> None:
-        """Hand a job over; its future is told, whatever happens."""
+        """Hand a job over; its future gets an outcome, whatever happens."""
         if not self.snapshot().is_connected:
             job.tell(False, f"not sent: {self.snapshot().problem}; {NOT_HEARD}")
         elif job.is_urgent:

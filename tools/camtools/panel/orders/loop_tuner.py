@@ -37,11 +37,11 @@ class Tuned:
     problem: str = ""  # why the loop is refused
 
 
-def tuned(one: Recorded, where: str) -> Tuned:
+def tuned(record: Recorded, where: str) -> Tuned:
     """Return the report and the loop for a record, as tools/tune makes them."""
     from camtools.tune.plots import loop_png  # matplotlib is slow to load
 
-    subject = subject_of(fitted(one), {}, _NAME, where)
+    subject = subject_of(fitted(record), {}, _NAME, where)
     found = proposed(subject)
     if found.problem:
         return Tuned("\n".join(subject.lines), b"", {}, found.problem)
@@ -80,10 +80,10 @@ class LoopTuner:
             rests()
             say(f"the record of U, {here * 100 // in_all} %")
 
-        one = recorded(ConnectedU(link, keeps_command=True, progress=progress), link.where)
+        record = recorded(ConnectedU(link, keeps_command=True, progress=progress), link.where)
         say("the loop of U, which is computed")
         pool = ThreadPoolExecutor(1)
-        computed = pool.submit(tuned, one, link.where)
+        computed = pool.submit(tuned, record, link.where)
         pool.shutdown(wait=False)
         while not link.wait(computed.done, _LOOK_S):
             pass  # STOP ends it

@@ -46,9 +46,9 @@ class ParameterSet:
         object.__setattr__(self, "checksum", checksum(self.values))
 
     def is_of(self, signals: Mapping[str, float]) -> bool:
-        """Return whether the status still tells the same of them."""
-        told = (int(signals["params_version"]), kept_text(signals))
-        return told == (self.version, self.kept)
+        """Return whether version and kept are still those of the status."""
+        reported = (int(signals["params_version"]), kept_text(signals))
+        return reported == (self.version, self.kept)
 
     def text(self) -> str:
         """Return them as a TOML file, which `params_load` and camctl take."""
@@ -65,7 +65,7 @@ class ParameterSet:
 
 
 def parameter_set(values: Mapping[str, int], status: Status) -> ParameterSet | None:
-    """Return what was read, if the status tells the same checksum; else a value has changed."""
+    """Return what was read; None where the status has another checksum: a value has changed."""
     signals = status.signals
     if int(signals["params_checksum"]) != checksum(values):
         return None

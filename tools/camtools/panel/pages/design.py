@@ -171,11 +171,11 @@ class DesignPage:
         self._problems.clear()
         lines: set[int] = set()
         with self._problems:
-            for one in problems[:_MOST_PROBLEMS]:
-                where = f"line {one['line']}: " if one["line"] else ""
-                ui.label(where + one["text"]).classes("problem")
-                if one["line"]:
-                    lines.add(int(one["line"]))
+            for problem in problems[:_MOST_PROBLEMS]:
+                where = f"line {problem['line']}: " if problem["line"] else ""
+                ui.label(where + problem["text"]).classes("problem")
+                if problem["line"]:
+                    lines.add(int(problem["line"]))
         n_lines = self._draft.text.count("\n") + 1
         there = [line for line in sorted(lines) if line <= n_lines]
         marked = [{"kind": "line", "line": line, "class": _BAD_LINE} for line in there]

@@ -23,7 +23,7 @@ _MAX_MACHINE_BYTES = 100_000
 
 
 def time_left_text(gone_s: float, whole_s: float | None) -> str:
-    """Return how long a run goes on and how long it will, where that is known."""
+    """Return how long a run has taken, and how much longer it will take where that is known."""
     gone = f"{gone_s:.0f} s so far"
     if whole_s is None:
         return gone

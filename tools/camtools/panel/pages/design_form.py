@@ -57,9 +57,9 @@ class FormView:
                 self._set(element, self._keys[name])
         self._show_dial()
 
-    def problems(self, told: list[dict[str, Any]]) -> None:
+    def problems(self, problems: list[dict[str, Any]]) -> None:
         """Show what is wrong beside the fields."""
-        by_field = {one["field"]: one["text"] for one in reversed(told)}
+        by_field = {problem["field"]: problem["text"] for problem in reversed(problems)}
         for name, element in self._inputs.items():
             text = by_field.get(name, "")
             if element.props.get("error-message", "") != text:
@@ -100,9 +100,9 @@ class FormView:
         label = " / ".join(filter(None, (key.name, key.unit)))
         hint = plain(key.meaning)
         if key.sort in ("choice", "switch"):
-            choices = [str(one) for one in key.choices] or ["true", "false"]
+            choices = [str(choice) for choice in key.choices] or ["true", "false"]
             options = {} if key.is_required else {"": f"({default})"}
-            options |= {one: one for one in [*choices, value] if one}
+            options |= {choice: choice for choice in [*choices, value] if choice}
             element: Any = ui.select(options, label=label, value=value)
         else:
             hint = "; ".join(filter(None, (key.range_text, hint)))

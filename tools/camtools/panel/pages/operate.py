@@ -8,12 +8,12 @@ from nicegui.events import GenericEventArguments, KeyEventArguments
 from camtools.panel.context import AppContext
 from camtools.panel.operate.command_card import AdjustCard, CommandCard
 from camtools.panel.operate.hand_card import HandCard
-from camtools.panel.operate.learning_card import LearningCard
 from camtools.panel.operate.order_buttons import Orders
 from camtools.panel.operate.params_card import ForceDriveCard, ParamsCard
 from camtools.panel.operate.status_cards import (
     FiguresCard,
     GuideCard,
+    LearningCard,
     LogCard,
     ProgressCard,
     StateBar,
@@ -22,7 +22,7 @@ from camtools.panel.operate.table_card import TableCard
 from camtools.panel.orders.commander import Visitor
 from camtools.panel.page_frame import STATIC, framed
 from camtools.panel.pieces import titled_dialog
-from camtools.panel.views.availability import way_on
+from camtools.panel.views.availability import next_steps
 
 KEYS = {
     "Esc": "STOP: stops all motion, anywhere on the page",
@@ -39,7 +39,7 @@ KEYS = {
 
 
 class Help:
-    """A dialog; STOP goes on to work while it is open."""
+    """A dialog; STOP works while it is open."""
 
     def __init__(self) -> None:
         with titled_dialog("Keys", "help") as self._dialog:
@@ -141,9 +141,11 @@ class OperatePage:
         snapshot = self._context.service.snapshot()
         read = self._context.service.parameters()
         values = read.values if read is not None else {}
-        way = way_on(snapshot.state, snapshot.signals, values, is_connected=snapshot.is_connected)
-        self._state.show(snapshot, way)
-        self._guide.show(snapshot, way)
+        steps = next_steps(
+            snapshot.state, snapshot.signals, values, is_connected=snapshot.is_connected
+        )
+        self._state.show(snapshot, steps)
+        self._guide.show(snapshot, steps)
         self._orders.show(snapshot)
         if not self._is_seen:
             return

@@ -74,21 +74,21 @@ class ComparisonView:
             figures = figures_of(self._runs)
             several = range(1, len(self._runs))
             numbers = [
-                {"what": f"{one.name} / {one.unit}" if one.unit else one.name}
-                | {f"r{i}": one.text(i) for i in range(len(self._runs))}
-                | {f"d{i}": one.difference(i) for i in several}
-                for one in figures
+                {"what": f"{figure.name} / {figure.unit}" if figure.unit else figure.name}
+                | {f"r{i}": figure.text(i) for i in range(len(self._runs))}
+                | {f"d{i}": figure.difference(i) for i in several}
+                for figure in figures
             ]
             more = [(f"d{i}", "difference" if i == 1 else f"difference {i + 1}") for i in several]
             _table("figures", self._names, numbers, more).props("data-testid=figures")
 
     def _show_differences(self) -> None:
         first = self._runs[0]
-        for other in self._runs[1:]:
-            names = f"{first.name} to {other.name}"
-            parts = differing(part_text(first), part_text(other))
+        for run in self._runs[1:]:
+            names = f"{first.name} to {run.name}"
+            parts = differing(part_text(first), part_text(run))
             _diff(f"part file: {names}", parts).props("data-testid=diff-part")
-            machines = differing(machine_text_of(first), machine_text_of(other))
+            machines = differing(machine_text_of(first), machine_text_of(run))
             # Two machines may differ in every line.
             box = _diff(f"machine: {names}", machines, is_open=False)
             box.props("data-testid=diff-machine")
@@ -113,16 +113,16 @@ class ComparisonView:
         slider.on("change", moved, args=[])
 
     def _show_maps(self) -> None:
-        there = [one.map_um for one in self._curves if one is not None]
+        there = [curves.map_um for curves in self._curves if curves is not None]
         if not there:
             return
         scale_um = charts.scale_of(there)
         with ui.element("div").classes("compare-pair"):
-            for i, (name, one) in enumerate(zip(self._names, self._curves, strict=True)):
-                if one is None:
+            for i, (name, curves) in enumerate(zip(self._names, self._curves, strict=True)):
+                if curves is None:
                     ui.label(f"{name}: not gauged")
                 else:
-                    _chart(charts.error_map(name, one, scale_um), f"error-map-{i}")
+                    _chart(charts.error_map(name, curves, scale_um), f"error-map-{i}")
 
     def _show_reports(self) -> None:
         """Offer the reports, one at a time: each has a plotting library and all its pictures."""
@@ -153,8 +153,8 @@ def _table(
 
 def _diff(title: str, lines: list[DiffLine], *, is_open: bool = True) -> ui.expansion:
     """Show lines that differ; their text is data."""
-    told = f"{title}: {len(lines)} lines" if lines else f"{title}: identical"
-    box = ui.expansion(told, value=bool(lines) and is_open).classes("full-width")
+    heading = f"{title}: {len(lines)} lines" if lines else f"{title}: identical"
+    box = ui.expansion(heading, value=bool(lines) and is_open).classes("full-width")
     with box, ui.column().classes("q-gutter-none diff-lines"):
         for kind, text in lines:
             shown = ui.label(f"{kind} {text}" if kind != "@" else text).classes("diff")

@@ -75,12 +75,12 @@ def machine_text_of(run: Run) -> str | None:
     return next((text for text in texts if text is not None), None)
 
 
-def differing(one: str | None, other: str | None) -> list[DiffLine]:
+def differing(first: str | None, second: str | None) -> list[DiffLine]:
     """Return the lines that differ between two texts, with their neighbours; nothing: alike."""
-    if one is None or other is None:
-        missing = "the first" if one is None else "the other"
-        return [] if one == other else [DiffLine("@", f"{missing} run does not have it")]
-    texts = one.splitlines(), other.splitlines()
+    if first is None or second is None:
+        missing = "the first" if first is None else "the other"
+        return [] if first == second else [DiffLine("@", f"{missing} run does not have it")]
+    texts = first.splitlines(), second.splitlines()
     rows = list(difflib.unified_diff(*texts, n=_DIFF_CONTEXT, lineterm=""))[2:]
     return [DiffLine("@", row) if row[0] == "@" else DiffLine(row[0], row[1:]) for row in rows]
 
@@ -91,12 +91,15 @@ def settings_rows(runs: Sequence[Run]) -> list[tuple[str, list[str]]]:
     return [
         ("part", [run.part for run in runs]),
         ("machine", [run.machine or run.options.machine or "of the part" for run in runs]),
-        ("speed / r/min", [_text(one.get("cut", {}).get("spindle_rpm")) for one in summaries]),
-        ("feed / mm", [_text(one.get("cut", {}).get("feed_mm")) for one in summaries]),
-        ("learning", [_learning(one) for one in summaries]),
-        ("seed", [_text(one.get("seed")) for one in summaries]),
-        ("table", [_text(one.get("table_bytes")) + " bytes" for one in summaries]),
-        ("CRC of the table", [_hex(one.get("table_crc32")) for one in summaries]),
+        (
+            "speed / r/min",
+            [_text(summary.get("cut", {}).get("spindle_rpm")) for summary in summaries],
+        ),
+        ("feed / mm", [_text(summary.get("cut", {}).get("feed_mm")) for summary in summaries]),
+        ("learning", [_learning(summary) for summary in summaries]),
+        ("seed", [_text(summary.get("seed")) for summary in summaries]),
+        ("table", [_text(summary.get("table_bytes")) + " bytes" for summary in summaries]),
+        ("CRC of the table", [_hex(summary.get("table_crc32")) for summary in summaries]),
         ("verdict", [run.verdict or run.status for run in runs]),
     ]
 
@@ -278,9 +281,9 @@ def _lines(
 def over_height(names: Sequence[str], curves: Sequence[ErrorCurves | None]) -> Options:
     """Return the largest form error of each band of the height."""
     named = [
-        (name, _points(one.z_mm, one.worst_um))
-        for name, one in zip(names, curves, strict=True)
-        if one is not None
+        (name, _points(curve.z_mm, curve.worst_um))
+        for name, curve in zip(names, curves, strict=True)
+        if curve is not None
     ]
     axes = axis("height / mm", 28), axis("largest |form error| / µm", 52, scale=False)
     return _lines("form error over the height", axes, named)
@@ -293,9 +296,9 @@ def _around(y_name: str) -> tuple[Options, Options]:
 def over_angle(names: Sequence[str], curves: Sequence[ErrorCurves | None]) -> Options:
     """Return the mean following error while cutting, over the drawing's angle."""
     named = [
-        (name, _points(one.angle_deg, one.following_um))
-        for name, one in zip(names, curves, strict=True)
-        if one is not None and one.following_um is not None
+        (name, _points(curve.angle_deg, curve.following_um))
+        for name, curve in zip(names, curves, strict=True)
+        if curve is not None and curve.following_um is not None
     ]
     return _lines("following error over the angle", _around("mean following error / µm"), named)
 
@@ -305,7 +308,9 @@ def sections(
 ) -> Options:
     """Return the form error of one band of the height, over the drawing's angle."""
     named = [
-        (name, _points(*one)) for name, one in zip(names, found, strict=True) if one is not None
+        (name, _points(*section))
+        for name, section in zip(names, found, strict=True)
+        if section is not None
     ]
     text = f"form error of the section at {z_mm:.4g} mm"
     return _lines(text, _around("form error / µm"), named)
@@ -313,7 +318,7 @@ def sections(
 
 def scale_of(maps: Sequence[Floats]) -> float:
     """Return the largest magnitude of all maps, which the colours of all of them end at [um]."""
-    largest = max((float(np.nanmax(np.abs(one))) for one in maps if one.size), default=0.0)
+    largest = max((float(np.nanmax(np.abs(cells))) for cells in maps if cells.size), default=0.0)
     return float(f"{largest:.3g}") if np.isfinite(largest) and largest > 0 else 1.0
 
 

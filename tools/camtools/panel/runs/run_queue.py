@@ -54,7 +54,7 @@ _BREAK = re.compile(rb"[\r\n]+")
 
 
 class RunQueue:
-    """Runs that wait, and the one that goes on; a command cuts, which the words of a run follow."""
+    """Runs that wait, and the running one; `command` gets the words of a run as arguments."""
 
     def __init__(self, store: RunStore, command: list[str] | None = None) -> None:
         self._store = store
@@ -88,11 +88,11 @@ class RunQueue:
         return [folder.name for folder, _ in self._waiting]
 
     def stop(self, name: str) -> None:
-        """Stop a run, or let one that waits not begin."""
-        for one in self._waiting:
-            if one[0].name == name:
-                self._waiting.remove(one)
-                self._store.note(one[0], {"status": STOPPED, "told": "stopped before it started"})
+        """Stop a run, or remove it from those that wait."""
+        for i, (folder, _) in enumerate(self._waiting):
+            if folder.name == name:
+                del self._waiting[i]
+                self._store.note(folder, {"status": STOPPED, "told": "stopped before it started"})
                 return
         if self.running is not None and self.running.name == name:
             self._is_stopped = True
@@ -139,17 +139,17 @@ class RunQueue:
     def _note_end(self, folder: Path, status: int) -> None:
         has_cut = status in (_GOOD, _POOR) and (folder / SUMMARY).is_file()
         outcome = DONE if has_cut else FAILED
-        told = "" if outcome == DONE else self.progress.last or f"ended with status {status}"
+        message = "" if outcome == DONE else self.progress.last or f"ended with status {status}"
         if self._is_stopped and status != _GOOD:
-            outcome, told = STOPPED, "stopped"
+            outcome, message = STOPPED, "stopped"
         took_s = time.time() - self.begun_s
         if folder.is_dir():
-            self._store.note(folder, {"status": outcome, "told": told, "took_s": took_s})
+            self._store.note(folder, {"status": outcome, "told": message, "took_s": took_s})
 
     async def _cut(self, folder: Path, words: list[str]) -> int:
         """Carry the command out; return its exit status.
 
-        A terminal of its own makes the simulator tell how far it is five times a second.
+        On a terminal of its own the simulator reports its progress five times a second.
         """
         ours, theirs = pty.openpty()
         try:

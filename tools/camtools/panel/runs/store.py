@@ -140,7 +140,7 @@ class RunStore:
         place = self._folders[OWN]
         place.mkdir(parents=True, exist_ok=True)
         taken = [_NUMBERED.match(path.name) for path in place.iterdir()]
-        last = max((int(one[2]) for one in taken if one and one[1] == name), default=0)
+        last = max((int(match[2]) for match in taken if match and match[1] == name), default=0)
         folder = place / f"{name}-{last + 1:03d}"
         folder.mkdir()
         for file, data in (files or {}).items():
@@ -177,7 +177,7 @@ class RunStore:
         raise CamtoolsError([f"run {key[:80]!r}: no such run; it may have been removed"])
 
     def remove(self, key: str) -> None:
-        """Remove a run of the panel that does not go on."""
+        """Remove a run of the panel that has ended."""
         run = self.run(key)
         if run.place != OWN:
             raise CamtoolsError([f"{run.name}: made by tools/run; remove it with tools/run --keep"])
@@ -204,8 +204,8 @@ class RunStore:
         """Mark runs as stopped that an earlier panel did not end."""
         for run in self.runs():
             if run.place == OWN and run.status in (WAITING, RUNNING):
-                told = "the panel was closed before the run ended"
-                self.note(run.folder, {"status": STOPPED, "told": told})
+                message = "the panel was closed before the run ended"
+                self.note(run.folder, {"status": STOPPED, "told": message})
 
 
 def _about(folder: Path) -> Json:

@@ -1,17 +1,18 @@
 """Which orders make sense in a state, and what is missing before the next one can be given.
 
 What the controller refuses stands in firmware/machine/cam_machine.c; the list names what can be
-seen from its status and its parameters. A speed that is not feasible is told by the refusal itself.
+seen from its status and its parameters. A speed that is not feasible shows in the refusal itself.
 
 >>> why_not("start", "off", {})
 'only in ready'
->>> way_on("off", {"is_estop": 1.0, "is_drive_ready": 1.0, "table_size": 3456.0}, {}).sentence
+>>> next_steps("off", {"is_estop": 1.0, "is_drive_ready": 1.0, "table_size": 3456.0}, {}).sentence
 'Release the emergency stop.'
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from camtools.base.quantities import NM_PER_MM
 from camtools.link.messages import NAMES
 from camtools.link.status_text import name_of
 
@@ -72,7 +73,6 @@ def stop_order(state: str) -> str:
 Signals = Mapping[str, float]
 Values = Mapping[str, int]
 _STOPPED_MRPM = 5000  # default of the parameter
-_NM_PER_MM = 1e6
 _M_PER_UNIT = 1000.0
 
 
@@ -85,11 +85,11 @@ class Missing:
 
 
 @dataclass(frozen=True)
-class Way:
-    """How it goes on from here."""
+class NextSteps:
+    """What is to be done from here on."""
 
     missing: tuple[Missing, ...]  # the first is to be done first; empty: the order will be accepted
-    order: str  # that leads on; "" where the controller goes on by itself
+    order: str  # to give next; "" where the controller continues by itself
     then: str  # what to do or to wait for when nothing is missing, a sentence
 
     @property
@@ -123,11 +123,11 @@ def _says(signal: str, word: str) -> Look:
 def _is_u_outside(s: Signals, p: Values) -> bool:
     """U stands outside of its stroke, by which enable is refused (u_place)."""
     stroke_nm = p.get("u_stroke_nm")
-    return stroke_nm is not None and abs(s.get("u_actual", 0.0)) * _NM_PER_MM > stroke_nm / 2
+    return stroke_nm is not None and abs(s.get("u_actual", 0.0)) * NM_PER_MM > stroke_nm / 2
 
 
 def _lacks_home(axis: str) -> Look:
-    """Whether a home is demanded that was not found; a Z that others lead needs none."""
+    """Whether a home is demanded that was not found; a Z moved by another controller needs none."""
 
     def look(s: Signals, p: Values) -> bool:
         is_led = axis == "z" and bool(p.get("z_is_measured", 0))
@@ -188,7 +188,7 @@ _ITEMS: dict[str, tuple[Look, str]] = {
 # A reset would be accepted while a cause is still there, and the next enable refused.
 _CAUSES = "estop drive bus"
 _HOMES = "home_u home_x home_z"
-# By state: what may be missing, in the order of doing, the order that leads on, and what to do.
+# By state: what may be missing, in the order of doing; the order to give next; and what to do.
 _STEPS = {
     "off": (
         f"{_CAUSES} table u_place {_HOMES} no_button acknowledge",
@@ -216,20 +216,22 @@ _SILENT = (
 )
 
 
-def way_on(state: str, signals: Signals, values: Values, *, is_connected: bool = True) -> Way:
+def next_steps(
+    state: str, signals: Signals, values: Values, *, is_connected: bool = True
+) -> NextSteps:
     """Return what is missing, the order that it is missing for, and what to do then.
 
     `signals`: of the status, by their names in the DBC, in their units. `values`: parameters that
     are known; may be empty.
     """
     if not is_connected:
-        return Way(_SILENT, "", "Then this page continues automatically.")
+        return NextSteps(_SILENT, "", "Then this page continues automatically.")
     if state not in _STEPS:
         first = Missing("status", "Wait for the controller's first status.")
-        return Way((first,), "", "Then this box shows what is missing.")
+        return NextSteps((first,), "", "Then this box shows what is missing.")
     keys, order, then = _STEPS[state]
     items = ((key, *_ITEMS[key]) for key in keys.split())
     missing = tuple(Missing(key, text) for key, is_so, text in items if is_so(signals, values))
     if state == "holding" and missing:
         order = ""
-    return Way(missing, order, then)
+    return NextSteps(missing, order, then)

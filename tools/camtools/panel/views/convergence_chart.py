@@ -30,8 +30,8 @@ def words(signals: Mapping[str, float]) -> str:
     if not turns:
         return f"{phase}{why}; nothing learned yet"
     now, first = signals.get("learn_error", 0.0), signals.get("learn_begin_error", 0.0)
-    told = f"{now:.3f} µm rms now, {first:.3f} µm at first"
-    return f"{phase}{why}; {told}, after {turns:.0f} turns"
+    errors = f"{now:.3f} µm rms now, {first:.3f} µm at first"
+    return f"{phase}{why}; {errors}, after {turns:.0f} turns"
 
 
 def options() -> dict[str, Any]:

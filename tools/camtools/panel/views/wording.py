@@ -104,7 +104,7 @@ _PERCENT = re.compile(r"(\d{1,3}) ?%")
 
 
 def share_of(work: str) -> float:
-    """Return the share that a text tells in per cent, 0 .. 1; 0 where it tells none."""
+    """Return the percentage in a text as a share, 0 .. 1; 0 where it has none."""
     found = _PERCENT.search(work)
     return min(int(found[1]), 100) / 100 if found else 0.0
 
