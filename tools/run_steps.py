@@ -144,9 +144,9 @@ def results(steps: Path) -> list[str]:
     """Return a line for each step: its result, its time, and the last line that it printed."""
     lines = []
     for case in ElementTree.parse(steps).getroot().iter("testcase"):
-        said = (case.findtext("system-out") or "").strip().rpartition("\n")[2]
+        last = (case.findtext("system-out") or "").strip().rpartition("\n")[2]
         took_s = float(case.get("time", "0"))
-        lines.append(f"{case.get('name'):<24}{case.get('status'):<8}{took_s:>8.1f} s  {said}")
+        lines.append(f"{case.get('name'):<24}{case.get('status'):<8}{took_s:>8.1f} s  {last}")
     return lines
 
 

@@ -91,7 +91,7 @@ class Law:
         return tuple(float(values.max()) for values in found)  # type: ignore[return-value]
 
     def set_points(self, lag_rad: float) -> Floats:
-        """Return what a speed loop must be told, over the mean speed, MATHS.md (80).
+        """Return the set-points that a speed loop needs, over the mean speed, MATHS.md (80).
 
         The lag is the mean speed over the bandwidth of the loop.
         """

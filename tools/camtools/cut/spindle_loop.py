@@ -1,4 +1,4 @@
-"""What a spindle does with the speed that it is told: ripple of the removal rate as it comes.
+"""What a spindle makes of its set-points: the ripple of the removal rate as it comes.
 
 The controller plans every 400 us; its set-point is held meanwhile and limited to what the drive
 takes; the loop is of first order, its torque limited, MATHS.md (82). The ripple of a law that is
