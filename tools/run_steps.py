@@ -66,19 +66,16 @@ def end_descendants() -> None:
 def end_hanging(ctest: int, watches: dict[int, Watch]) -> None:
     """End what hangs below CTest: of each step without progress the processes without children.
 
-    Parameters
-    ----------
-    ctest : the number of its process
-    watches : of the steps that run, by the numbers of their processes; kept from call to call
+    Steps and watches are known by the numbers of their processes; watches are kept between calls.
     """
-    steps = [one.pid for one in tree(ctest)[1:] if one.ppid() == ctest]
+    steps = [process.pid for process in tree(ctest)[1:] if process.ppid() == ctest]
     for ended in watches.keys() - steps:
         del watches[ended]
     for pid in steps:
         watch = watches.setdefault(pid, Watch(pid, STALL_S))
         if watch.is_stalled():
             watch.restart()
-            leaves = [one for one in tree(pid) if not one.children()]
+            leaves = [process for process in tree(pid) if not process.children()]
             for leaf in leaves:
                 print(f"hang: {waits_for(leaf)}; ended", flush=True)
                 leaf.kill()
@@ -117,12 +114,9 @@ def counts(report: Path) -> Counter[str]:
 
 
 def summary(steps: Path, reports: Path) -> tuple[list[str], int]:
-    """Return the closing lines, and how many tests failed.
+    """Return the closing lines, and how many tests failed, from CTest's file of the steps.
 
-    Parameters
-    ----------
-    steps : what CTest wrote of the steps
-    reports : folder in which the step "pytest linux kernel" has pytest-linux-kernel.xml
+    In the folder of reports the step "pytest linux kernel" has pytest-linux-kernel.xml.
     """
     cases = list(ElementTree.parse(steps).getroot().iter("testcase"))
     total, lines = Counter[str](), []
@@ -150,9 +144,9 @@ def results(steps: Path) -> list[str]:
     """Return a line for each step: its result, its time, and the last line that it printed."""
     lines = []
     for case in ElementTree.parse(steps).getroot().iter("testcase"):
-        said = (case.findtext("system-out") or "").strip().rpartition("\n")[2]
+        last = (case.findtext("system-out") or "").strip().rpartition("\n")[2]
         took_s = float(case.get("time", "0"))
-        lines.append(f"{case.get('name'):<24}{case.get('status'):<8}{took_s:>8.1f} s  {said}")
+        lines.append(f"{case.get('name'):<24}{case.get('status'):<8}{took_s:>8.1f} s  {last}")
     return lines
 
 
@@ -166,12 +160,8 @@ def steps_of(ctest: tuple[str | Path, ...], label: str) -> list[str]:
 def run_ctest(label: str, names: list[str]) -> tuple[int, list[str]]:
     """Run the steps of a label, or some of them with what they need.
 
-    Returns
-    -------
-    int
-        CTest's status; 2 when a step is unknown, and then nothing is run
-    list of str
-        The steps that only tools/verify runs
+    Returns CTest's status, 2 when a step is unknown and nothing is run, and the names of the steps
+    that only tools/verify runs.
     """
     folder = BUILD / "steps" / label
     folder.mkdir(parents=True, exist_ok=True)
@@ -209,8 +199,8 @@ def main(label: str, *names: str) -> int:
     """Run steps; return the exit status: 0, 1 after a failure, 128 + n after signal n."""
 
     def stop(number: int, _frame: FrameType | None) -> None:
-        for one in END_SIGNALS:
-            signal.signal(one, signal.SIG_IGN)
+        for end_signal in END_SIGNALS:
+            signal.signal(end_signal, signal.SIG_IGN)
         print(f"{signal.Signals(number).name}: stopping all steps", flush=True)
         end_descendants()
         os._exit(128 + number)

@@ -10,12 +10,11 @@ import pytest
 import camtools
 import checks
 
-# They show nothing without a bus, an image of a controller, a whole program or a cut.
+# They show nothing without a bus, a whole program or a cut.
 WITHOUT = {
     "camtools.cli.camctl",
     "camtools.link.download",
     "camtools.ngc.full_program",
-    "checks.elf_isr",
 }
 # They draw in a page of a browser: tests/browser shows what they do. Their examples are true, too.
 DRAWING = (

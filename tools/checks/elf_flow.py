@@ -29,22 +29,19 @@ _INDIRECT = re.compile(r"bxj? .*|(?!cmp|b)\w+ pc, .*|ldm.*\{.*\bpc\}|tb[bh] \[(?
 
 @dataclass
 class Flow:
-    """The graph of one function.
-
-    successors: of every instruction, inside the function; calls: addresses of callees; a jump to
-    another function is a call; problems: what makes the graph incomplete, one line each.
-    """
+    """The graph of one function."""
 
     function: Function
+    # Of every instruction, inside the function; a jump to another function is a call.
     successors: dict[int, list[int]] = field(default_factory=dict)
-    calls: set[int] = field(default_factory=set)
-    problems: list[str] = field(default_factory=list)
+    calls: set[int] = field(default_factory=set)  # addresses of callees
+    problems: list[str] = field(default_factory=list)  # what makes the graph incomplete
 
 
-def _table_targets(function: Function, one: ImageInstruction) -> list[int]:
+def _table_targets(function: Function, instruction: ImageInstruction) -> list[int]:
     """Return the targets of a jump table: all the data after it, constants possibly among them."""
-    width = 2 if one.base == "tbh" else 1
-    start = at = one.address + 4
+    width = 2 if instruction.base == "tbh" else 1
+    start = at = instruction.address + 4
     targets = set()
     while all(at + i in function.data for i in range(width)):
         entry = sum(function.data[at + i] << (8 * i) for i in range(width))
@@ -53,39 +50,39 @@ def _table_targets(function: Function, one: ImageInstruction) -> list[int]:
     return sorted(target for target in targets if target in function.at)
 
 
-def _go(flow: Flow, code: Code, one: ImageInstruction, after: list[int]) -> list[int]:
+def _go(flow: Flow, code: Code, instruction: ImageInstruction, after: list[int]) -> list[int]:
     """Return where an instruction leads inside its function; `after` is the one below it."""
-    text, problem = f"{one.base} {one.operands}", ""
-    falls_through = after if one.is_conditional or one.base != "b" else []
-    if one.base == "bl" or _JUMP.fullmatch(one.base):
-        target = -1 if one.target is None else one.target
-        if target in flow.function.at and one.base != "bl":
+    text, problem = f"{instruction.base} {instruction.operands}", ""
+    falls_through = after if instruction.is_conditional or instruction.base != "b" else []
+    if instruction.base == "bl" or _JUMP.fullmatch(instruction.base):
+        target = -1 if instruction.target is None else instruction.target
+        if target in flow.function.at and instruction.base != "bl":
             return [*falls_through, target]
         if target in code:
             flow.calls.add(target)
             return falls_through
         problem = "leads to what is no function"
-    elif one.base == "blx":
+    elif instruction.base == "blx":
         problem = "indirect call"
-    elif _RETURN.fullmatch(text) or one.base == "udf":
-        return after if one.is_conditional else []
+    elif _RETURN.fullmatch(text) or instruction.base == "udf":
+        return after if instruction.is_conditional else []
     elif _INDIRECT.fullmatch(text):
         problem, falls_through = "indirect jump", []
-    elif one.base in ("tbb", "tbh"):
-        falls_through = _table_targets(flow.function, one)
+    elif instruction.base in ("tbb", "tbh"):
+        falls_through = _table_targets(flow.function, instruction)
         problem = "" if falls_through else "jump table not found"
     if problem:
-        flow.problems.append(f"{flow.function.name}: {one}: {problem}")
+        flow.problems.append(f"{flow.function.name}: {instruction}: {problem}")
     return falls_through
 
 
 def make_flow(code: Code, function: Function) -> Flow:
     """Return the graph of a function of an image."""
     flow = Flow(function)
-    addresses = [one.address for one in function.instructions]
-    for one, after in zip(function.instructions, [*addresses[1:], None], strict=True):
+    addresses = [instruction.address for instruction in function.instructions]
+    for instruction, after in zip(function.instructions, [*addresses[1:], None], strict=True):
         below = [] if after is None else [after]
-        flow.successors[one.address] = _go(flow, code, one, below)
+        flow.successors[instruction.address] = _go(flow, code, instruction, below)
     return flow
 
 

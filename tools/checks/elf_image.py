@@ -8,7 +8,7 @@ r"""An ARM image as text of the binary utilities, read into functions of instruc
 ...      106:\tasrs\tr0, r0, #1
 ...      108:\tbx\tlr
 ... ''')
->>> [str(one) for one in code[0x100].instructions if one.is_conditional]
+>>> [str(found) for found in code[0x100].instructions if found.is_conditional]
 ['104: addlt r0, #1']
 """
 
@@ -38,17 +38,13 @@ _FRAME_LINE = re.compile(r"^[0-9a-f]{8} (\w+)\+(\d+)\s")
 
 @dataclass(frozen=True)
 class ImageInstruction:
-    """One line of a disassembly.
-
-    base: mnemonic without width, type and, inside an IT block, condition; is_conditional: it stands
-    in an IT block.
-    """
+    """One line of a disassembly."""
 
     address: int
     mnemonic: str
     operands: str
-    base: str
-    is_conditional: bool
+    base: str  # mnemonic without width, type and, inside an IT block, condition
+    is_conditional: bool  # it stands in an IT block
 
     def __str__(self) -> str:
         return f"{self.address:x}: {self.mnemonic} {self.operands}".rstrip()
@@ -72,7 +68,7 @@ class Function:
     @cached_property
     def at(self) -> dict[int, ImageInstruction]:
         """Instructions by address."""
-        return {one.address: one for one in self.instructions}
+        return {instruction.address: instruction for instruction in self.instructions}
 
 
 Code = dict[int, Function]
@@ -91,7 +87,7 @@ class Place(NamedTuple):
 
 def _start(code: Code, address: int, name: str) -> Function:
     """Return the function that a symbol begins; the cold part belongs to what it was cut from."""
-    whole = [one for one in code.values() if one.name == _COLD.sub("", name)]
+    whole = [function for function in code.values() if function.name == _COLD.sub("", name)]
     if _COLD.search(name) and len(whole) == 1:
         return whole[0]
     return code.setdefault(address, Function(name, address))
@@ -114,8 +110,8 @@ def parse_code(text: str) -> Code:
                 continue
             word = mnemonic.split(".")[0]
             base = word[:-2] if in_block > 0 else word
-            one = ImageInstruction(address, mnemonic, operands, base, in_block > 0)
-            function.instructions.append(one)
+            instruction = ImageInstruction(address, mnemonic, operands, base, in_block > 0)
+            function.instructions.append(instruction)
             in_block = len(base) - 1 if re.fullmatch(r"it[te]{0,3}", base) else max(in_block - 1, 0)
     return code
 
@@ -146,7 +142,7 @@ class Image:
 
     def function(self, name: str) -> Function:
         """Return the one function of a name; it is an error when there is none, or several."""
-        found = [one for one in self.code.values() if one.name == name]
+        found = [function for function in self.code.values() if function.name == name]
         if len(found) != 1:
             remedy = "name another root" if found else "is it linked in?"
             raise CamtoolsError([f"{self.path}: {len(found)} functions {name}; {remedy}"])

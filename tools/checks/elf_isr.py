@@ -1,4 +1,8 @@
-"""Everything that an interrupt can reach in an image: its stack, and what is forbidden."""
+"""Everything that an interrupt can reach in an image: its stack, and what is forbidden.
+
+>>> forbidden_name("__aeabi_uldivmod"), forbidden_name("cam_tick_isr")
+('64-bit or software division', None)
+"""
 
 from __future__ import annotations
 
@@ -10,8 +14,7 @@ from pathlib import Path
 
 from camtools.base.errors import InputError
 from checks.elf_flow import Flow, loops, make_flow
-from checks.elf_image import Function, Image
-from checks.elf_rules import forbidden_instruction, forbidden_name
+from checks.elf_image import Function, Image, ImageInstruction
 
 # What the core stacks on entry where it saves no floating-point registers, FPCCR.ASPEN = 0
 # (ARMv7-M manual, B1.5.6, B1.5.7 and B3.2.21).
@@ -20,6 +23,41 @@ ALIGNMENT_BYTES = 4  # the frame begins on eight bytes
 _PUSH = re.compile(r"v?push .*|v?stmdb sp!.*|subw? sp, .*|.*\[sp, #-\d+\]!")
 
 Bounds = Mapping[str, str]
+
+_NAMES = (
+    ("64-bit or software division", r"__aeabi_u?l?i?div(mod)?|__u?(div|mod|divmod)[sdt]i[34]"),
+    ("soft floating point", r"__aeabi_(c?[dfh]|u?[il]2[dfh])\w*"),
+    ("soft floating point", r"__\w+[sd]f([sdt][if])?[234]?"),
+    ("the heap", r"_?(malloc|calloc|realloc|free|memalign|aligned_alloc|sbrk)(_r)?"),
+    ("libc", r"_*(mem(cpy|move|set|cmp|chr|rchr)|str[a-z]+|a?to[ilf]\w*|abort|exit|qsort)(_r)?"),
+    (
+        "libc",
+        r"__aeabi_mem\w+|_*[a-z]*(printf|scanf|puts|putc|putchar|write|read)(_r)?|__assert\w*",
+    ),
+)
+_FORBIDDEN_NAMES = [(why, re.compile(names)) for why, names in _NAMES]
+
+_INSTRUCTIONS = (
+    ("division", r"[su]div"),
+    ("floating-point unit", r"(v|fld|fst)[a-z0-9]+"),
+    ("a lock", r"cps\w*|msr"),
+    ("waiting", r"wf[ei]"),
+    ("leaves to a debugger or a supervisor", r"bkpt|svc|hlt"),
+)
+_FORBIDDEN_INSTRUCTIONS = [(why, re.compile(names)) for why, names in _INSTRUCTIONS]
+
+
+def forbidden_name(name: str) -> str | None:
+    """Return why a function of this name may not be called, if so."""
+    plain = re.sub(r"\.(isra|part|constprop|lto_priv)\.\d+.*$", "", name)
+    return next((why for why, names in _FORBIDDEN_NAMES if names.fullmatch(plain)), None)
+
+
+def forbidden_instruction(instruction: ImageInstruction) -> str | None:
+    """Return why an instruction may not stand there, if so."""
+    return next(
+        (why for why, names in _FORBIDDEN_INSTRUCTIONS if names.fullmatch(instruction.base)), None
+    )
 
 
 @dataclass(frozen=True)
@@ -86,9 +124,9 @@ class _Walk:
             elif target not in self.stacks:
                 self.visit(callee)
         self.chain.pop()
-        for one in function.instructions:
-            if why := forbidden_instruction(one):
-                self._complain(function, f"{one}: {why}")
+        for instruction in function.instructions:
+            if why := forbidden_instruction(instruction):
+                self._complain(function, f"{instruction}: {why}")
         self._check_loops(flow)
         self.report.problems += flow.problems
         own = self._own_bytes(function)
@@ -97,13 +135,16 @@ class _Walk:
         self.report.functions.append(FunctionStack(function.name, deepest, own))
 
     def _complain(self, function: Function, problem: str) -> None:
-        chain = " -> ".join(one.name for one in [*self.chain, function])
+        chain = " -> ".join(caller.name for caller in [*self.chain, function])
         self.report.problems.append(f"{chain}: {problem}")
 
     def _own_bytes(self, function: Function) -> int:
         found = [self.frames[at] for at in function.at if at in self.frames]
         known = [n_bytes for n_bytes in found if n_bytes is not None]
-        pushes = any(_PUSH.match(f"{one.base} {one.operands}") for one in function.instructions)
+        pushes = any(
+            _PUSH.match(f"{instruction.base} {instruction.operands}")
+            for instruction in function.instructions
+        )
         if not found:
             self._complain(function, "no call frames; build with -g")
         elif len(known) < len(found) or (pushes and not any(known)):
@@ -137,9 +178,8 @@ def _check_sources(walk: _Walk, sources: Iterable[str]) -> None:
 def examine(image: Image, root: str, bounds: Bounds, sources: Iterable[str] = ()) -> IsrReport:
     """Return what the interrupt that begins at a function can reach and take.
 
-    image: linked, with debug information; root: symbol of the interrupt; bounds: of its loops;
-    sources: folders that all reachable code must come from; empty: not checked. Raises
-    CamtoolsError: there is no such root, or the binary utilities fail.
+    The image has debug information. With `sources` all reachable code must come from these folders.
+    Raises CamtoolsError: there is no such root, or the binary utilities fail.
     """
     report = IsrReport(ALIGNMENT_BYTES + FRAME_BYTES)
     walk = _Walk(image, bounds, report, image.frames())

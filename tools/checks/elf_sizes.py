@@ -6,7 +6,7 @@ link-time optimisation the binary utilities find no file for constants and varia
 constants must stand in a section of their own (.rodata), not in .text.
 
 >>> grown = compare({"a.c": Size(code=1200)}, {"a.c": Size(code=1100)})
->>> [str(one) for one in grown]
+>>> [str(change) for change in grown]
 ['a.c: code 1100 -> 1200 bytes']
 """
 
@@ -70,7 +70,7 @@ def _module(file: str, sources: Iterable[str]) -> str | None:
 def _code_bytes(image: Image, begin: int, end: int) -> dict[int, int]:
     """Return the bytes from each instruction of a function to the next, literals included."""
     function = image.code.get(begin)
-    starts = [one.address for one in function.instructions] if function else []
+    starts = [instruction.address for instruction in function.instructions] if function else []
     edges = [*(start for start in starts if start < end), end]
     return {start: after - start for start, after in pairwise(edges)}
 

@@ -35,11 +35,11 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     commands = parser.add_subparsers(dest="command", required=True, metavar="isr | sizes")
     isr = commands.add_parser("isr", help="what the interrupt can reach and take")
     sizes = commands.add_parser("sizes", help="bytes of every module")
-    for one in (isr, sizes):
-        one.add_argument("image", type=Path, metavar="IMAGE.elf")
+    for command in (isr, sizes):
+        command.add_argument("image", type=Path, metavar="IMAGE.elf")
         folders = "folder of our sources; all code of the interrupt comes from them; repeatable"
-        one.add_argument("--source", action="append", default=[], metavar="DIR", help=folders)
-        one.add_argument("--prefix", default=PREFIX, help=f"of the binary utilities: {PREFIX}")
+        command.add_argument("--source", action="append", default=[], metavar="DIR", help=folders)
+        command.add_argument("--prefix", default=PREFIX, help=f"of the binary utilities: {PREFIX}")
     _isr_arguments(isr)
     add = sizes.add_argument
     add("--recorded", type=Path, required=True, metavar="TOML", help="recorded sizes")
@@ -57,8 +57,8 @@ def _read(path: Path) -> str:
 
 def _print_isr(report: IsrReport) -> None:
     print(f"{'stack, callees included':42} bytes  (own)")
-    for one in report.functions:
-        print(f"{one.name:42} {one.stack_bytes:>5} {one.own_bytes:>6}")
+    for function in report.functions:
+        print(f"{function.name:42} {function.stack_bytes:>5} {function.own_bytes:>6}")
     for loop in report.loops:
         print(f"loop: {loop}")
 

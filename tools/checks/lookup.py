@@ -83,9 +83,11 @@ def _signal_row(signal: Signal, message: Message) -> Sequence[str]:
 
 
 def _message_text(message: Message) -> str:
-    signals = [one for one in message.signals if not re.search("(name|bytes)_[1-9]$", one.name)]
-    signals.sort(key=lambda one: (min(one.multiplexer_ids or [-1]), one.start))
-    rows = [_signal_row(one, message) for one in signals]
+    signals = [
+        signal for signal in message.signals if not re.search("(name|bytes)_[1-9]$", signal.name)
+    ]
+    signals.sort(key=lambda signal: (min(signal.multiplexer_ids or [-1]), signal.start))
+    rows = [_signal_row(signal, message) for signal in signals]
     head = ("signal", "with", "bits", "unit", "meaning")
     return (
         f"\n## {message.name}, 0x{message.frame_id:03X}\n\n"

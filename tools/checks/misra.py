@@ -126,7 +126,7 @@ def cppcheck(root: Path) -> list[Finding]:
     core = of_the_core(root, sources)
     if core:
         more = _findings(root, core, [f"-D{name}={value}" for name, value in CORE.items()])
-        found += [one for one in more if one.rule not in OVER_ALL]
+        found += [finding for finding in more if finding.rule not in OVER_ALL]
     return sorted(set(found))
 
 
@@ -157,7 +157,9 @@ def judge(
     left, covered = list[Finding](), Counter[str]()
     for finding in findings:
         lines = texts[finding.file]
-        number = next((one.number for one in deviations if one.covers(finding, lines)), None)
+        number = next(
+            (deviation.number for deviation in deviations if deviation.covers(finding, lines)), None
+        )
         if number is None:
             left.append(finding)
         else:
@@ -175,10 +177,12 @@ def check(root: Path) -> int:
     left, covered = judge(findings, deviations, texts)
     for finding in left:
         print(f"{finding}: {texts[finding.file][finding.line - 1].strip()}")
-    unused = [one.number for one in deviations if not covered[one.number]]
+    unused = [deviation.number for deviation in deviations if not covered[deviation.number]]
     for number in unused:
         print(f"{DEVIATIONS}: {number} covers nothing any more; take it out")
-    counts = ", ".join(f"{one.number} {covered[one.number]}" for one in deviations)
+    counts = ", ".join(
+        f"{deviation.number} {covered[deviation.number]}" for deviation in deviations
+    )
     print(f"{len(findings)} findings, {len(left)} without a deviation; by deviation: {counts}")
     return FAILED if left or unused else 0
 

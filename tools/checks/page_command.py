@@ -25,9 +25,8 @@ def page_command(
 ) -> int:
     """Run the command checks.NAME; return its exit status.
 
-    pages: returns the text of each page by its path in the folder, or raises CamtoolsError; words:
-    arguments, by default those of the process; --write writes the pages. Returns 0; 2 when a page
-    differs from its source, or the source is wrong.
+    `pages` returns the text of each page by its path in the folder; --write writes them. Returns 0;
+    2 when a page differs from its source, or the source is wrong.
     """
     parser = Parser(prog=f"checks.{name}", description=description)
     parser.add_argument("--write", action="store_true", help="write the pages")

@@ -37,16 +37,16 @@ def _row_of(key: Key) -> list[str]:
 
 
 def _rows(
-    one: Table, known: dict[tuple[str, str], tuple[list[str], str]], kind: str
+    section: Table, known: dict[tuple[str, str], tuple[list[str], str]], kind: str
 ) -> list[list[str]]:
     """Return the rows of a table; keys that another kind has, too, are only named."""
-    title = f"[[{one.title}]]" if one.most is not None else f"[{one.title}]"
-    most = f"up to {one.most}" if one.most else ""
-    rows = [[f"**{title}**", most, one.without, one.meaning]]
+    title = f"[[{section.title}]]" if section.most is not None else f"[{section.title}]"
+    most = f"up to {section.most}" if section.most else ""
+    rows = [[f"**{title}**", most, section.without, section.meaning]]
     alike: dict[str, list[str]] = {}
-    for key in one.keys:
+    for key in section.keys:
         name, cells = f"`{key.name}`", _row_of(key)
-        there, owner = known.setdefault((one.title, key.name), (cells, kind))
+        there, owner = known.setdefault((section.title, key.name), (cells, kind))
         if owner != kind and there == cells:
             alike.setdefault(owner, []).append(name)
         elif rows[-1][1:] == cells:
@@ -63,8 +63,8 @@ def pages() -> dict[str, str]:
     known: dict[tuple[str, str], tuple[list[str], str]] = {}
     for kind in kinds():
         rows = [["key", "range", "default", "meaning"]]
-        for one in keys_of(kind.name).tables():
-            rows += _rows(one, known, kind.plural)
+        for section in keys_of(kind.name).tables():
+            rows += _rows(section, known, kind.plural)
         before += f"{_heading(kind)}\n{table(rows)}"
     return {_PAGE: before + _LAST + after}
 

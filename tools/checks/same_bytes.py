@@ -23,13 +23,13 @@ from camtools.base.project import ROOT
 FAILED = 1
 
 
-def difference(one: bytes, other: bytes) -> str | None:
+def difference(left: bytes, right: bytes) -> str | None:
     """Return where two images differ, if they do."""
-    if one == other:
+    if left == right:
         return None
-    same = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False))
+    same = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(left, right, strict=False))
     n_same = sum(1 for _ in same)
-    return f"{n_same} of {len(one)} and {len(other)} bytes agree, then they differ"
+    return f"{n_same} of {len(left)} and {len(right)} bytes agree, then they differ"
 
 
 def other_folder(temporary: Path, root: Path = ROOT) -> Path:

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from checks.elf_isr import examine
-from checks.elf_rules import forbidden_name
+from checks.elf_isr import examine, forbidden_name
 from tests.tools.cases.elf_cases import (
     HARD_FLOAT,
     LOOP,

@@ -86,15 +86,15 @@ class _Parameter(NamedTuple):
 def _parameters(function: Function) -> Iterator[_Parameter]:
     """Return those parameters that are arguments."""
     hints = get_type_hints(function, include_extras=True)
-    for name, one in inspect.signature(function).parameters.items():
+    for name, parameter in inspect.signature(function).parameters.items():
         kind, *marks = get_args(hint) if get_origin(hint := hints[name]) is Annotated else (hint,)
         about = next((mark for mark in marks if isinstance(mark, Option)), None)
         if about is not None:
             is_many = get_origin(kind) is tuple
             kinds = [k for k in get_args(kind) if k not in (NoneType, ...)] or [kind]
-            yield _Parameter(name, kinds[0], is_many, about, one.default)
+            yield _Parameter(name, kinds[0], is_many, about, parameter.default)
         elif is_dataclass(kind):
-            yield _Parameter(name, kind, False, None, one.default)
+            yield _Parameter(name, kind, False, None, parameter.default)
 
 
 def option_of(name: str, about: Option | None = None) -> str:
@@ -154,14 +154,14 @@ def description_of(function: Function) -> str:
 
 def _add_commands(parser: argparse.ArgumentParser, commands: Commands, metavar: str) -> None:
     below = parser.add_subparsers(required=True, metavar=metavar)
-    for name, one in commands.items():
-        if isinstance(one, Group):
-            _add_commands(below.add_parser(name, help=one.help), one.commands, "ACTION")
+    for name, command in commands.items():
+        if isinstance(command, Group):
+            _add_commands(below.add_parser(name, help=command.help), command.commands, "ACTION")
             continue
-        text = description_of(one).removesuffix(".")
+        text = description_of(command).removesuffix(".")
         child = below.add_parser(name, help=text[:1].lower() + text[1:])
-        _add(child, one, {})
-        child.set_defaults(chosen=one)
+        _add(child, command, {})
+        child.set_defaults(chosen=command)
 
 
 def make_parser(
@@ -217,9 +217,8 @@ def command(
 ) -> Callable[..., int]:
     """Return the main function of a command: it takes a command line and gives the exit status.
 
-    prog: name of the command, as people start it; function: carries the command out; raises
-    CamtoolsError or UsageError; kept: what a signal leaves, for its line; settings: those of
-    `make_parser`.
+    `prog` is the name as people start it. The function may raise CamtoolsError or UsageError.
+    `kept` is what a signal leaves, for its line; settings are those of `make_parser`.
     """
 
     def main(argv: Sequence[str] | None = None) -> int:

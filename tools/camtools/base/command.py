@@ -96,12 +96,11 @@ def _no_signal_is_lost() -> Iterator[None]:
 
 
 def run_command(name: str, action: Callable[[], int], *, kept: str = "nothing was written") -> int:
-    """Carry a command out; return its exit status.
+    """Carry a command out, its name before every line on stderr; return its exit status.
 
-    name: begins every line on stderr; action: returns the status; may raise CamtoolsError; kept:
-    what a signal leaves behind, for its line. Returns that of the action; 2 on bad input, reported
-    line by line, and where the output cannot be written; 128 + n on signal n, and 141 where nobody
-    reads the output any more.
+    That of the action; 2 on bad input (CamtoolsError), reported line by line, and where the output
+    cannot be written; 128 + n on signal n, with a line about what it leaves (`kept`); 141 where
+    nobody reads the output any more.
     """
     name = shown_name(name)
     stopped: list[int] = []  # a library may turn the exception into one of its own

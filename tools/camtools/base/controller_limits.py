@@ -39,5 +39,5 @@ LIMITS = {
 
 def needs_text(name: str, needed: float, limit: float) -> str:
     """Return demand and limit of a refusal, in units of the controller, for people."""
-    one = LIMITS[name]
-    return f"needs {one.shown(needed)}, limit {one.shown(limit)}"
+    quantity = LIMITS[name]
+    return f"needs {quantity.shown(needed)}, limit {quantity.shown(limit)}"

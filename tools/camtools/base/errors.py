@@ -34,7 +34,7 @@ def one_line(text: str) -> str:
     >>> one_line("Drehbänke" + chr(27) + "[2J")
     'Drehbänke?[2J'
     """
-    return "".join(one if one.isprintable() else "?" for one in text)
+    return "".join(sign if sign.isprintable() else "?" for sign in text)
 
 
 class CamtoolsError(Exception):
@@ -51,9 +51,8 @@ class CamtoolsError(Exception):
 class InputError(CamtoolsError):
     """One field of one file is wrong.
 
-    file: file as the user named it; field: dotted path of the field, or "" for the file itself;
-    value: what was found there, or None when there is nothing to show; problem, remedy: what is
-    wrong, and what to do about it.
+    The file is named as the user did; the field is a dotted path, "" for the file itself; a value
+    of None is not shown.
     """
 
     def __init__(self, file: str, field: str, value: object, problem: str, remedy: str) -> None:

@@ -221,10 +221,10 @@ def _rename(finished: Mapping[Path, Path]) -> None:
 def write_all(folder: Path, files: Mapping[str, bytes | Iterable[bytes]]) -> None:
     """Write files into a folder so that either all get their names or none does.
 
-    A name that is a symbolic link stays one: the file that it points to is replaced. files: content
-    by name: whole, or in pieces that are asked for one by one, so that a file may be larger than
-    the memory. Raises CamtoolsError: the system refuses, a name belongs to what is no regular file,
-    or a link to another user; older files are as they were.
+    A name that is a symbolic link stays one: the file that it points to is replaced. Content may
+    come in pieces, asked for one by one, so that a file may be larger than the memory. Raises
+    CamtoolsError: the system refuses, a name belongs to what is no regular file, or a link to
+    another user; older files are as they were.
     """
     finished: dict[Path, Path] = {}
     try:

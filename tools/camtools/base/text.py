@@ -45,7 +45,7 @@ Columns = Mapping[str, tuple[Floats | Iterable[Any], int | str]]
 
 def csv_text(columns: Columns) -> str:
     """Return columns of equal length; no minus zero among decimals, and None is empty."""
-    formats = [f"z.{one}f" if isinstance(one, int) else one for _, one in columns.values()]
+    formats = [f"z.{form}f" if isinstance(form, int) else form for _, form in columns.values()]
     lines = [",".join(columns)]
     for row in zip(*(values for values, _ in columns.values()), strict=True):
         cells = zip(row, formats, strict=True)
@@ -88,7 +88,7 @@ class NumberLines:
     """How the lines of a file are written: separator (None: blanks and tabs), names of columns."""
 
     def __init__(self, header: str) -> None:
-        self.separator = next((one for one in (";", ",") if one in header), None)
+        self.separator = next((sign for sign in (";", ",") if sign in header), None)
         self.names = [name.strip() for name in header.split(self.separator)]
 
     def cells(self, line: str) -> list[str]:

@@ -42,7 +42,7 @@ def nodes_of(ends_mm: tuple[float, float]) -> Floats:
     """Return N_NODES heights of a part, rising, closer at its ends."""
     share = np.arange(N_NODES) / (N_NODES - 1)
     wave = (1 - np.cos(np.pi * share)) / 2
-    even, dense = ((ends_mm[1] - ends_mm[0]) * one[1] for one in (share, wave))
+    even, dense = ((ends_mm[1] - ends_mm[0]) * places[1] for places in (share, wave))
     graded = float(np.clip((even - _LEAST_STEP_MM) / (even - dense), 0.0, 1.0))
     within = (1 - graded) * share + graded * wave
     return np.asarray(ends_mm[0] + (ends_mm[1] - ends_mm[0]) * within, dtype=np.float64)
@@ -131,10 +131,10 @@ class Correction:
         held = np.clip(z_mm, *self.heights_mm)
         beyond = z_mm - held
         run = np.minimum(np.abs(beyond), FADE_MM)
-        way = np.sign(beyond) * (run - run**2 / (2 * FADE_MM))
+        reach = np.sign(beyond) * (run - run**2 / (2 * FADE_MM))
         found = self._waves(held)
         if beyond.any():
-            found = found + way[..., None] * self._waves(held, 1)
+            found = found + reach[..., None] * self._waves(held, 1)
         return np.asarray(found, dtype=np.float64)
 
     def plus(self, other: Correction, about: Json, left_mm: Mapping[int, Complexes]) -> Correction:
@@ -176,21 +176,21 @@ def _written(waves_mm: Mapping[int, Complexes]) -> list[Json]:
 
 
 def _um(values_mm: Floats) -> list[float]:
-    return [round(float(one) * UM_PER_MM, _DECIMALS) for one in values_mm]
+    return [round(float(value) * UM_PER_MM, _DECIMALS) for value in values_mm]
 
 
 def correction_of(document: Json) -> Correction:
     """Return the correction of a document; KeyError, TypeError or ValueError where it is none."""
-    first_mm, last_mm = (float(one) for one in document["heights_mm"])
+    first_mm, last_mm = (float(height) for height in document["heights_mm"])
     waves, left = (_read(document[key]) for key in ("waves", "left"))
     return Correction((first_mm, last_mm), waves, tuple(document["rounds"]), left)
 
 
 def _read(written: list[Json]) -> dict[int, Complexes]:
     waves: dict[int, Complexes] = {}
-    for one in written:
-        parts = np.array([one["cos_um"], one["sin_um"]], dtype=np.float64) / UM_PER_MM
-        order = int(one["order"])
+    for wave in written:
+        parts = np.array([wave["cos_um"], wave["sin_um"]], dtype=np.float64) / UM_PER_MM
+        order = int(wave["order"])
         if parts.shape != (2, N_NODES) or not 0 <= order <= MAX_ORDER:
             raise ValueError(order)
         waves[order] = parts[0] + 1j * parts[1]

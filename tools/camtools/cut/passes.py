@@ -42,10 +42,10 @@ def checked_passes(part: PartT, tool: Tool, tolerance_nm: float | None) -> list[
     if tolerance_nm is not None:
         check_tolerance(tolerance_nm)
     process, passes = part.process, []
-    for one in process.passes or [Pass(allowance_um=0)]:
+    for planned in process.passes or [Pass(allowance_um=0)]:
         own = {
-            "feed_mm": one.feed_mm or process.feed_mm,
-            "spindle_rpm": one.spindle_rpm or process.spindle_rpm,
+            "feed_mm": planned.feed_mm or process.feed_mm,
+            "spindle_rpm": planned.spindle_rpm or process.spindle_rpm,
         }
         passes.append(part.model_copy(update={"process": process.model_copy(update=own)}))
         check_feed(passes[-1])
@@ -57,11 +57,11 @@ def records_of(passes: Sequence[Pass], parts: Sequence[PassedPart]) -> tuple[Pas
     """Return the records of passes in a table, none of a part that is cut in one."""
     return tuple(
         PassRecord(
-            round(one.allowance_um * _NM_PER_UM),
+            round(planned.allowance_um * _NM_PER_UM),
             round(own.process.feed_mm * NM_PER_MM),
             round(own.process.spindle_rpm * 1000),
         )
-        for one, own in zip(passes, parts, strict=False)
+        for planned, own in zip(passes, parts, strict=False)
     )
 
 
@@ -72,10 +72,10 @@ def judge_passes(
 
     `judge` returns the highest speed of a part with the table at its own speed and feed.
     """
-    for number, one in enumerate(parts, start=1):
-        feed_nm, mrpm = round(one.process.feed_mm * NM_PER_MM), one.process.spindle_rpm * 1000
+    for number, part in enumerate(parts, start=1):
+        feed_nm, mrpm = round(part.process.feed_mm * NM_PER_MM), part.process.spindle_rpm * 1000
         try:
-            best = judge(one, replace(table, feed_nm=feed_nm, spindle_mrpm=round(mrpm)))
+            best = judge(part, replace(table, feed_nm=feed_nm, spindle_mrpm=round(mrpm)))
         except CamtoolsError as error:
             which = f"process.pass number {number}: " if len(parts) > 1 else ""
             raise CamtoolsError([which + line for line in error.lines]) from error

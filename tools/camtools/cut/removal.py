@@ -169,7 +169,7 @@ def _peak(phi: Floats, values: Floats) -> tuple[float, float]:
     i = int(np.argmax(values))
     if i in (0, phi.size - 1):
         return float(values[i]), float(phi[i])
-    low, here, high = (float(one) for one in values[i - 1 : i + 2])
+    low, here, high = (float(value) for value in values[i - 1 : i + 2])
     off = (low - high) / (2 * (low - 2 * here + high))
     return here - (low - high) * off / 4, float(phi[i] + off * (phi[1] - phi[0]))
 

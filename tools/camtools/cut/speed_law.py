@@ -27,7 +27,7 @@ N_GRID = 512  # places of a pattern at which limits are watched
 MIN_RATIO, MAX_RATIO = 0.25, 4.0  # slower is no use to a piston; what a table holds
 MAX_BEND = 9.9  # of |r r'|, per rad: a table holds up to 10
 _MARGIN = 0.996  # of every limit: the places between the grid, and the table's own error
-_TOLD_MARGIN = 0.992  # of set-points: the controller judges them by chords
+_SET_POINT_MARGIN = 0.992  # the controller judges them by chords
 _N_CONTROL = 32  # control points of a pattern
 _SMOOTHNESS = 1e-4  # weight of the second differences, so that neighbouring heights agree
 _MAX_CUTS, _MEAN_ERROR = 40, 1e-7
@@ -88,10 +88,10 @@ class Law:
         r, r1 = self.ratio(phi), self.ratio(phi, 1)
         motion = load.d2_mm * r**2 + load.d1_mm * r * r1
         found = (np.abs(r * r1), r, np.abs(load.d1_mm * r), np.abs(motion))
-        return tuple(float(one.max()) for one in found)  # type: ignore[return-value]
+        return tuple(float(values.max()) for values in found)  # type: ignore[return-value]
 
     def set_points(self, lag_rad: float) -> Floats:
-        """Return what a speed loop must be told, over the mean speed, MATHS.md (80).
+        """Return the set-points that a speed loop needs, over the mean speed, MATHS.md (80).
 
         The lag is the mean speed over the bandwidth of the loop.
         """
@@ -154,13 +154,14 @@ def _most_alpha_rad_s2(limits: SpeedLimits, mean_rad_s: float) -> float:
 def excess(law: Law, limits: SpeedLimits, mean_rad_s: float) -> dict[str, float]:
     """Return needed over limit, above 1 where a law breaks it, by name of the limit."""
     alpha, ratio, speed, motion = law.peaks
-    told = float(law.set_points(mean_rad_s / limits.bandwidth_rad_s).max()) * _MARGIN / _TOLD_MARGIN
+    set_points = law.set_points(mean_rad_s / limits.bandwidth_rad_s)
+    commanded = float(set_points.max()) * _MARGIN / _SET_POINT_MARGIN
     return {
         "spindle_acceleration_rad_s2": alpha
         * mean_rad_s**2
         / _most_alpha_rad_s2(limits, mean_rad_s),
         "spindle_bandwidth_rad_s": law.fall * mean_rad_s / limits.bandwidth_rad_s,
-        "spindle_rpm": max(ratio, told) * mean_rad_s / limits.spindle_rad_s,
+        "spindle_rpm": max(ratio, commanded) * mean_rad_s / limits.spindle_rad_s,
         "u_speed_mm_s": speed * mean_rad_s / limits.u_speed_mm_s,
         "u_acceleration_mm_s2": motion * mean_rad_s**2 / limits.u_acceleration_mm_s2,
     }
@@ -174,7 +175,7 @@ def _keeps(law: Law, limits: SpeedLimits, mean_rad_s: float) -> bool:
 
 def _check_uniform(load: Load, limits: SpeedLimits, mean_rad_s: float) -> None:
     worst = excess(uniform(load), limits, mean_rad_s)
-    name = max(worst, key=lambda one: worst[one])
+    name = max(worst, key=lambda limit: worst[limit])
     if worst[name] > 1:
         rpm = mean_rad_s * 60 / (2 * np.pi)
         problem = f"needs {worst[name]:.4g} times the limit even at a uniform {rpm:g} r/min"
@@ -210,18 +211,18 @@ class _Program:
         motion = load.d2_mm[:, None] * self.value + load.d1_mm[:, None] * slope / 2
         most = _MARGIN * limits.u_acceleration_mm_s2 / mean_rad_s**2
         rows = load.area_mm2.size
-        one, zero = np.ones((rows, 1)), np.zeros((rows, 1))
+        ones, zeros = np.ones((rows, 1)), np.zeros((rows, 1))
         rate = area2[:, None] * self.value
         # Factors of the control points, of lo and of hi; bound.
         blocks: list[tuple[Floats, Floats, Floats, Floats | float]] = [
-            (rate, zero, -one, 0.0),
-            (-rate, one, zero, 0.0),
-            (slope, zero, zero, alpha),
-            (-slope, zero, zero, alpha),
-            (motion, zero, zero, most),
-            (-motion, zero, zero, most),
-            (self.value, zero, zero, self._highest(limits)),
-            (-self.value, zero, zero, -(MIN_RATIO**2)),
+            (rate, zeros, -ones, 0.0),
+            (-rate, ones, zeros, 0.0),
+            (slope, zeros, zeros, alpha),
+            (-slope, zeros, zeros, alpha),
+            (motion, zeros, zeros, most),
+            (-motion, zeros, zeros, most),
+            (self.value, zeros, zeros, self._highest(limits)),
+            (-self.value, zeros, zeros, -(MIN_RATIO**2)),
         ]
         self.slope, self.limits = slope, limits
         rest = np.zeros((rows, n_s))
@@ -254,7 +255,7 @@ class _Program:
         per_rad = self.mean / self.limits.bandwidth_rad_s
         half, bend = np.sqrt(square) / 2, per_rad * self.slope / 2
         tangent = self.value / (4 * half[:, None])
-        highest = _TOLD_MARGIN * self.limits.spindle_rad_s / self.mean
+        highest = _SET_POINT_MARGIN * self.limits.spindle_rad_s / self.mean
         rows = np.vstack([-bend - _MARGIN * tangent, bend + tangent])
         bounds = np.concatenate([_MARGIN * half, highest - half])
         return np.pad(rows, ((0, 0), (0, self.n - rows.shape[1]))), bounds

@@ -1,4 +1,4 @@
-"""What a spindle does with the speed that it is told: ripple of the removal rate as it comes.
+"""What a spindle makes of its set-points: the ripple of the removal rate as it comes.
 
 The controller plans every 400 us; its set-point is held meanwhile and limited to what the drive
 takes; the loop is of first order, its torque limited, MATHS.md (82). The ripple of a law that is
@@ -63,18 +63,18 @@ class _PlayedSpindle:
         self.phi = np.zeros(n)
         self.loop = loop
 
-    def step(self, told: Floats, time_s: float) -> None:
+    def step(self, set_points: Floats, time_s: float) -> None:
         """Let time pass with set-points in force, solved exactly while the torque is enough."""
         b, alpha = self.loop.bandwidth_rad_s, self.loop.alpha_rad_s2
-        gap = told - self.omega
+        gap = set_points - self.omega
         sign, size = np.sign(gap), np.abs(gap)
         pushed_s = np.clip((size - alpha / b) / alpha, 0.0, time_s)  # with all of the torque
         free_s = time_s - pushed_s
         left = size - alpha * pushed_s
         decay = -np.expm1(-b * free_s)
         travel = (size - alpha * pushed_s / 2) * pushed_s + left * decay / b
-        self.phi = self.phi + told * time_s - sign * travel
-        self.omega = told - sign * left * (1 - decay)
+        self.phi = self.phi + set_points * time_s - sign * travel
+        self.omega = set_points - sign * left * (1 - decay)
 
 
 def played_ripple(laws: Sequence[Law], mean_rad_s: float, loop: SpindleLoop) -> Floats:
@@ -86,17 +86,17 @@ def played_ripple(laws: Sequence[Law], mean_rad_s: float, loop: SpindleLoop) -> 
     longest_s = max(PLAN_S, 2 * np.pi / mean_rad_s / _MOST_PLANS)
     ticks = max(1, round(longest_s / loop.tick_s))
     plan_s, lag_plans = ticks * loop.tick_s, 1 / (loop.bandwidth_rad_s * ticks * loop.tick_s)
-    told = np.full(len(laws), mean_rad_s)
+    set_points = np.full(len(laws), mean_rad_s)
     ahead_s, before = (ticks + 1) * loop.tick_s, np.ones(len(laws))
     least, most = np.full(len(laws), np.inf), np.zeros(len(laws))
     n = ceil(2 * np.pi * _TURNS / (mean_rad_s * plan_s))
     for i in range(n):
         after = tables.at(tables.ratio, spindle.phi + spindle.omega * ahead_s)
-        spindle.step(told, loop.tick_s)
+        spindle.step(set_points, loop.tick_s)
         wanted = mean_rad_s * ((before + after) / 2 + (after - before) * lag_plans)
-        told, before = np.clip(wanted, 0.0, loop.highest_rad_s), after
+        set_points, before = np.clip(wanted, 0.0, loop.highest_rad_s), after
         for share_s in (plan_s - loop.tick_s) / 2, (plan_s - loop.tick_s) / 2:
-            spindle.step(told, share_s)
+            spindle.step(set_points, share_s)
             if i >= n * (_TURNS - _JUDGED_TURNS) // _TURNS:
                 rate = tables.at(tables.area, spindle.phi) * spindle.omega
                 least, most = np.minimum(least, rate), np.maximum(most, rate)

@@ -94,10 +94,10 @@ def margins_of(table: Table, limits: MachineLimits) -> list[LimitMargin]:
     """Return every limit that a cut may come near to, with what the table needs of it."""
     is_swung = table.angle is not None and table.angle.kind == KIND_SWING
     found = []
-    for one in judge_of(table, limits).demands(table.spindle_mrpm):
-        is_left_out = one.name in _SHOWN_WHERE_EXCEEDED and one.needed <= one.limit
-        if one.name in _FIELDS and not is_left_out and (is_swung or one.name not in _SWING):
-            found.append(_shown(one))
+    for demand in judge_of(table, limits).demands(table.spindle_mrpm):
+        is_left_out = demand.name in _SHOWN_WHERE_EXCEEDED and demand.needed <= demand.limit
+        if demand.name in _FIELDS and not is_left_out and (is_swung or demand.name not in _SWING):
+            found.append(_shown(demand))
     return found
 
 
@@ -127,9 +127,9 @@ def needs_of_peaks(peaks: TablePeaks, limits: MachineLimits, mrpm: int) -> dict[
     """Return needed over limit of U and of the swing before there is a table, by limit."""
     judge = Judge(peaks, limits.tick_hz, parameters_of(limits))
     return {
-        _FIELDS[one.name]: one.needed / one.limit
-        for one in judge.demands(mrpm)
-        if one.name in _MOVED
+        _FIELDS[demand.name]: demand.needed / demand.limit
+        for demand in judge.demands(mrpm)
+        if demand.name in _MOVED
     }
 
 
@@ -139,12 +139,13 @@ def judge_of(table: Table, limits: MachineLimits) -> Judge:
 
 
 def _line(demand: Demand, remedy: str) -> str:
-    one = _shown(demand)
-    limit = f"{one.limit:.9g} {one.unit}: the part needs {one.needed:.9g} {one.unit}; {remedy}"
+    margin = _shown(demand)
+    needed = f"{margin.needed:.9g} {margin.unit}"
+    limit = f"{margin.limit:.9g} {margin.unit}: the part needs {needed}; {remedy}"
     if demand.name in _NOT_OF_A_PART:
         return f"the controller's {demand.name} = {limit}"
     what = " as set-point of its loop" if demand.name == "spindle_set_point" else ""
-    return f"machine.limits.{one.field} = {limit}".replace("; ", f"{what}; ", 1)
+    return f"machine.limits.{margin.field} = {limit}".replace("; ", f"{what}; ", 1)
 
 
 def check_table(
@@ -166,7 +167,7 @@ def check_table(
         best = HighestSpeed(mrpm / 1000, _FIELDS[beyond[0].name] if beyond else "spindle_rpm")
     asked_rpm = table.spindle_mrpm / 1000 if asked_rpm is None else asked_rpm
     found = judge.exceeded(table.spindle_mrpm)
-    if asked_rpm > limits.spindle_rpm and all(one.name != "spindle_speed" for one in found):
+    if asked_rpm > limits.spindle_rpm and all(demand.name != "spindle_speed" for demand in found):
         highest, asked = round(limits.spindle_rpm * 1000), round(asked_rpm * 1000)
         found.append(Demand("spindle_speed", highest, asked))
     if not found:
@@ -175,7 +176,7 @@ def check_table(
     remedy = remedy_text(best, asked_rpm, feed_nm / NM_PER_MM if feed_nm > 0 else None)
     shape = "lift" if isinstance(limits, SwingLimits) else "ovality"
     raise RefusedError(
-        [_line(one, _AT_ANY_SPEED.get(one.name, remedy).format(shape)) for one in found],
+        [_line(demand, _AT_ANY_SPEED.get(demand.name, remedy).format(shape)) for demand in found],
         table,
         best,
     )

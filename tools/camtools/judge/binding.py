@@ -85,11 +85,10 @@ def _library(path: Path) -> CDLL:
 
 
 class Judge:
-    """A table on a machine, as the controller judges it.
+    """A table, or what is known before there is one, on a machine as the controller judges it.
 
-    table: its image, or what is known before there is one; parameters: of the controller, by name;
-    each is rounded and limited to its range. Raises CamtoolsError: the controller refuses the
-    image, or the library is missing.
+    Parameters of the controller are rounded and limited to their ranges. Raises CamtoolsError: the
+    controller refuses the image, or the library is missing.
     """
 
     def __init__(
@@ -114,11 +113,14 @@ class Judge:
         """Return every limit and what a cut needs at [r/min / 1000], as the controller reports."""
         n = c_size_t()
         found = self._library.judge_api_demands(self._handle, mrpm, byref(n))
-        return [Demand(one.name.decode("ascii"), one.limit, one.needed) for one in found[: n.value]]
+        return [
+            Demand(demand.name.decode("ascii"), demand.limit, demand.needed)
+            for demand in found[: n.value]
+        ]
 
     def exceeded(self, mrpm: int) -> list[Demand]:
         """Return the limits that a cut exceeds at a mean speed [r/min / 1000]."""
-        return [one for one in self.demands(mrpm) if one.needed > one.limit]
+        return [demand for demand in self.demands(mrpm) if demand.needed > demand.limit]
 
     def highest_mrpm(self) -> int:
         """Return the highest feasible mean speed, 0 when there is none."""

@@ -140,7 +140,7 @@ def _check(job: ProgramJob) -> float:
     heights = np.union1d(heights, [job.z_first_mm, job.z_last_mm])
     law = full if part.process.mode == "equal-volume" else uniform
     found = [law(load_at(geometry, blank_mm, float(z))).peaks for z in heights]
-    alpha, ratio, speed, motion = (float(one) for one in np.max(found, axis=0))
+    alpha, ratio, speed, motion = (float(peak) for peak in np.max(found, axis=0))
     deepest = max(geometry.deepest_mm(float(z)) for z in heights)
     stroke = 2 * max(job.middle_mm, deepest - job.middle_mm)
     peaks = Peaks(stroke, speed, motion, ratio, alpha if law is full else 0.0)

@@ -75,7 +75,7 @@ def length(letter: str, value_mm: float) -> str:
 
 def lines(text: Iterable[str]) -> bytes:
     """Return lines as bytes."""
-    return "".join(f"{one}\n" for one in text).encode("ascii")
+    return "".join(f"{line}\n" for line in text).encode("ascii")
 
 
 def head(job: ProgramJob, notes: Iterable[str]) -> list[str]:
@@ -95,4 +95,4 @@ def opening(comments: Iterable[str], chord_mm: float, *, is_diameter: bool) -> l
     """Return comments, and the modes in which every program runs."""
     radius = "G7" if is_diameter else "G8"
     setting = (f"G18 G21 G40 G49 G80 G90 {radius}", f"G64 P{chord_mm:.{LENGTH_DECIMALS}f} Q0")
-    return [f"; {one}" for one in comments] + list(setting)
+    return [f"; {comment}" for comment in comments] + list(setting)

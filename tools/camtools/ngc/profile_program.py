@@ -94,7 +94,7 @@ def _engage(job: ProgramJob, x_mm: float) -> list[str]:
         "M64 P0 ; camturn: start",
         f"M66 P0 L3 Q{_WAIT_S} ; camturn: at full amplitude",
         "o100 if [#<_task> AND [#5399 LT 0]]",
-        *(f"  {one}" for one in (_NO_ANSWER, f"G0 {clear}", "M65 P0", "M5", "M2")),
+        *(f"  {line}" for line in (_NO_ANSWER, f"G0 {clear}", "M65 P0", "M5", "M2")),
         "o100 endif",
     ]
     return [

@@ -114,9 +114,11 @@ def cut_record(name: str, recipe: Recipe, mode_hz: float = 0.0) -> Record:
     # Means in the bins that hold points, joined at the middles of all bins.
     fold = fold_deg(surface["turn"])
     _, place = np.unique((fold * _N_BINS / 90).astype(np.int64), return_inverse=True)
-    at, *means = (np.bincount(place, one) / np.bincount(place) for one in (fold, reduction, off))
+    at, *means = (
+        np.bincount(place, values) / np.bincount(place) for values in (fold, reduction, off)
+    )
     deg = (np.arange(_N_BINS, dtype=np.float64) + 0.5) * 90 / _N_BINS
-    reduction_um, off_um = (UM_PER_MM * np.interp(deg, at, one) for one in means)
+    reduction_um, off_um = (UM_PER_MM * np.interp(deg, at, mean) for mean in means)
     rad = np.radians(deg)
     spline = curve_of(measured(), recipe)(rad) - measured().reduction(rad).delta
     control_um = float(np.abs(played).max()) * UM_PER_MM
@@ -136,10 +138,12 @@ def _before_um() -> Floats:
 
 def quantities() -> dict[str, Any]:
     """Return the quantities of the rows."""
-    joint, curves = theory().joint, [curve_of(measured(), one) for one in RECORDS.values()]
-    rigid_um = [UM_PER_MM * float(np.abs(deviation_mm(measured(), one)[1]).max()) for one in curves]
+    joint, curves = theory().joint, [curve_of(measured(), recipe) for recipe in RECORDS.values()]
+    rigid_um = [
+        UM_PER_MM * float(np.abs(deviation_mm(measured(), curve)[1]).max()) for curve in curves
+    ]
     soft_um, stiff_um = (
-        [float(np.abs(one.off_um).max()) for one in records(_CASE[name])]
+        [float(np.abs(record.off_um).max()) for record in records(_CASE[name])]
         for name in ("soft_hz", "stiff_hz")
     )
     jerks = theory().tail_jerk_mm_s3
@@ -147,7 +151,7 @@ def quantities() -> dict[str, Any]:
         "e_mm": float(joint.arc().eccentricity_mm),
         "r_mm": float(joint.arc().radius_mm),
         "diameter_mm": 2 * float(joint.a_mm),
-        "best_mm_s3": [jerks[4 * one.s2 + one.s1] for one in BEST.values()],
+        "best_mm_s3": [jerks[4 * recipe.s2 + recipe.s1] for recipe in BEST.values()],
         "drawn_um": drawn_um(),
         "measured_um": radius_um(curves[2]),
         "before_um": _before_um(),
@@ -160,16 +164,16 @@ def quantities() -> dict[str, Any]:
 
 
 def _table_1() -> Columns:
-    found, jerks, table = theory().as_paper, theory().tail_jerk_mm_s3, printed(KEY, "table_1_mm_s3")
+    fits, jerks, table = theory().as_paper, theory().tail_jerk_mm_s3, printed(KEY, "table_1_mm_s3")
     return {
-        "s1": ([one.s1 for one in found], "d"),
-        "s2": ([one.s2 for one in found], "d"),
+        "s1": ([fit.s1 for fit in fits], "d"),
+        "s2": ([fit.s2 for fit in fits], "d"),
         "jerk_mm_s3": (jerks, ".4g"),
         "paper_mm_s3": (table, ".4g"),
         "ratio": (jerks / table, ".3f"),
-        "peak_acceleration_mm_s2": ([one.acceleration_mm_s2 for one in found], ".0f"),
-        "peak_deg": ([one.peak_deg for one in found], ".2f"),
-        "deviation_um": ([one.deviation_um for one in found], ".3f"),
+        "peak_acceleration_mm_s2": ([fit.acceleration_mm_s2 for fit in fits], ".0f"),
+        "peak_deg": ([fit.peak_deg for fit in fits], ".2f"),
+        "deviation_um": ([fit.deviation_um for fit in fits], ".3f"),
     }
 
 
@@ -191,8 +195,11 @@ def fig_8() -> Columns:
     deg = records()[0].deg
     drawn = UM_PER_MM * measured().reduction(np.radians(deg)).delta
     columns = {"angle_deg": (deg, 3), "drawn_reduction_um": (drawn, 3)}
-    for name, one in zip(("before", "by_hand", "after"), records(), strict=True):
-        columns |= {f"{name}_spline_um": (one.spline_um, 3), f"{name}_cut_um": (one.off_um, 3)}
+    for name, record in zip(("before", "by_hand", "after"), records(), strict=True):
+        columns |= {
+            f"{name}_spline_um": (record.spline_um, 3),
+            f"{name}_cut_um": (record.off_um, 3),
+        }
     return columns
 
 

@@ -34,7 +34,7 @@ class _Words(string.Formatter):
 
     def format_field(self, value: Any, form: str) -> str:  # noqa: ANN401 - any quantity
         if isinstance(value, list | np.ndarray):
-            return ", ".join(format(one, form) for one in value)
+            return ", ".join(format(number, form) for number in value)
         return str(format(value, form))
 
 
@@ -71,7 +71,7 @@ def declarations() -> dict[str, Any]:
 @cache
 def declared(key: str) -> Paper:
     """Return a paper, its rows with unfilled names."""
-    tree = next(one for one in declarations()["paper"] if one["key"] == key)
+    tree = next(paper for paper in declarations()["paper"] if paper["key"] == key)
     return Paper(**tree | {"rows": tuple(Row(*cells) for cells in tree["rows"])})
 
 
@@ -88,7 +88,9 @@ def compared(printed: Mapping[str, Any], quantities: Quantities) -> dict[str, An
     """
     found: dict[str, dict[str, Any]] = {"paper": {}, "off": {}, "most": {}}
     for name, (value, allowed) in printed.items():
-        ours, theirs = (np.asarray(one, dtype=np.float64) for one in (quantities[name], value))
+        ours, theirs = (
+            np.asarray(values, dtype=np.float64) for values in (quantities[name], value)
+        )
         most = float(np.abs(ours - theirs).max())
         if not most <= allowed:
             problem = f"{name}: {ours} differs from the printed {theirs} by more than {allowed}"

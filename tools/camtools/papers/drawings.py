@@ -225,12 +225,12 @@ def draw_records() -> Figure:
     deg = np.linspace(0, 360, 1441)
     phi, quarter_deg = np.radians(deg), fold_deg(deg / 360)
     drawn = UM_PER_MM * measured().reduction(np.radians(quarter_deg)).delta
-    for one, axes in zip(records(), left.subplots(3, 1), strict=True):
-        cut = np.interp(quarter_deg, one.deg, one.reduction_um)
+    for record, axes in zip(records(), left.subplots(3, 1), strict=True):
+        cut = np.interp(quarter_deg, record.deg, record.reduction_um)
         for values, colour in ((drawn, GREEN), (cut, BLUE)):
             axes.plot(*around(_POLAR_UM - values, phi), color=colour, lw=1)
         plane(axes)
-        axes.set_title(one.name, fontsize=9)
+        axes.set_title(record.name, fontsize=9)
     fill_panels(right, "records", {"": fig_8()})
     return figure
 

@@ -58,7 +58,7 @@ def refit_drawers(found: refit.Study) -> Drawers:
     title = f"height {found.height_mm:g} mm, {found.spindle_rpm:g} r/min"
     joint_deg = float(np.degrees(found.joint.joint_rad))
     near = refit.motion(found, refit.VARIANTS, joint_deg - _ROOM_DEG, joint_deg + _ROOM_DEG)
-    names = [f"{one.s1}, {one.s2}" for one in found.as_paper]
+    names = [f"{fit.s1}, {fit.s2}" for fit in found.as_paper]
     candidates = refit.tables(found)["refit_candidates"]
     bars = {**candidates, "points_left_out_on_both_sides": (names, "")}
     return {
@@ -71,7 +71,7 @@ def lobe_drawers(name: str, studies: Sequence[lobe.LobeStudy]) -> Drawers:
     """Return the makers of the pictures of a camshaft."""
     is_turned = studies[0].operation == "turning"
     subject = "tool swung about the roller's centre" if is_turned else "wheel and speed of the cam"
-    tables = {f"lobe {one.number}": lobe.lobe_columns(one) for one in studies}
+    tables = {f"lobe {study.number}": lobe.lobe_columns(study) for study in studies}
     motion, contact = f"{name}: {subject}", f"{name}: where the follower touches"
     return {
         "lobe_motion": partial(draw_table, studies[0].operation, motion, tables),

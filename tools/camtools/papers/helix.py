@@ -48,7 +48,7 @@ def point_matrix(feed_mm: float, n_rings: int | None = None) -> Floats:
     u = reduction_mm(phi, z)
     rho = geometry_of(PART).radius_mm(z) - u
     columns = (turn, turn % 2, 360 * turns, z, rho, rho * np.cos(phi), rho * np.sin(phi), u)
-    return np.stack([np.asarray(one, dtype=np.float64) for one in columns], axis=1)
+    return np.stack([np.asarray(column, dtype=np.float64) for column in columns], axis=1)
 
 
 def blend_nm() -> float:

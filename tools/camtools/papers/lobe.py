@@ -154,26 +154,26 @@ def lobe_figures(part: LobePart, studies: list[LobeStudy]) -> dict[str, Any]:
 def lobe_text(figures: dict[str, Any]) -> str:
     """Return the extremes as a few lines for people."""
     lines = [f"{figures['part']}: {figures['operation']} at {figures['rpm']:g} r/min"]
-    for i, one in enumerate(figures["lobes"]):
-        first, last = one["z_mm"]
+    for i, lobe in enumerate(figures["lobes"]):
+        first, last = lobe["z_mm"]
         lines.append(
-            f"  lobe {i}, height {first:g} .. {last:g} mm: lift {one['largest_lift_mm']:g} mm, "
-            f"pressure angle up to {one['largest_pressure_angle_deg']:.3f} degrees, sharpest "
-            f"radius {one['least_convex_radius_mm']:.3f} mm"
+            f"  lobe {i}, height {first:g} .. {last:g} mm: lift {lobe['largest_lift_mm']:g} mm, "
+            f"pressure angle up to {lobe['largest_pressure_angle_deg']:.3f} degrees, sharpest "
+            f"radius {lobe['least_convex_radius_mm']:.3f} mm"
         )
         axis = "X" if figures["operation"] == "turning" else "wheel"
         lines.append(
-            f"    {axis} up to {one['largest_speed_mm_s']:.1f} mm/s and "
-            f"{one['largest_acceleration_mm_s2']:.0f} mm/s2 at uniform speed"
+            f"    {axis} up to {lobe['largest_speed_mm_s']:.1f} mm/s and "
+            f"{lobe['largest_acceleration_mm_s2']:.0f} mm/s2 at uniform speed"
         )
-        if "n_c_rpm" in one:
-            low, high = one["n_c_rpm"]
+        if "n_c_rpm" in lobe:
+            low, high = lobe["n_c_rpm"]
             lines.append(
                 f"    constant surface speed: the cam turns at {low:.2f} .. {high:.2f} r/min, "
                 "before any limit of the spindle"
             )
         else:
-            lines.append(f"    swing up to {one['largest_swing_speed_deg_s']:.1f} degrees/s")
+            lines.append(f"    swing up to {lobe['largest_swing_speed_deg_s']:.1f} degrees/s")
     return "\n".join(lines) + "\n"
 
 

@@ -1,7 +1,7 @@
 """Ring-helix, helices and steps in theory and drawn, MATHS.md (40) .. (43), (100).
 
 >>> study = make_study(0.0, 62.0, 0.2, 1000.0, 0.8, MachineLimits())
->>> [(one.path.turns, f"{one.scallop_um.max():.4f}") for one in study.rows]
+>>> [(row.path.turns, f"{row.scallop_um.max():.4f}") for row in study.rows]
 [(621.0, '6.2500'), (620.0, '1.5625'), (310.0, '6.2500')]
 >>> sorted(drawers("a", study))
 ['path_scallop', 'path_unrolled']
@@ -93,21 +93,21 @@ def make_study(
 def study_csv(study: PathStudy, slope: float) -> str:
     """Return the comparison as CSV; the largest slope of the profile times a step is its edge."""
     rows = (*study.rows, study.stepped)
-    paths = [one.path for one in rows]
-    edges = [slope * one.feed_mm * UM_PER_MM if one.kind == "stepped" else 0.0 for one in paths]
+    paths = [row.path for row in rows]
+    edges = [slope * path.feed_mm * UM_PER_MM if path.kind == "stepped" else 0.0 for path in paths]
     return csv_text(
         {
-            "path": ([f'"{one.name}"' for one in rows], ""),
-            "feed_mm": ([one.feed_mm for one in paths], 6),
-            "turns": ([one.turns for one in paths], 3),
-            "rpm": ([one.rpm for one in rows], 3),
-            "time_s": ([one.time_s for one in rows], 3),
-            "z_ramp_turns": ([one.ramp * (one.step or 1.0) for one in paths], 6),
-            "z_speed_mm_s": ([one.z_speed_mm_s for one in rows], 4),
-            "z_acceleration_mm_s2": ([one.z_acceleration_mm_s2 for one in rows], 2),
-            "scallop_max_um": ([one.scallop_um.max() for one in rows], 4),
-            "scallop_mean_um": ([one.scallop_um.mean() for one in rows], 4),
-            "step_turns": ([one.step for one in paths], 6),
+            "path": ([f'"{row.name}"' for row in rows], ""),
+            "feed_mm": ([path.feed_mm for path in paths], 6),
+            "turns": ([path.turns for path in paths], 3),
+            "rpm": ([row.rpm for row in rows], 3),
+            "time_s": ([row.time_s for row in rows], 3),
+            "z_ramp_turns": ([path.ramp * (path.step or 1.0) for path in paths], 6),
+            "z_speed_mm_s": ([row.z_speed_mm_s for row in rows], 4),
+            "z_acceleration_mm_s2": ([row.z_acceleration_mm_s2 for row in rows], 2),
+            "scallop_max_um": ([row.scallop_um.max() for row in rows], 4),
+            "scallop_mean_um": ([row.scallop_um.mean() for row in rows], 4),
+            "step_turns": ([path.step for path in paths], 6),
             "edge_um": (edges, 4),
         }
     )

@@ -55,7 +55,7 @@ class Study(NamedTuple):
     @property
     def tail_jerk_mm_s3(self) -> Floats:
         """Return the largest jerk beyond the corner of the 16 deletions."""
-        return np.array([one.tail_jerk_mm_s3 for one in self.as_paper])
+        return np.array([fit.tail_jerk_mm_s3 for fit in self.as_paper])
 
 
 def study(joint: Joint, height_mm: float, spindle_rpm: float) -> Study:
@@ -85,28 +85,28 @@ def tables(found: Study) -> dict[str, Columns]:
     return {
         "refit_comparison": {
             "variant": ([f'"{name}"' for name in VARIANTS], ""),
-            "peak_acceleration_mm_s2": ([one.acceleration_mm_s2 for one in ours], ".1f"),
-            "peak_deg": ([one.peak_deg for one in ours], ".2f"),
-            "undershoot_mm_s2": ([one.undershoot_mm_s2 for one in ours], ".1f"),
-            "largest_jerk_mm_s3": ([one.jerk_mm_s3 for one in ours], ".4e"),
-            "deviation_um": ([one.deviation_um for one in ours], ".2f"),
+            "peak_acceleration_mm_s2": ([fit.acceleration_mm_s2 for fit in ours], ".1f"),
+            "peak_deg": ([fit.peak_deg for fit in ours], ".2f"),
+            "undershoot_mm_s2": ([fit.undershoot_mm_s2 for fit in ours], ".1f"),
+            "largest_jerk_mm_s3": ([fit.jerk_mm_s3 for fit in ours], ".4e"),
+            "deviation_um": ([fit.deviation_um for fit in ours], ".2f"),
             "paper_peak_acceleration_mm_s2": (peaks, ".3g"),
             "ratio_to_paper": (ratios, ".3f"),
         },
         "refit_candidates": {
-            "s1": ([one.s1 for one in paper], "d"),
-            "s2": ([one.s2 for one in paper], "d"),
-            "paper_construction_peak_mm_s2": ([one.acceleration_mm_s2 for one in paper], ".0f"),
-            "peak_deg": ([one.peak_deg for one in paper], ".2f"),
+            "s1": ([fit.s1 for fit in paper], "d"),
+            "s2": ([fit.s2 for fit in paper], "d"),
+            "paper_construction_peak_mm_s2": ([fit.acceleration_mm_s2 for fit in paper], ".0f"),
+            "peak_deg": ([fit.peak_deg for fit in paper], ".2f"),
             "jerk_behind_corner_mm_s3": (tail, ".3e"),
-            "deviation_um": ([one.deviation_um for one in paper], ".2f"),
+            "deviation_um": ([fit.deviation_um for fit in paper], ".2f"),
             "paper_jerk_mm_s3": (jerks, ".3g"),
             "ratio_to_paper": (
                 [a / b if b else None for a, b in zip(tail, jerks, strict=True)],
                 ".2f",
             ),
-            "mirror_peak_mm_s2": ([one.acceleration_mm_s2 for one in mirrored], ".0f"),
-            "mirror_deviation_um": ([one.deviation_um for one in mirrored], ".2f"),
+            "mirror_peak_mm_s2": ([fit.acceleration_mm_s2 for fit in mirrored], ".0f"),
+            "mirror_deviation_um": ([fit.deviation_um for fit in mirrored], ".2f"),
         },
     }
 
@@ -116,7 +116,7 @@ def quantities(found: Study) -> dict[str, Any]:
     cubic, quintic, deleted, mirrored = found.variants
     jerks, table = found.tail_jerk_mm_s3, printed("S2", "table_1_mm_s3")
     ratios = jerks / table
-    peaks = {(one.s1, one.s2): one.acceleration_mm_s2 for one in found.as_paper}
+    peaks = {(fit.s1, fit.s2): fit.acceleration_mm_s2 for fit in found.as_paper}
     is_within = jerks <= PAPER_JERK_LIMIT_MM_S3
     return {
         "height_mm": found.height_mm,
@@ -135,7 +135,7 @@ def quantities(found: Study) -> dict[str, Any]:
         "peak_32": peaks[3, 2],
         "table_1_mm_s3": jerks,
         "jerk_mm_s3": deleted.tail_jerk_mm_s3,
-        "optimum": str(min(found.as_paper, key=lambda one: one.tail_jerk_mm_s3)[:2]),
+        "optimum": str(min(found.as_paper, key=lambda fit: fit.tail_jerk_mm_s3)[:2]),
         "factors": (ratios.min(), ratios.max()),
         "correlation": float(np.corrcoef(np.log10(jerks), np.log10(table))[0, 1]),
         "within": str([pair for pair, is_in in zip(peaks, is_within, strict=True) if is_in]),

@@ -49,8 +49,8 @@ def quantities() -> dict[str, Any]:
     found, height_mm, top_mm = analysis(), CASE["height_mm"], CASE["top_mm"]
     cut, steps, parts, peaks = found.cut, found.steps, found.parts, found.peaks
     skirts = [geometry_of(CASE[name]) for name in ("part", "ovality_x30", "all_x30")]
-    tops = [float(one.radius_mm(top_mm)) for one in skirts]
-    ovals = [float(one.ovality_mm(top_mm)) for one in skirts]
+    tops = [float(skirt.radius_mm(top_mm)) for skirt in skirts]
+    ovals = [float(skirt.ovality_mm(top_mm)) for skirt in skirts]
     long_mm = 2 * float(skirts[0].radius_mm(height_mm))
     ovality_mm = float(skirts[0].ovality_mm(height_mm))
     cosine = SectionCut(
@@ -61,7 +61,7 @@ def quantities() -> dict[str, Any]:
     axes = {name: values[-1] for name, (values, _) in _table("axes_equal_volume", _N_ROWS).items()}
     return {
         "long_mm": long_mm,
-        "top_mm": [2 * one for one in tops],
+        "top_mm": [2 * top for top in tops],
         "least_mm": long_mm - 2 * tops[0],
         "ovality_mm": ovality_mm,
         "top_ovality_mm": ovals,

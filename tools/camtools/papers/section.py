@@ -209,7 +209,7 @@ def tables(study: Analysis) -> dict[str, Table]:
     rpm = np.array([*_MEAN_RPM, study.rpm])
     omega = TURN_RAD * rpm / 60
     alpha = np.array([*_ALPHA_RAD_S2, study.part.machine.limits.alpha_rad_s2])
-    highest = np.array([mean_rpm_for(peaks, float(one)) for one in alpha])
+    highest = np.array([mean_rpm_for(peaks, float(limit)) for limit in alpha])
     uniform_mm, even_mm = study.waves_mm
     return {
         "depth_and_area": {  # Table 1
@@ -355,7 +355,7 @@ def _parts_line(study: Analysis) -> str:
 def notes(study: Analysis) -> str:
     """Return the notes for a reader of the papers (Markdown)."""
     ours = study.cut.a_mm, study.cut.blank_mm, study.cut.total_mm2
-    is_papers = all(abs(one - theirs) < 1e-6 for one, theirs in zip(ours, _PAPERS, strict=True))
+    is_papers = all(abs(own - printed) < 1e-6 for own, printed in zip(ours, _PAPERS, strict=True))
     ratio = study.chip_mm[1] / study.chip_mm[0]
     return declared_notes("section", vars(study) | {"chip_ratio": ratio}, is_papers=is_papers)
 

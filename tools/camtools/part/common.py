@@ -312,7 +312,10 @@ class SectionProcess(Process):
     @classmethod
     def _check_passes(cls, value: list[Pass], info: ValidationInfo) -> list[Pass]:
         """Refuse passes that do not come down to the drawing, each by some depth."""
-        stock = [info.data.get("depth_mm", 0.0) * UM_PER_MM, *(one.allowance_um for one in value)]
+        stock = [
+            info.data.get("depth_mm", 0.0) * UM_PER_MM,
+            *(planned.allowance_um for planned in value),
+        ]
         for number, (before, after) in enumerate(pairwise(stock), start=1):
             if after >= before:
                 problem = f"number {number} leaves {after:g} um of {before:g} um"

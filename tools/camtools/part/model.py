@@ -214,11 +214,13 @@ def read_tree(data: bytes, file: str) -> dict[str, Any]:
 def files_named(tree: object) -> list[str]:
     """Return the paths of all files that the tables of a part file name."""
     if isinstance(tree, list):
-        return [name for one in tree for name in files_named(one)]
+        return [name for entry in tree for name in files_named(entry)]
     if not isinstance(tree, dict):
         return []
     own = [tree["csv"]] if isinstance(tree.get("csv"), str) else []
-    return own + [name for key, one in tree.items() if key != "csv" for name in files_named(one)]
+    return own + [
+        name for key, entry in tree.items() if key != "csv" for name in files_named(entry)
+    ]
 
 
 def validated(

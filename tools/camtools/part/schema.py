@@ -2,7 +2,7 @@
 
 >>> from camtools.skirt.part.part_file import SkirtPart
 >>> tree = {"process": {"spindle_rpm": 2500}}
->>> [process] = [one for one in Keys(SkirtPart, ()).tables(tree) if one.title == "process"]
+>>> [process] = [row for row in Keys(SkirtPart, ()).tables(tree) if row.title == "process"]
 >>> rpm = process.keys[0]
 >>> rpm.name, rpm.value, rpm.unit, rpm.range_text, rpm.is_required
 ('spindle_rpm', 2500, 'r/min', '1 .. 60000', True)
@@ -108,26 +108,26 @@ class Keys:
 
     def _published(self, node: Schema, name: str) -> Schema:
         found: Schema = {}
-        for word, one in node.items():
+        for word, value in node.items():
             if word in ("properties", "$defs"):
-                found[word] = {key: self._published(inner, key) for key, inner in one.items()}
+                found[word] = {key: self._published(inner, key) for key, inner in value.items()}
             elif word == "anyOf":  # TOML has no null
-                kept = [self._published(v, "") for v in one if v.get("type") != "null"]
+                kept = [self._published(v, "") for v in value if v.get("type") != "null"]
                 found |= kept[0] if len(kept) == 1 else {word: kept}
             elif word == "oneOf":
-                found[word] = [self._published(inner, "") for inner in one]
+                found[word] = [self._published(inner, "") for inner in value]
             elif word == "items":
-                found[word] = self._published(one, "")
+                found[word] = self._published(value, "")
             elif word == "pattern":
-                found[word] = one.replace(r"\z", "$")  # that of JavaScript
-            elif not word.startswith("x-") and word != "title" and one is not None:
-                found[word] = list(one) if word == "required" else one
+                found[word] = value.replace(r"\z", "$")  # that of JavaScript
+            elif not word.startswith("x-") and word != "title" and value is not None:
+                found[word] = list(value) if word == "required" else value
         keys = node.get("properties", {})
         for key in list(found.get("required", ())):
-            other = keys[key].get("x-or")
-            if other in keys:  # it stands for the key
+            alternative = keys[key].get("x-or")
+            if alternative in keys:  # it stands for the key
                 found["required"].remove(key)
-                found["anyOf"] = [{"required": [key]}, {"required": [other]}]
+                found["anyOf"] = [{"required": [key]}, {"required": [alternative]}]
         meaning, unit = plain(_meaning_of(node)), unit_of(name) if name else ""
         text = f"{meaning} [{unit}]" if unit and not meaning.endswith("]") else meaning
         return found | ({"description": text.strip()} if text else {})
@@ -141,7 +141,7 @@ class Keys:
         node = self._resolved(node)
         inner = node.get("anyOf") or node.get("oneOf")
         if inner:
-            return [found for one in inner for found in self._variants(one)]
+            return [found for variant in inner for found in self._variants(variant)]
         return [] if node.get("type") == "null" else [node]
 
     def _tables(
@@ -154,13 +154,13 @@ class Keys:
         values = tree if isinstance(tree, dict) else {}
         keys: list[Key] = []
         within: list[Iterator[Table]] = []
-        for name, one in node["properties"].items():
-            at, variants, value = (*path, name), self._variants(one), values.get(name)
+        for name, child in node["properties"].items():
+            at, variants, value = (*path, name), self._variants(child), values.get(name)
             is_required = name in node.get("required", ())
             first = variants[0]
             entry = self._resolved(first.get("items", {}))
             if first.get("type") == "object":
-                without = "none" if "default" in one else "all"
+                without = "none" if "default" in child else "all"
                 inner = Table((), (), "", is_required, "" if is_required else without)
                 chosen = variants[::-1] if tree is None else [_chosen(variants, value)]
                 inside = value if tree is None or isinstance(value, dict) else {}
@@ -173,7 +173,7 @@ class Keys:
                     within.append(self._tables(entry, (*at, i), row, inner))
                 within += [self._tables(entry, at, None, inner)] if tree is None else []
             else:
-                keys.append(_key_of(at, one, variants, value, is_required=is_required))
+                keys.append(_key_of(at, child, variants, value, is_required=is_required))
         if path and (keys or not within):
             is_there = bool(values) or about.is_there
             meaning = _meaning_of(node)
@@ -195,7 +195,7 @@ def _meaning_of(node: Schema) -> str:
 def _chosen(variants: list[Schema], value: object) -> Schema:
     """Return the table that has all keys of a text; without a text the last one, by points."""
     there = set(value) if isinstance(value, dict) else set()
-    fitting = (one for one in variants if there and there <= set(one["properties"]))
+    fitting = (variant for variant in variants if there and there <= set(variant["properties"]))
     return next(fitting, variants[-1])
 
 
@@ -217,7 +217,7 @@ def _key_of(
         node.get("x-needed", False),
         bounds.get("minimum", bounds.get("exclusiveMinimum")),
         bounds.get("maximum", bounds.get("exclusiveMaximum")),
-        tuple(choice for one in variants for choice in _choices_of(one)),
+        tuple(choice for variant in variants for choice in _choices_of(variant)),
         _range_of(variants),
         _meaning_of(node),
     )
@@ -229,19 +229,19 @@ def _choices_of(node: Schema) -> list[str | int]:
 
 def _range_of(variants: list[Schema]) -> str:
     found: list[str] = []
-    for one in variants:
-        if "items" in one:
-            least, most = one.get("minItems", 1), one.get("maxItems")
+    for variant in variants:
+        if "items" in variant:
+            least, most = variant.get("minItems", 1), variant.get("maxItems")
             number = least if least == most else f"{least} .. {most}"
-            text = f"{_range_of([one['items']])}, {number} of them"
-        elif choices := _choices_of(one):
+            text = f"{_range_of([variant['items']])}, {number} of them"
+        elif choices := _choices_of(variant):
             text = ", ".join(f'"{c}"' if isinstance(c, str) else str(c) for c in choices)
-        elif one.get("type") == "boolean":
+        elif variant.get("type") == "boolean":
             text = "true, false"
-        elif "maxLength" in one and "pattern" not in one:
-            text = f"{one.get('minLength', 0)} .. {one['maxLength']} characters"
+        elif "maxLength" in variant and "pattern" not in variant:
+            text = f"{variant.get('minLength', 0)} .. {variant['maxLength']} characters"
         else:
-            text = _bounds_text(one)
+            text = _bounds_text(variant)
         found += [text] if text else []
     if len(found) > 1 and found[0].startswith(f"{found[-1]}, "):  # the numbers of a list, or one
         return found[0].replace(f"{found[-1]}, ", f"{found[-1]}, one or ", 1)
@@ -258,11 +258,13 @@ def _bounds_text(node: Schema) -> str:
 
 
 def _sort_of(variants: list[Schema]) -> str:
-    types = {str(one.get("type", "")) for one in variants}
-    if all(_choices_of(one) for one in variants):
+    types = {str(variant.get("type", "")) for variant in variants}
+    if all(_choices_of(variant) for variant in variants):
         return "choice"
     names = {"boolean": "switch", "integer": "whole", "number": "number", "string": "text"}
     if len(types) == 1 and types <= set(names):
         return names[types.pop()]
-    is_flat = all(one.get("items", one).get("type") in ("number", "integer") for one in variants)
+    is_flat = all(
+        variant.get("items", variant).get("type") in ("number", "integer") for variant in variants
+    )
     return "numbers" if "array" in types and is_flat else "other"

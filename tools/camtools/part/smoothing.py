@@ -136,12 +136,12 @@ def first_enough(
     """Return values smoothed within the narrowest of rising bands after which none lowers peaks."""
     found, least = None, np.inf
     for band_um in bands:
-        one = smooth(band_um)
-        before, after = peaks(one)
+        values = smooth(band_um)
+        before, after = peaks(values)
         least = before if found is None else least
         if after >= _WORTH * least:
             break
-        found, least = one, after
+        found, least = values, after
     return found
 
 
@@ -180,7 +180,7 @@ def smoothed_texts(what: str, facts: Json, place: str, peaks: list[PeakChange]) 
     if facts["largest_um"] < _NOTHING_UM:
         return [f"{within}: nothing changes, because its points are smooth already"]
     largest, rms = plain_number(facts["largest_um"]), plain_number(facts["rms_um"])
-    changes = ", ".join(one.text for one in peaks)
+    changes = ", ".join(change.text for change in peaks)
     lines = [f"{within}: largest residual {largest} um at {place}, rms {rms} um; {changes}"]
     bend = peaks[0]
     if bend.after > _RISEN * bend.before:
@@ -193,7 +193,7 @@ def smoothed_texts(what: str, facts: Json, place: str, peaks: list[PeakChange]) 
 
 def noise_text(what: str, remedy: str, peaks: list[PeakChange]) -> str:
     """Return the warning of points that should be smoothed."""
-    changes = ", ".join(one.text for one in peaks)
+    changes = ", ".join(change.text for change in peaks)
     return f"warning: the {what} is noisy or rounded coarsely: {remedy} would change {changes}"
 
 

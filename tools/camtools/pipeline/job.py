@@ -50,16 +50,16 @@ class Correcting:
     centred: Annotated[bool, _CENTRED] = False
 
     def __post_init__(self) -> None:
-        for one in fields(self) if self.measured is None else ():
-            if getattr(self, one.name) not in (None, False):
-                problem = f"{option_of(one.name)}: has no effect without --measured"
+        for option in fields(self) if self.measured is None else ():
+            if getattr(self, option.name) not in (None, False):
+                problem = f"{option_of(option.name)}: has no effect without --measured"
                 raise CamtoolsError([f"{problem}; add --measured SURFACE.csv"])
 
     def correction(self, loaded: Loaded, output: Path | None) -> Correction | None:
         """Return the correction that is asked for, nothing without --measured.
 
-        `output`: folder of the new table, which must not take the place of the one that cut the
-        part; None: not known to be that of the old one. Errors as of `next_round`.
+        The new table must not take the place of the one that cut the part: a folder `output` that
+        holds that one is refused. Errors as of `next_round`.
         """
         if self.measured is None:
             return None

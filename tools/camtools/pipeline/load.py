@@ -6,8 +6,6 @@ Traceback (most recent call last):
     ...
 camtools.base.errors.CamtoolsError: a.toml: cam: is missing; add it
 a.toml: process: is missing; add it
-
-['cam-disc.camtab', 'cam-disc.json', 'cam-disc_table.c', 'cam-disc_table.h']
 """
 
 import pkgutil
@@ -106,7 +104,7 @@ def parse_able(command: str, data: bytes, file: str, folder: Path = Path()) -> P
 
 def _checked(tree: dict[str, Any], file: str, folder: Path, *, is_confined: bool = False) -> Loaded:
     kind = kind_of(tree)
-    names = [one.name for one in kinds()]
+    names = [known.name for known in kinds()]
     context: dict[str, object] = {"folder": folder, "kinds": names, "is_confined": is_confined}
     return Loaded(kind, validated(kind.model, tree, file, context))
 

@@ -147,9 +147,9 @@ def cut_part(
 ) -> Result:
     """Cut a part; write surface, sections and trace; return the result with surface and sections.
 
-    `window_turns`: the trace is of a second run that ends after so many turns; None: of the cut
-    itself. `every`: the overview of a longer cut holds one tick of so many. `sections_mm`: heights,
-    rising; none: those that camsim chooses. `keeps_text`: also write the traces as CSV.
+    With `window_turns` the trace is that of a second run, which ends after so many turns, and an
+    overview of the cut itself holds one tick of `every`. Heights of sections are rising; without
+    any camsim chooses. `keeps_text` writes the traces as CSV, too.
     """
     more = ["--sections-mm", ",".join(map(repr, sections_mm))] if len(sections_mm) else []
     more += [] if window_turns is None else ["--trace-every", str(every)]

@@ -14,23 +14,23 @@ from matplotlib.axes import Axes
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
+from camtools.base.quantities import UM_PER_MM, Floats
 from camtools.plots import style
 
-Floats = npt.NDArray[np.float64]
 Columns = Mapping[str, Floats]
 ANGLE = "angle_deg"
 _RATES = {"mm_per_s": "mm/s", "m_per_s2": "m/s²"}
 _UNITS = _RATES | {"um": "µm", "mm": "mm", "deg": "degrees", "rpm": "r/min", "n": "N"}
 _COLOURS = (style.BLUE, style.ORANGE, style.GREEN, style.PURPLE, style.SKY, style.RED)
 _NOT_DRAWN = ("tick", "config")
-_LONG_AXES, _UM_PER_MM = ("x_", "z_"), 1000.0  # they travel millimetres, U micrometres
+_LONG_AXES = ("x_", "z_")  # they travel millimetres, U micrometres
 _WIDTH_IN, _PANEL_IN, _MOST_POLAR = 11.0, 1.5, 4
 _DUE, _ACTUAL, _ERROR = "u_due_um", "u_actual_um", "following error_um"
 
 
 def _split(name: str) -> tuple[str, str]:
     """Return a column's name in words, without its unit, and the unit."""
-    end = next((one for one in _UNITS if name.endswith(f"_{one}")), "")
+    end = next((unit for unit in _UNITS if name.endswith(f"_{unit}")), "")
     return name.removesuffix(f"_{end}").replace("_", " "), _UNITS.get(end, "")
 
 
@@ -65,7 +65,7 @@ def _in_mm(columns: Columns) -> dict[str, Floats]:
 
     return {
         f"{name.removesuffix('_um')}_mm" if is_long(name) else name: (
-            values / _UM_PER_MM if is_long(name) else values
+            values / UM_PER_MM if is_long(name) else values
         )
         for name, values in columns.items()
     }
@@ -118,8 +118,8 @@ def time_picture(
 ) -> bytes:
     """Return signals over time from the trigger on as PNG.
 
-    `columns`: by names whose last word is the unit. `states`: names of the numbers in the column
-    state. `bits`: names of the bits of columns that are sums of bits, by column.
+    The name of a column ends with its unit. `states` names the numbers in the column state, `bits`
+    the bits of each column that is a sum of bits.
     """
     all_of, named = _in_mm(_with_error(columns)), bits or {}
     panels = _panels(all_of)

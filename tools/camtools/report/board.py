@@ -63,7 +63,7 @@ class Board(NamedTuple):
         texts = ("tolerance band in view", "error fills the picture")
         wanted = zip((self.tolerance_um, self.largest_um), texts, strict=True)
         found = [Magnification(nice_floor(room_um / um), text) for um, text in wanted if um > 0]
-        return sorted(found, key=lambda one: one.factor)
+        return sorted(found, key=lambda magnification: magnification.factor)
 
     @property
     def sentence(self) -> str:
@@ -93,7 +93,7 @@ def board_of(
     tolerance_um: float,
     space: int | None = None,
 ) -> Board | None:
-    """Return the board of a surface, none if nothing was gauged; space: enlargement, or chosen."""
+    """Return the board of a surface, none if nothing was gauged; `space` enlarges it."""
     if not surface.turn.size or z_range_mm[1] <= z_range_mm[0]:
         return None
     rows = map_rows(z_range_mm[1] - z_range_mm[0], feed_mm)
@@ -155,13 +155,13 @@ def _space_points(cells: Cells) -> GaugedSurface:
     """Return the worst points of the map in coarser cells, each of shape (rows, columns + 1)."""
     rows = np.isfinite(cells.error_um)
     flat = GaugedSurface(
-        *(one[rows] for one in (cells.turn, cells.height_mm, cells.radius_mm, cells.error_um))
+        *(values[rows] for values in (cells.turn, cells.height_mm, cells.radius_mm, cells.error_um))
     )
     half_mm = (cells.z_mm[1] - cells.z_mm[0]) / 2 if cells.z_mm.size > 1 else 1.0
     ends = float(cells.z_mm[0] - half_mm), float(cells.z_mm[-1] + half_mm)
     found = cells_of(flat, ends, min(_SPACE_ROWS, cells.z_mm.size), _SPACE_COLUMNS)
     level = found._replace(height_mm=np.where(np.isnan(found.turn), np.nan, found.z_mm[:, None]))
-    return GaugedSurface(*(np.column_stack([one, one[:, :1]]) for one in level[1:]))
+    return GaugedSurface(*(np.column_stack([values, values[:, :1]]) for values in level[1:]))
 
 
 def space_figure(board: Board) -> Json:

@@ -42,7 +42,7 @@ def slope_of(values: Floats, t_s: Floats, n_ticks: int) -> Floats:
     """Return the slope of values over so many ticks to both sides; NaN at the ends."""
     slope = np.full(values.size, np.nan)
     if values.size > 2 * n_ticks:
-        rise, run = (one[2 * n_ticks :] - one[: -2 * n_ticks] for one in (values, t_s))
+        rise, run = (series[2 * n_ticks :] - series[: -2 * n_ticks] for series in (values, t_s))
         slope[n_ticks:-n_ticks] = rise / run
     return slope
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from camtools.base.quantities import Floats
+from camtools.base.quantities import NM_PER_MM, UM_PER_MM, Floats
 from camtools.plots import style
 from camtools.report.surface import extremes
 from camtools.sim.results import CUTTING, FAULT, STATES, CutTrace
@@ -19,7 +19,6 @@ STATE_COLOURS = tuple(vars(style)[name] for name in _NAMES.split())
 _N_BINS = 360
 _AXES = ("Z, mm", "X (radius),\nmm", "U towards\nthe axis, µm")
 _N_POINTS = 600  # across a picture: more cannot be seen
-_UM_PER_MM, _MM_PER_M, _NM_PER_MM = 1000.0, 1000.0, 1e6
 _MS_PER_S = 1000.0
 
 
@@ -80,7 +79,9 @@ def _state_handles(spans: list[tuple[float, float, int]]) -> list[Patch]:
         of_colour = names.setdefault(STATE_COLOURS[state], [])
         if STATES[state] not in of_colour:
             of_colour.append(STATES[state])
-    return [Patch(color=one, alpha=0.75, label=", ".join(those)) for one, those in names.items()]
+    return [
+        Patch(color=colour, alpha=0.75, label=", ".join(states)) for colour, states in names.items()
+    ]
 
 
 def _envelope(axes: Axes, t_s: Floats, values: Floats, colour: str) -> None:
@@ -107,8 +108,8 @@ def draw_sequence(trace: CutTrace, overview: CutTrace | None = None) -> Figure:
         _strip(strip, spans, begin_s, end_s)
         strip.set_title(title)
         _envelope(z, part.t_s, part.z_mm, style.GREEN)
-        _envelope(x, part.t_s, part.x_nm / _NM_PER_MM, style.BLUE)
-        _envelope(u, part.t_s, part.u_act_nm / _NM_PER_MM * _UM_PER_MM, style.RED)
+        _envelope(x, part.t_s, part.x_nm / NM_PER_MM, style.BLUE)
+        _envelope(u, part.t_s, part.u_act_nm / NM_PER_MM * UM_PER_MM, style.RED)
         u.set(xlim=(begin_s, end_s), xlabel="time, s")
     panels[0, 0].set_ylabel("state", rotation=0, ha="right", va="center")
     for row, name in enumerate(_AXES, start=1):
@@ -127,8 +128,8 @@ def draw_fault(trace: CutTrace, retract_s: float) -> Figure:
     names = (*_AXES[:0:-1], "tool tip off\nthe drawing, mm", "spindle, r/min")
     panels = style.stacked(figure, names)
     panels[0].plot(ms, part.u_act_nm / 1e3, color=style.RED, lw=1.4)
-    panels[1].plot(ms, part.x_nm / _NM_PER_MM, color=style.BLUE, lw=1.4)
-    panels[2].plot(ms, part.error_nm / _NM_PER_MM, color=style.GREEN, lw=1.4)
+    panels[1].plot(ms, part.x_nm / NM_PER_MM, color=style.BLUE, lw=1.4)
+    panels[2].plot(ms, part.error_nm / NM_PER_MM, color=style.GREEN, lw=1.4)
     panels[3].plot(ms, part.speed_rpm, color=style.PURPLE, lw=1.4)
     for axes in panels:
         axes.axvline(0, color=style.GREY, lw=1.2, ls="--")

@@ -132,7 +132,9 @@ def policy(*texts: str) -> str:
 
 def css_text(text: str) -> str:
     """Return a text as the inside of a string of CSS."""
-    return "".join(one if one.isalnum() and one.isascii() else f"\\{ord(one):06x}" for one in text)
+    return "".join(
+        sign if sign.isalnum() and sign.isascii() else f"\\{ord(sign):06x}" for sign in text
+    )
 
 
 @cache
@@ -146,7 +148,7 @@ def _environment() -> Environment:
 def render_page(outcome: AnyCut, page: Page) -> str:
     """Return the HTML page of a part of any kind; the clock of the computer is not in it."""
     board, sheets = page.board, page.sheets
-    charts = {one.key: one.chart for one in page.shown if one.chart is not None}
+    charts = {shown.key: shown.chart for shown in page.shown if shown.chart is not None}
     verdict = verdict_of(outcome, sheets.out if sheets else ())
     plotly, ours = script_texts()
     template = _environment().get_template("page.html.j2")

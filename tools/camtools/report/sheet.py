@@ -91,11 +91,11 @@ class Sheets(NamedTuple):
     @property
     def out(self) -> list[str]:
         """Return what is out of tolerance, by sheet and feature."""
-        named = [(sheet.name, one) for sheet in self.sections for one in sheet.features]
+        named = [(sheet.name, entry) for sheet in self.sections for entry in sheet.features]
         profiles = ((f"profile {line.angle_deg:g}°", line.features) for line in self.lines)
-        named += [(name, one) for name, features in profiles for one in features]
-        found = [f"{name}: {one.name}" for name, one in named if one.verdict == OUT]
-        return found + [one.name for one in self.tapers if one.verdict == OUT]
+        named += [(name, entry) for name, features in profiles for entry in features]
+        found = [f"{name}: {entry.name}" for name, entry in named if entry.verdict == OUT]
+        return found + [entry.name for entry in self.tapers if entry.verdict == OUT]
 
 
 def verdict_of(deviation: float, tolerance: float | None) -> str:
@@ -168,7 +168,7 @@ def _whole_features(section: SectionFigures) -> list[Feature]:
 
 
 def _line_sheet(line: GaugedLine, tolerance_um: float, stated: Tolerances) -> LineSheet:
-    off, whole = (straightness(line.z_mm, one) for one in (line.deviation_mm, line.radius_mm))
+    off, whole = (straightness(line.z_mm, values) for values in (line.deviation_mm, line.radius_mm))
     um, zone_um = ("radius", "µm"), off.zone_mm * UM_PER_MM
     straight_um = stated.straightness_um
     worst_um = float(line.deviation_mm[np.abs(line.deviation_mm).argmax()]) * UM_PER_MM
@@ -187,9 +187,9 @@ def _tapers(lines: list[LineSheet], tolerance_um: float | None) -> Iterator[Feat
     by_angle = {line.angle_deg: line for line in lines}
     for deg in (0.0, 90.0):
         if {deg, deg + 180.0} <= by_angle.keys():
-            one, other = by_angle[deg], by_angle[deg + 180.0]
-            span_mm = min(float(np.ptp(line.z_mm)) for line in (one, other))
-            grown_um = (one.off.slope + other.off.slope) * span_mm * UM_PER_MM
+            side, opposite = by_angle[deg], by_angle[deg + 180.0]
+            span_mm = min(float(np.ptp(line.z_mm)) for line in (side, opposite))
+            grown_um = (side.off.slope + opposite.off.slope) * span_mm * UM_PER_MM
             over = f"{deg:g}°/{deg + 180.0:g}° over {span_mm:.4g} mm"
             kind = ("diameter", "µm")
             yield feature(f"taper {over}, off the drawing", kind, grown_um, None, tolerance_um)
@@ -207,8 +207,8 @@ def _not_too_coarse(features: list[Feature]) -> list[Feature]:
     """Return features without a good roundness: the waves between ticks are missing."""
     good = (_ROUNDNESS_MZ, GOOD)
     return [
-        one._replace(verdict=TOO_COARSE) if (one.name, one.verdict) == good else one
-        for one in features
+        entry._replace(verdict=TOO_COARSE) if (entry.name, entry.verdict) == good else entry
+        for entry in features
     ]
 
 
@@ -251,20 +251,20 @@ def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
     tolerance_um = float(outcome.summary["form_error_um"]["tolerance"])
     is_coarse = ticks_per_turn(outcome) < POINTS_PER_WAVE * upr
     sections, missing = [], []
-    for one in gauged.sections:
-        named = one.number <= len(subject.names)
-        name = subject.names[one.number - 1] if named else f"height {one.z_mm:g} mm"
-        if not one.is_whole:
+    for measured in gauged.sections:
+        named = measured.number <= len(subject.names)
+        name = subject.names[measured.number - 1] if named else f"height {measured.z_mm:g} mm"
+        if not measured.is_whole:
             missing.append(name)
             continue
-        section = section_of(one.radius_mm - one.deviation_mm, one.deviation_mm, upr)
+        section = section_of(measured.radius_mm - measured.deviation_mm, measured.deviation_mm, upr)
         features = _form_features(section, subject, tolerance_um)
         if subject.is_oval:
             features = [*_axes_features(section, stated), *features, *_whole_features(section)]
         features = _not_too_coarse(features) if is_coarse else features
-        sections.append(SectionSheet(name, one.z_mm, one.turn, section, features))
-    judged = (one for one in gauged.lines if one.z_mm.size >= _LEAST_POINTS)
-    lines = [_line_sheet(one, tolerance_um, stated) for one in judged]
+        sections.append(SectionSheet(name, measured.z_mm, measured.turn, section, features))
+    judged = (line for line in gauged.lines if line.z_mm.size >= _LEAST_POINTS)
+    lines = [_line_sheet(line, tolerance_um, stated) for line in judged]
     head = _head(outcome, upr)
     head += [ReportRow("smoothing", subject.note)] if subject.note else []
     tapers = list(_tapers(lines, stated.taper_um))

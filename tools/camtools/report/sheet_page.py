@@ -1,7 +1,7 @@
 r"""Sheets as the page shows them, as pictures, and as data in sheets.json.
 
->>> one = Feature("long axis", "diameter", "mm", 92.0, 91.9999, -1e-4, None, "no tolerance given")
->>> _row(one)[3:6]
+>>> axis = Feature("long axis", "diameter", "mm", 92.0, 91.9999, -1e-4, None, "no tolerance given")
+>>> _row(axis)[3:6]
 ('91.999 900', '-0.1000 µm', '')
 """
 
@@ -56,32 +56,32 @@ class SheetPages(NamedTuple):
     out: list[str]  # what is out of tolerance
 
 
-def _row(one: Feature) -> Row:
+def _row(feature: Feature) -> Row:
     """Return a line of a table: deviations of millimetres in micrometres."""
-    unit, small = ("°", "°") if one.unit == "°" else (f" {one.unit}", " µm")
-    deviation = shown_number(one.deviation, one.unit)
-    if one.unit == "mm" and one.deviation is not None:
-        deviation = f"{one.deviation * UM_PER_MM:.4f} µm"
+    unit, small = ("°", "°") if feature.unit == "°" else (f" {feature.unit}", " µm")
+    deviation = shown_number(feature.deviation, feature.unit)
+    if feature.unit == "mm" and feature.deviation is not None:
+        deviation = f"{feature.deviation * UM_PER_MM:.4f} µm"
     elif deviation:
         deviation += unit
-    sign = "" if one.is_width else "±"
+    sign = "" if feature.is_width else "±"
     return (
-        one.name,
-        f"{one.quantity}, {one.unit}",
-        shown_number(one.nominal, one.unit),
-        shown_number(one.actual, one.unit),
+        feature.name,
+        f"{feature.quantity}, {feature.unit}",
+        shown_number(feature.nominal, feature.unit),
+        shown_number(feature.actual, feature.unit),
         deviation,
-        "" if one.tolerance is None else f"{sign}{one.tolerance:g}{small}",
-        "\N{EN DASH}" if one.verdict == NO_TOLERANCE else one.verdict,
-        _CLASSES.get(one.verdict, "none"),
+        "" if feature.tolerance is None else f"{sign}{feature.tolerance:g}{small}",
+        "\N{EN DASH}" if feature.verdict == NO_TOLERANCE else feature.verdict,
+        _CLASSES.get(feature.verdict, "none"),
     )
 
 
-def _wave_rows(one: SectionSheet) -> list[list[tuple[str, str, str]]]:
+def _wave_rows(sheet: SectionSheet) -> list[list[tuple[str, str, str]]]:
     """Return the harmonics of the deviation, running down the columns."""
     cells = [
         (f"{wave.order}", f"{wave.amplitude * UM_PER_MM * 1000:.3f}", f"{wave.phase_deg:.1f}°")
-        for wave in one.section.off_waves
+        for wave in sheet.section.off_waves
     ]
     n_rows = -(-len(cells) // _COLUMNS)
     return [cells[i::n_rows] for i in range(n_rows)]
@@ -91,44 +91,54 @@ def _views(sheets: Sheets) -> tuple[list[SheetView], dict[str, bytes]]:
     views, files = [], {}
     along = "radius" if sheets.subject.has_radius else "along the normal"
     wave_title = f"Harmonics of the deviation: amplitude in nm ({along}), angle of the first crest"
-    for number, one in enumerate(sheets.sections, 1):
-        png = png_of(draw_section(one, sheets))
+    for number, sheet in enumerate(sheets.sections, 1):
+        png = png_of(draw_section(sheet, sheets))
         files[f"cut_sheet{number}.png"] = png
-        rows = [_row(line) for line in one.features]
-        title = f"Section {number}: {one.name}"
-        views.append(SheetView(title, png, rows, _wave_rows(one), wave_title))
+        rows = [_row(feature) for feature in sheet.features]
+        title = f"Section {number}: {sheet.name}"
+        views.append(SheetView(title, png, rows, _wave_rows(sheet), wave_title))
     if sheets.lines:
         png = png_of(draw_lines(sheets))
         files["cut_profiles.png"] = png
         rows = [
-            _row(part._replace(name=f"{line.angle_deg:g}°: {part.name}"))
+            _row(feature._replace(name=f"{line.angle_deg:g}°: {feature.name}"))
             for line in sheets.lines
-            for part in line.features
+            for feature in line.features
         ]
-        rows += [_row(part) for part in sheets.tapers]
+        rows += [_row(feature) for feature in sheets.tapers]
         views.append(SheetView("Profiles along the axis", png, rows, [], ""))
     return views, files
 
 
-def _circle(one: Circle) -> Json:
-    return {"diameter_mm": 2 * one.radius_mm, "x_mm": one.x_mm, "y_mm": one.y_mm}
+def _circle(circle: Circle) -> Json:
+    return {"diameter_mm": 2 * circle.radius_mm, "x_mm": circle.x_mm, "y_mm": circle.y_mm}
 
 
-def _roundness(one: Roundness, zone_mm: float) -> Json:
+def _roundness(roundness: Roundness, zone_mm: float) -> Json:
     names = ("RONt_LS_um", "RONp_LS_um", "RONv_LS_um", "RONq_LS_um", "RONt_MZ_um")
-    values_mm = (one.total_mm, one.peak_mm, one.valley_mm, one.q_mm, zone_mm)
+    values_mm = (
+        roundness.total_mm,
+        roundness.peak_mm,
+        roundness.valley_mm,
+        roundness.q_mm,
+        zone_mm,
+    )
     return {name: mm * UM_PER_MM for name, mm in zip(names, values_mm, strict=True)}
 
 
 def _waves(waves: list[RoundWave]) -> list[Json]:
     return [
-        {"order": one.order, "amplitude_um": one.amplitude * UM_PER_MM, "phase_deg": one.phase_deg}
-        for one in waves
+        {
+            "order": wave.order,
+            "amplitude_um": wave.amplitude * UM_PER_MM,
+            "phase_deg": wave.phase_deg,
+        }
+        for wave in waves
     ]
 
 
-def _section(one: SectionSheet, *, is_oval: bool) -> Json:
-    found, more = one.section, {}
+def _section(sheet: SectionSheet, *, is_oval: bool) -> Json:
+    found, more = sheet.section, {}
     if is_oval:
         more = {
             "section": _roundness(found.whole, found.whole_zone.width_mm),
@@ -138,9 +148,9 @@ def _section(one: SectionSheet, *, is_oval: bool) -> Json:
             "harmonics_of_section": _waves(found.whole_waves),
         }
     return more | {
-        "name": one.name,
-        "z_mm": one.z_mm,
-        "features": [line._asdict() for line in one.features],
+        "name": sheet.name,
+        "z_mm": sheet.z_mm,
+        "features": [feature._asdict() for feature in sheet.features],
         "deviation": _roundness(found.off, found.off_zone.width_mm),
         "largest_deviation_um": found.largest_mm * UM_PER_MM,
         "largest_deviation_deg": found.largest_deg,
@@ -148,13 +158,13 @@ def _section(one: SectionSheet, *, is_oval: bool) -> Json:
     }
 
 
-def _line(one: LineSheet) -> Json:
+def _line(line: LineSheet) -> Json:
     return {
-        "angle_deg": one.angle_deg,
-        "from_mm": float(one.z_mm[0]),
-        "to_mm": float(one.z_mm[-1]),
-        "points": int(one.z_mm.size),
-        "features": [line._asdict() for line in one.features],
+        "angle_deg": line.angle_deg,
+        "from_mm": float(line.z_mm[0]),
+        "to_mm": float(line.z_mm[-1]),
+        "points": int(line.z_mm.size),
+        "features": [feature._asdict() for feature in line.features],
     }
 
 
@@ -171,9 +181,9 @@ def sheets_json(sheets: Sheets) -> bytes:
         "left_out": sheets.subject.left_out,
         "not_cut": sheets.missing,
         "out_of_tolerance": sheets.out,
-        "sections": [_section(one, is_oval=sheets.subject.is_oval) for one in sheets.sections],
-        "profiles": [_line(one) for one in sheets.lines],
-        "tapers": [one._asdict() for one in sheets.tapers],
+        "sections": [_section(sheet, is_oval=sheets.subject.is_oval) for sheet in sheets.sections],
+        "profiles": [_line(line) for line in sheets.lines],
+        "tapers": [taper._asdict() for taper in sheets.tapers],
     }
     return emit_json(document).encode("ascii")
 

@@ -85,8 +85,8 @@ def _circle_line(
     _ring(axes, _TURN, 1 + _ROOM * from_middle / limit_mm, **look)
 
 
-def _draw_whole(axes: Axes, one: SectionSheet) -> None:
-    found = one.section
+def _draw_whole(axes: Axes, sheet: SectionSheet) -> None:
+    found = sheet.section
     circle = found.whole.circle
     off_mm = found.cut_mm - circle.radius_mm
     limit_mm = _limit_mm(off_mm)
@@ -102,8 +102,8 @@ def _draw_whole(axes: Axes, one: SectionSheet) -> None:
     _circle_line(axes, 0.0, (circle.x_mm, circle.y_mm), limit_mm, **_CIRCLE_STYLE)
 
 
-def _draw_off(axes: Axes, one: SectionSheet, upr: int, along: str) -> None:
-    found = one.section
+def _draw_off(axes: Axes, sheet: SectionSheet, upr: int, along: str) -> None:
+    found = sheet.section
     limit_mm, mean_mm = _limit_mm(found.raw_mm), float(found.drawn_mm.mean())
     circle, zone = found.off.circle, found.off_zone
     middle = (
@@ -126,7 +126,7 @@ def _draw_off(axes: Axes, one: SectionSheet, upr: int, along: str) -> None:
 
 def floor_um(waves: list[RoundWave]) -> float:
     """Return where the axis of the amplitudes begins [um]: three decades below the largest."""
-    largest_um = max(one.amplitude for one in waves) * UM_PER_MM
+    largest_um = max(wave.amplitude for wave in waves) * UM_PER_MM
     power = round(log10(max(largest_um, _LEAST_FLOOR_UM)) - _DECADES)
     return max(_LEAST_FLOOR_UM, float(f"1e{power}"))
 
@@ -135,9 +135,9 @@ def _amplitudes_um(waves: list[RoundWave]) -> Floats:
     return np.array([wave.amplitude for wave in waves]) * UM_PER_MM
 
 
-def _draw_waves(axes: Axes, one: SectionSheet, *, is_oval: bool) -> None:
+def _draw_waves(axes: Axes, sheet: SectionSheet, *, is_oval: bool) -> None:
     """Draw the amplitudes of all waves over a floor that the axis names."""
-    waves = one.section.off_waves
+    waves = sheet.section.off_waves
     amplitude_um, orders = _amplitudes_um(waves), np.array([wave.order for wave in waves])
     factor, unit = length_unit(float(amplitude_um.max()))
     low = floor_um(waves) * factor
@@ -145,7 +145,7 @@ def _draw_waves(axes: Axes, one: SectionSheet, *, is_oval: bool) -> None:
     axes.bar(orders, shown - low, bottom=low, width=0.7, color=style.BLUE, label="deviation")
     high = max(float(shown.max()), 10 * low)
     if is_oval:
-        whole = _amplitudes_um(one.section.whole_waves) * factor
+        whole = _amplitudes_um(sheet.section.whole_waves) * factor
         some, look = whole > low, {"ls": "", "marker": "o", "ms": 4, "mfc": "none"}
         axes.plot(orders[some], whole[some], color=style.RED, label="section as it is", **look)  # type: ignore[arg-type]
         high = max(high, float(whole.max()))
@@ -164,7 +164,7 @@ def _explain(figure: Figure, looks: dict[str, dict[str, object]]) -> None:
     figure.legend(handles=handles, loc="outside upper center", ncols=len(looks), frameon=False)
 
 
-def draw_section(one: SectionSheet, sheets: Sheets) -> Figure:
+def draw_section(sheet: SectionSheet, sheets: Sheets) -> Figure:
     """Return the pictures of a section: polar ones above, harmonics below."""
     is_oval = sheets.subject.is_oval
     normal = "along the normal,\nover the direction of the roller"
@@ -173,22 +173,22 @@ def draw_section(one: SectionSheet, sheets: Sheets) -> Figure:
     figure = style.new_figure(10, 7.6)
     panels = figure.subplot_mosaic(layout, height_ratios=[2.5, 1])  # type: ignore[arg-type]
     if is_oval:
-        _draw_whole(panels["whole"], one)
-    _draw_off(panels["off"], one, sheets.upr, along)
-    _draw_waves(panels["waves"], one, is_oval=is_oval)
+        _draw_whole(panels["whole"], sheet)
+    _draw_off(panels["off"], sheet, sheets.upr, along)
+    _draw_waves(panels["waves"], sheet, is_oval=is_oval)
     looks = {"drawing": _DRAWN_STYLE, "cut, filtered": _RED, "cut, unfiltered": _RAW_STYLE}
     _explain(figure, looks | {"LS circle": _CIRCLE_STYLE, "MZ circles": _ZONE_STYLE})
     return figure
 
 
-def _draw_line(axes: Axes, one: LineSheet, limit_um: float) -> None:
+def _draw_line(axes: Axes, line: LineSheet, limit_um: float) -> None:
     factor, unit = length_unit(limit_um)
-    fit_mm = one.off.middle_mm + one.off.slope * (one.z_mm - one.z_mm.mean())
+    fit_mm = line.off.middle_mm + line.off.slope * (line.z_mm - line.z_mm.mean())
     axes.axvline(0, **_DRAWN_STYLE)  # type: ignore[arg-type]
-    axes.plot(one.deviation_mm * UM_PER_MM * factor, one.z_mm, color=style.RED, lw=0.8)
-    axes.plot(fit_mm * UM_PER_MM * factor, one.z_mm, **_CIRCLE_STYLE)  # type: ignore[arg-type]
-    found = f"STRt {_text(one.off.total_mm)} LS\n{_text(one.off.zone_mm)} MZ"
-    axes.set(xlim=(-limit_um * factor, limit_um * factor), title=f"{one.angle_deg:g}°\n{found}")
+    axes.plot(line.deviation_mm * UM_PER_MM * factor, line.z_mm, color=style.RED, lw=0.8)
+    axes.plot(fit_mm * UM_PER_MM * factor, line.z_mm, **_CIRCLE_STYLE)  # type: ignore[arg-type]
+    found = f"STRt {_text(line.off.total_mm)} LS\n{_text(line.off.zone_mm)} MZ"
+    axes.set(xlim=(-limit_um * factor, limit_um * factor), title=f"{line.angle_deg:g}°\n{found}")
     axes.set_xlabel(f"off the drawing\n(radius), {unit}")
     axes.grid(alpha=0.3)
 
@@ -202,14 +202,14 @@ def draw_lines(sheets: Sheets) -> Figure:
     panels = figure.subplots(1, len(widths), sharey=True, width_ratios=widths)
     colours = style.RED, style.GREY, style.SKY, style.ORANGE
     looks = zip(lines, colours, ("-", "-", "--", "--"), strict=False)
-    for one, colour, dashes in looks:
-        name = f"{one.angle_deg:g}°"
-        panels[0].plot(2 * one.radius_mm, one.z_mm, color=colour, lw=1.4, ls=dashes, label=name)
+    for line, colour, dashes in looks:
+        name = f"{line.angle_deg:g}°"
+        panels[0].plot(2 * line.radius_mm, line.z_mm, color=colour, lw=1.4, ls=dashes, label=name)
     panels[0].set(xlabel="twice the radius, mm", ylabel="height, mm", title="as it is")
     panels[0].legend(frameon=False, fontsize=8, title="angle")
     panels[0].grid(alpha=0.3)
-    worst_um = max(float(np.abs(one.deviation_mm).max()) for one in lines) * UM_PER_MM
-    for axes, one in zip(panels[1:], lines, strict=True):
-        _draw_line(axes, one, style.nice_limit(worst_um))
+    worst_um = max(float(np.abs(line.deviation_mm).max()) for line in lines) * UM_PER_MM
+    for axes, line in zip(panels[1:], lines, strict=True):
+        _draw_line(axes, line, style.nice_limit(worst_um))
     _explain(figure, {"cut, unfiltered": _RED, "drawing": _DRAWN_STYLE, "LS line": _CIRCLE_STYLE})
     return figure

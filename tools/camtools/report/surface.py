@@ -8,12 +8,10 @@ np.float64(-0.3)
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from camtools.base.quantities import Floats, Ints
+from camtools.base.quantities import Bools, Floats, Ints
 from camtools.sim.results import GaugedSurface
 
-Bools = npt.NDArray[np.bool_]
 N_COLUMNS, MAX_ROWS = 360, 256
 
 

@@ -177,8 +177,8 @@ def margins_of(outcome: AnyCut) -> list[Margin]:
         if key == "spindle_acceleration_rad_s2" and not outcome.is_modulated:
             continue
         unit, scale = _SHOWN.get(UNITS[key], (UNITS[key], 1.0))
-        one = outcome.summary["feasibility"][key]
-        needed, limit = one["needed"] * scale, one["limit"] * scale
+        demand = outcome.summary["feasibility"][key]
+        needed, limit = demand["needed"] * scale, demand["limit"] * scale
         percent = 100 * needed / limit
         found.append(Margin(name, f"{needed:.4g} {unit}", f"{limit:.4g} {unit}", percent))
     return found

@@ -235,7 +235,7 @@ def draw_variants(variants: Sequence[CutVariant], tolerance_um: float) -> Figure
 
 
 def _variants_sentence(cut: AnyCut) -> str:
-    found = "; ".join(f"{one.name} {length_text(one.max_um)}" for one in cut.variants)
+    found = "; ".join(f"{variant.name} {length_text(variant.max_um)}" for variant in cut.variants)
     return f"Largest error of the controller: {found}."
 
 

@@ -136,11 +136,10 @@ class SimSession:
         self._session = None
 
     def begin(self, words: Sequence[str], machine: str | None = None, name: str = "") -> None:
-        """Begin a cut.
+        """Begin a cut by the words of `camsim run`, table included, or refuse it with its line.
 
-        words: of `camsim run`, the table included. Options of outputs ask for tables; nothing is
-        written; machine: text of a machine file; None: that of --machine, or the default machine.
-        Raises CamtoolsError: the simulator refuses; its line says why.
+        Options of outputs ask for tables; nothing is written. `machine` is the text of a machine
+        file; without it that of --machine, or the default machine, is taken.
         """
         coded = [os.fsencode(word) for word in words]
         array = (c_char_p * len(coded))(*coded)
@@ -185,7 +184,7 @@ class SimSession:
     def columns(self, table: str) -> tuple[Column, ...]:
         """Return the columns of a table, none when it was not asked for."""
         listed = self._library.sim_api_columns(self._session, table.encode()) or b""
-        pairs = (one.split(":") for one in listed.decode("ascii").split(",") if one)
+        pairs = (column.split(":") for column in listed.decode("ascii").split(",") if column)
         return tuple(Column(name, form) for name, form in pairs)
 
     def take(self, table: str, at_least: int = 0) -> Table:

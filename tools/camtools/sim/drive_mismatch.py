@@ -27,14 +27,10 @@ _USUAL_TICK_HZ = 20_000  # of a machine file that gives none
 
 
 class Mismatch(NamedTuple):
-    """Form errors of a cut on a machine whose drive differs from what is believed.
+    """Form errors of a cut on a machine whose drive differs from what is believed."""
 
-    without_um, with_um: largest form error without learning and with it [um]; none where a fault
-    ended the cut.
-    """
-
-    without_um: float | None
-    with_um: float | None
+    without_um: float | None  # the largest, without learning; none where a fault ended the cut
+    with_um: float | None  # with learning
     learns: bool  # the controller learns on this machine
     turns: float  # turns that were cut
     planned_turns: float  # turns of the whole part
@@ -86,10 +82,9 @@ def _error_um(result: Result) -> float | None:
 
 
 def mismatch(table: Path, machine: str, words: Sequence[str], speed_rpm: float) -> Mismatch:
-    """Return what 5 % cost.
+    """Return what 5 % cost at a mean speed, in 300 000 ticks of the cut at most.
 
-    speed_rpm: mean speed; a cut of more than 300 000 ticks ends after so many. Raises
-    CamtoolsError: the simulator refuses such a machine, or its file is no TOML.
+    Raises CamtoolsError: the simulator refuses such a machine, or its file is no TOML.
     """
     tree = read_machine(machine, "machine file")
     tick_hz = nominal_of(tree, "machine.tick_hz") or _USUAL_TICK_HZ
@@ -104,7 +99,7 @@ def mismatch(table: Path, machine: str, words: Sequence[str], speed_rpm: float) 
     without = simulate(table, chosen, turns=turns, options=[*words, *plain]) if learns else learned
     cut = without.summary["cut"]
     faults = dict.fromkeys(
-        name for one in (without, learned) for name in one.summary.get("first_faults", ())
+        name for result in (without, learned) for name in result.summary.get("first_faults", ())
     )
     turns_of = float(cut["turns"]), float(cut["planned_turns"])
     return Mismatch(_error_um(without), _error_um(learned), learns, *turns_of, tuple(faults))

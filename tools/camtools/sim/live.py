@@ -80,8 +80,7 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 class LivePair:
     """The two processes, joined by a pair of sockets; both end when this object is closed.
 
-    controller, lathe: CAN frames, and words, on their pipes. Raises CamtoolsError: they cannot be
-    started.
+    Their pipes carry CAN frames, and words. Raises CamtoolsError: they cannot be started.
     """
 
     def __init__(self, program: Path, folder: Path, words: Sequence[str]) -> None:

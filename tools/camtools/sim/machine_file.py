@@ -57,11 +57,7 @@ def names() -> list[str]:
 
 
 def machine_path(word: str) -> Path:
-    """Return the file of a machine.
-
-    word: the name of a file of host_sim/machines without its suffix, or the path of any file.
-    Raises CamtoolsError: there is neither a machine of that name nor such a file.
-    """
+    """Return the file of a machine by its name in host_sim/machines or its path, or refuse it."""
     if word in names():
         return MACHINES / f"{word}.toml"
     path = Path(word)
@@ -163,7 +159,7 @@ def _defaults() -> Tree:
 def nominal_of(tree: Mapping[str, Any], key: str) -> float | None:
     """Return a number as the controller believes it, else that of the machine, else its default.
 
-    key: table and key, such as "u.bandwidth_hz". Returns none where this is no number.
+    None where this is no number.
 
     >>> nominal_of({}, "u.delay_us"), nominal_of({"u": {"delay_us": 80}}, "u.delay_us")
     (75.0, 80.0)
@@ -241,7 +237,7 @@ def machine_schema() -> Schema:
         meaning = meanings.get(f"{table}.{name}", "")
         tables.setdefault(table, {})[name] = key | ({"description": meaning} if meaning else {})
     found = {name: _object(keys) for name, keys in tables.items()}
-    believed = _object({name: one for name, one in found.items() if name != "machine"})
+    believed = _object({name: keys for name, keys in found.items() if name != "machine"})
     parameters = {"type": "object", "additionalProperties": {"type": ["integer", "boolean"]}}
     title = {"$schema": DRAFT, "title": "machines"}
     return title | _object(found | {"controller": parameters, BELIEVED: believed})

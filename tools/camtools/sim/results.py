@@ -154,14 +154,16 @@ def sections_of(rows: Rows) -> GaugedSections:
     )
     deviation_mm = rows["deviation_nm"] / NM_PER_MM
     sections = []
-    for one in np.unique(number[number > 0]):
-        at = number == one
+    for section_number in np.unique(number[number > 0]):
+        at = number == section_number
         place = float(z_mm[at][0])
-        sections.append(GaugedSection(int(one), place, turn[at], radius_mm[at], deviation_mm[at]))
+        sections.append(
+            GaugedSection(int(section_number), place, turn[at], radius_mm[at], deviation_mm[at])
+        )
     lines = []
-    for one in np.unique(turn[number == 0]):
-        at = (number == 0) & (turn == one)
-        angle_deg = float(one) * _DEG_PER_TURN
+    for line_turn in np.unique(turn[number == 0]):
+        at = (number == 0) & (turn == line_turn)
+        angle_deg = float(line_turn) * _DEG_PER_TURN
         lines.append(GaugedLine(angle_deg, z_mm[at], radius_mm[at], deviation_mm[at]))
     return GaugedSections(tuple(sections), tuple(lines))
 
@@ -217,10 +219,7 @@ class CutVariant(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Cut(Generic[MadeT]):
-    """What is known about the cut of a part of any kind.
-
-    overview: one tick of several of the whole cut, where the trace is not complete.
-    """
+    """What is known about the cut of a part of any kind."""
 
     generated: MadeT  # the part and its table
     summary: Json  # of camsim
@@ -228,7 +227,7 @@ class Cut(Generic[MadeT]):
     trace: CutTrace
     is_trace_complete: bool = True  # the trace holds the whole cut, not its first turns only
     variants: tuple[CutVariant, ...] = ()  # comparison cuts, the matched one first; may be empty
-    overview: CutTrace | None = None
+    overview: CutTrace | None = None  # one tick of several, where the trace is not complete
     origin: Origin | None = None  # what repeats the cut, where a command made it
     sections: GaugedSections = NO_SECTIONS  # the true radius at evenly spaced places
     cutoff_upr: int = DEFAULT_UPR  # of the filter of the sheets, waves per turn

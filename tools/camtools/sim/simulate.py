@@ -46,17 +46,14 @@ _ONE_AT_A_TIME = threading.Lock()  # other threads wait
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Result:
-    """What a cut came to.
+    """What a cut came to."""
 
-    status: as of `camsim run`: 0 good; 1 fault, time-out, out of tolerance or not gauged; 2 a
-    command was refused by the controller; message: why it is not good, "" when it is; summary_text:
-    the summary file of `camsim run`; tables: tables of rows that were asked for, by name.
-    """
-
+    # That of `camsim run`: 0 good; 1 fault, time-out, out of tolerance or not gauged; 2 a command
+    # was refused by the controller.
     status: int
-    message: str
-    summary_text: str
-    tables: Mapping[str, Table]
+    message: str  # why it is not good, "" when it is
+    summary_text: str  # the summary file of `camsim run`
+    tables: Mapping[str, Table]  # those that were asked for, by name
 
     def __repr__(self) -> str:
         """Return how it ended."""
@@ -161,11 +158,11 @@ def cut(
 ) -> Result:
     """Cut what the words of `camsim run` describe, table included.
 
-    tables: of TABLES: those that come back as arrays; files: files to write, each with its table;
-    .parquet is Parquet, others are CSV. The rows of a table that is not in `tables` are written as
-    they come; progress: is given the share that is done, 0 .. 1, now and then, and 1 at the end.
-    Raises CamtoolsError: what `camsim run` would refuse with exit status 2; a cut that ends in a
-    fault is a result; OSError: a file cannot be written.
+    Those of TABLES in `tables` come back as arrays. `files` names the table of each file to write,
+    Parquet for .parquet, else CSV; rows that do not come back are written as they come. `progress`
+    is given the share that is done, 0 .. 1, now and then, and 1 at the end. A cut that ends in a
+    fault is a result. Raises CamtoolsError: what `camsim run` would refuse with exit status 2;
+    OSError: a file cannot be written.
     """
     files = files or {}
     asked = dict.fromkeys([*tables, *files.values()])
@@ -177,17 +174,17 @@ def cut(
             from camtools.sim.table_file import table_file  # pyarrow is slow to load
 
             for file, name in files.items():
-                one = table_file(Path(file), session.columns(name))
-                stack.enter_context(one)
-                writers.append((name, one))
+                writer = table_file(Path(file), session.columns(name))
+                stack.enter_context(writer)
+                writers.append((name, writer))
 
         def write(found: Mapping[str, Table]) -> None:
-            for name, one in writers:
+            for name, writer in writers:
                 if name in found:
-                    one.write(found[name].numbers)
+                    writer.write(found[name].numbers)
 
         while session.run(TICKS_AT_A_TIME):
-            write({one: session.take(one, GROUP_ROWS) for one in asked if one not in tables})
+            write({name: session.take(name, GROUP_ROWS) for name in asked if name not in tables})
             if progress is not None:
                 progress(session.progress())
         ending = session.finish(time.monotonic() - begin_s)
@@ -213,20 +210,21 @@ def simulate(
     options: Sequence[str] = (),
     progress: Callable[[float], None] | None = None,
 ) -> Result:
-    """Cut a part on the simulator and gauge it.
+    """Cut a part on the simulator and gauge it; a cut that ends in a fault is a result.
 
-    table: NAME.camtab; the gauge compares with NAME.json beside it, or where there is none with the
-    table itself; machine: name of a machine of the project ("real"), path of a machine file, its
-    text with a name, or its tables as a mapping: `{"u": {"bandwidth_hz": 270}}`. None is the
-    default machine; rpm, feed: speed of the spindle [r/min] and feed [mm per turn]; else those of
-    the table; turns: end the cut after so many turns of cutting; those in which the feed then falls
-    are gauged, too. The full feed is reached after `feed_ramp_turns`, 60 while learning; set:
-    parameters of the controller, by their names in `firmware/param/cam_param.h`; trace: keep every
-    tick: 300 bytes each; scallop: map the surface between the tracks; `options` then hold
-    `--nose-mm`; options: any others of `camsim run --help`, such as `["--inject", "estop@0.5"]`;
-    progress: is given the share that is done, 0 .. 1, now and then. Raises CamtoolsError: what
-    `camsim run` would refuse with exit status 2: a table, machine, option or speed that is no good.
-    A cut that ends in a fault is a result.
+    The gauge compares with NAME.json beside the table NAME.camtab, or where there is none with the
+    table itself. A machine is the name of one of the project ("real"), the path of a machine file,
+    its text with a name, or its tables: `{"u": {"bandwidth_hz": 270}}`.
+
+    Speed and feed [mm per turn] are those of the table unless given. The cut ends after so many
+    `turns` of cutting; those in which the feed then falls are gauged, too, and the full feed is
+    reached after `feed_ramp_turns`, 60 while learning. `set` gives parameters of the controller by
+    their names in `firmware/param/cam_param.h`, `options` any others of `camsim run --help`, such
+    as `["--inject", "estop@0.5"]`.
+
+    `trace` keeps every tick, 300 bytes each. `scallop` maps the surface between the tracks, and
+    needs `--nose-mm` among the options. `progress` is given the share that is done, 0 .. 1, now and
+    then. Raises CamtoolsError: what `camsim run` would refuse with exit status 2.
     """
     outputs = {f"--{name}" for name in (*TABLES, "summary")}
     for word in options:

@@ -68,9 +68,9 @@ class CsvFile:
 
     def __init__(self, path: Path, columns: Sequence[Column]) -> None:
         self._columns, self._stream = columns, path.open("w", encoding="ascii", newline="")
-        formats = (f"%.{one.decimals}f" if one.decimals else "%s" for one in columns)
+        formats = (f"%.{column.decimals}f" if column.decimals else "%s" for column in columns)
         self._line = ",".join(formats) + "\n"
-        self._stream.write(",".join(one.name for one in columns) + "\n")
+        self._stream.write(",".join(column.name for column in columns) + "\n")
 
     def __enter__(self) -> Self:
         return self
@@ -80,7 +80,7 @@ class CsvFile:
 
     def write(self, numbers: Numbers) -> None:
         """Write rows."""
-        cells = (_cells(one, numbers[:, i]) for i, one in enumerate(self._columns))
+        cells = (_cells(column, numbers[:, i]) for i, column in enumerate(self._columns))
         self._stream.writelines(self._line % row for row in zip(*cells, strict=True))
 
 
@@ -124,9 +124,9 @@ class ParquetFile:
             self._schema,
             compression="zstd",
             compression_level=_LEVEL,
-            use_dictionary=[one.name for one in self._schema if one.type == _STATE],
+            use_dictionary=[field.name for field in self._schema if field.type == _STATE],
             column_encoding={
-                one.name: words[one.type] for one in self._schema if one.type in words
+                field.name: words[field.type] for field in self._schema if field.type in words
             },
             write_statistics=False,
         )

@@ -31,7 +31,7 @@ from camtools.base.quantities import Ints
 
 def _record(fields: str) -> np.dtype[np.void]:
     """Return a record of fields, name and type of each."""
-    return np.dtype([(name, kind) for kind, name in (one.split() for one in fields.split(","))])
+    return np.dtype([(name, kind) for kind, name in (field.split() for field in fields.split(","))])
 
 
 HEADER = _record(
@@ -71,16 +71,16 @@ CRC_START = HEADER.fields["crc32"][1] + 4  # type: ignore[index]
 def bytes_of(record: np.dtype[np.void], values: Mapping[str, object]) -> bytes:
     """Return a record whose fields, all of them, have these values."""
     assert values.keys() == set(record.names or ())
-    one = np.zeros((), record)
+    row = np.zeros((), record)
     for name, value in values.items():
-        one[name] = value
-    return one.tobytes()
+        row[name] = value
+    return row.tobytes()
 
 
 def fields_of(record: np.dtype[np.void], image: bytes, offset: int) -> dict[str, Any]:
     """Return the fields of a record as Python's own numbers and bytes."""
-    [one] = np.frombuffer(image, record, count=1, offset=offset).tolist()
-    return dict(zip(record.names or (), one, strict=True))
+    [row] = np.frombuffer(image, record, count=1, offset=offset).tolist()
+    return dict(zip(record.names or (), row, strict=True))
 
 
 def listed(
@@ -147,7 +147,9 @@ def lobes_of(
     demand(places == [0], "kind: lobes are not the first channel alone")
     rows = listed("lobes", MAX_LOBES, _LOBE, image, entries[0], ends_nm)
     lobes = tuple(LobePlace(*row[:4]) for row in rows)
-    demand(all(one.z_last_nm > one.z_first_nm for one in lobes), "lobes: one ends below its begin")
+    demand(
+        all(lobe.z_last_nm > lobe.z_first_nm for lobe in lobes), "lobes: one ends below its begin"
+    )
     ends = (lobes[0].z_first_nm, lobes[-1].z_last_nm)
     demand(ends == ends_nm, "lobes: ends differ from the table's")
     gaps = [above.z_first_nm - below.z_last_nm for below, above in pairwise(lobes)]
@@ -172,7 +174,7 @@ class PassRecord(NamedTuple):
 
 def bytes_of_passes(passes: Sequence[PassRecord]) -> bytes:
     """Return the records of passes, in the order of cutting."""
-    return np.array([(*one, 0) for one in passes], _PASS).tobytes()
+    return np.array([(*record, 0) for record in passes], _PASS).tobytes()
 
 
 def passes_of(
@@ -188,7 +190,7 @@ def passes_of(
     is_falling = all(low.allowance_nm < high.allowance_nm for high, low in pairwise(passes))
     demand(is_falling and passes[-1].allowance_nm == 0, "passes: allowances do not fall to 0")
     demand(passes[0].allowance_nm <= MAX_ALLOWANCE_NM, "allowance_nm: not at most 10^7")
-    is_moving = all(one.feed_nm > 0 and one.spindle_mrpm > 0 for one in passes)
+    is_moving = all(record.feed_nm > 0 and record.spindle_mrpm > 0 for record in passes)
     demand(is_moving and not any(row[3] for row in rows), "passes: feed, speed or reserved wrong")
     return passes
 

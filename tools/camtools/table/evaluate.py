@@ -207,15 +207,15 @@ def peaks_together(y: Channel, speed: Channel) -> MotionPeaks:
         z_nm = np.arange(y.n_slices, dtype=np.float64)
     found = np.zeros(4)
     for some in np.array_split(z_nm, max(1, z_nm.size * n // 500_000)):
-        per_knot = (n // one.knots.shape[1] for one in (y, speed))
+        per_knot = (n // channel.knots.shape[1] for channel in (y, speed))
         motion, ratio = (
-            evaluate_grid(one, some, np.arange(k) / k)
-            for one, k in zip((y, speed), per_knot, strict=True)
+            evaluate_grid(channel, some, np.arange(k) / k)
+            for channel, k in zip((y, speed), per_knot, strict=True)
         )
         r, r1 = ratio.value / RATIO_ONE, ratio.d1 / RATIO_ONE
         here = (r, r * r1, motion.d1 * r, motion.d2 * r**2 + motion.d1 * r * r1)
-        found = np.maximum(found, [float(np.abs(one).max()) for one in here])
-    return MotionPeaks(*(float(one) * _PEAK_MARGIN for one in found))
+        found = np.maximum(found, [float(np.abs(values).max()) for values in here])
+    return MotionPeaks(*(float(peak) * _PEAK_MARGIN for peak in found))
 
 
 def moving_bounds(uniform: Bounds, peaks: MotionPeaks) -> Bounds:

@@ -132,7 +132,7 @@ def name_of_height(z_mm: float) -> str:
 
 def _rows(columns: Sequence[Floats], before: str, separator: str) -> Iterator[str]:
     for row in zip(*(column.tolist() for column in columns), strict=True):
-        yield before + separator.join(repr(one) for one in row)
+        yield before + separator.join(repr(value) for value in row)
 
 
 def _header(quantity: _Quantity, form: str, *, with_height: bool) -> list[str]:

@@ -48,7 +48,7 @@ def _integers(
 def _largest_sum(channel: Channel) -> int:
     """Return the largest sum of both senses: a table must not depend on M3 or M4."""
     senses = (in_sense(channel, direction) for direction in (1, -1))
-    return max(largest_sum(channel_coefficients(one)) for one in senses)
+    return max(largest_sum(channel_coefficients(sense)) for sense in senses)
 
 
 def quantise(kind: int, exact: Floats, log2_repeat: int, range_nm: tuple[int, int]) -> Channel:

@@ -77,12 +77,12 @@ class Table:
     @property
     def speed(self) -> Channel | None:
         """Return the speed ratio, when the table modulates the spindle."""
-        return next((one for one in self.channels if one.kind == KIND_SPEED), None)
+        return next((channel for channel in self.channels if channel.kind == KIND_SPEED), None)
 
     @property
     def way(self) -> Channel | None:
         """Return how far Z is ahead of a plain helix, when the feed changes with the height."""
-        return next((one for one in self.channels if one.kind == KIND_WAY), None)
+        return next((channel for channel in self.channels if channel.kind == KIND_WAY), None)
 
     @property
     def has_stations(self) -> bool:
@@ -98,7 +98,7 @@ class Table:
     def angle(self) -> Channel | None:
         """Return the angle of the normal at the contact, when the table is that of a lobe."""
         kinds = (KIND_SWING, KIND_CONTACT)
-        return next((one for one in self.channels if one.kind in kinds), None)
+        return next((channel for channel in self.channels if channel.kind in kinds), None)
 
 
 def _aligned(size: int) -> int:
@@ -162,7 +162,10 @@ def pack(table: Table) -> bytes:
     parts = []
     if lobes:
         parts.append(_plain_entry(table, KIND_LOBES, len(lobes), bytes_of_lobes(lobes)))
-    parts += [(_entry_of(one, **bent), one.knots.astype("<i4").tobytes()) for one in table.channels]
+    parts += [
+        (_entry_of(channel, **bent), channel.knots.astype("<i4").tobytes())
+        for channel in table.channels
+    ]
     if passes:
         parts.append(_plain_entry(table, KIND_PASSES, len(passes), bytes_of_passes(passes)))
     offset = _aligned(HEADER_SIZE + ENTRY_SIZE * len(parts))
@@ -217,7 +220,7 @@ def unpack(image: bytes) -> Table:
 def _check_lobes(table: Table) -> None:
     if not table.lobes:
         return
-    counts = {one.n_slices for one in table.channels if one.has_patterns}
+    counts = {channel.n_slices for channel in table.channels if channel.has_patterns}
     demand(table.angle is not None and not table.is_ring_helix, "lobes: no channel of their angle")
     demand(len(counts) == 1, "n_slices: channels have not the same patterns")
     is_there = all(lobe.pattern < min(counts) for lobe in table.lobes)
@@ -233,9 +236,11 @@ def _table_of(header: dict[str, Any]) -> Table:
     demand(header["direction"] in (1, -1), "direction: not 1 or -1")
     is_moving = header["spindle_mrpm"] > 0 and header["feed_nm"] > 0
     demand(is_moving, "spindle_mrpm, feed_nm: not above 0")
-    limits = ImageLimits(**{one.name: header[f"limit_{one.name}"] for one in fields(ImageLimits)})
+    limits = ImageLimits(
+        **{field.name: header[f"limit_{field.name}"] for field in fields(ImageLimits)}
+    )
     demand(all(limit > 0 for limit in vars(limits).values()), "limits: not above 0")
-    bounds = Bounds(**{one.name: header[one.name] for one in fields(Bounds)})
+    bounds = Bounds(**{field.name: header[field.name] for field in fields(Bounds)})
     demand(bounds.u_max_nm >= bounds.u_min_nm, "u_max_nm: below u_min_nm")
     return Table(
         part_name=header["part_name"].decode("ascii"),

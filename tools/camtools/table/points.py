@@ -150,13 +150,17 @@ def _rows(lines: list[tuple[int, str]], columns: list[_Column], file: str) -> Fl
 
 def _in_units(columns: list[_Column], units: Units, file: str, place: str) -> list[_Column]:
     """Return columns with the units of a file, or refuse a header that names others."""
-    if units.value_mm is not None and any(one.has_unit and one.key in "yva" for one in columns):
+    if units.value_mm is not None and any(
+        column.has_unit and column.key in "yva" for column in columns
+    ):
         problem = "the header names a unit of length, and the part file another"
         remedy = "name the columns without a unit, or remove the unit from the part file"
         raise InputError(file, place, None, problem, remedy)
     value_mm, turns = units.value_mm or 1.0, units.turns
     factors = {"x": 1 / turns, "y": value_mm, "v": value_mm * turns, "a": value_mm * turns**2}
-    return [one._replace(scale=one.scale * factors.get(one.key, 1.0)) for one in columns]
+    return [
+        column._replace(scale=column.scale * factors.get(column.key, 1.0)) for column in columns
+    ]
 
 
 def parse_points(text: str, file: str, units: Units = DEGREES_AND_MM) -> PointFile:
@@ -179,7 +183,7 @@ def parse_points(text: str, file: str, units: Units = DEGREES_AND_MM) -> PointFi
     columns = _in_units(columns, units, file, f"line {first}")
     if not lines:
         raise InputError(file, f"line {first}", None, "no points follow", "give those of one turn")
-    rows = dict(zip((one.key for one in columns), _rows(lines, columns, file).T, strict=True))
+    rows = dict(zip((column.key for column in columns), _rows(lines, columns, file).T, strict=True))
     numbers = np.array([number for number, _ in lines])
     return _sections(rows, numbers, file, units)
 
@@ -243,19 +247,19 @@ def _turn(
 
 def _check_motion(turn: PointedTurn, numbers: Floats, file: str) -> None:
     h, y, v, a = turn.steps_deg, turn.y_mm, turn.v, turn.a
-    y1, v1, a1 = (np.roll(one, -1) for one in (y, v, a))
+    y1, v1, a1 = (np.roll(values, -1) for values in (y, v, a))
     rough, fine = h * (v + v1) / 2, h * (v + v1) / 2 - h**2 * (a1 - a) / 12
-    for key, what, step, told, share in (
+    for key, what, step, stated, share in (
         ("V", "values", y1 - y, rough, ROUGH_SHARE),  # a wrong unit or sense
         ("A", "velocities", v1 - v, h * (a + a1) / 2, ROUGH_SHARE),
         ("V", "values", y1 - y, fine, FINE_SHARE),
     ):
-        off = np.abs(step - told)
+        off = np.abs(step - stated)
         i = int(off.argmax())
         if off[i] > share * float(np.abs(step).max()) + SAME_MM:
             problem = (
                 f"{key} contradicts the {what}: to the next point they change by {step[i]:.6g}, "
-                f"{key} says {told[i]:.6g}; {100 * share:g} % of the largest step may differ"
+                f"{key} says {stated[i]:.6g}; {100 * share:g} % of the largest step may differ"
             )
             remedy = f"give {key} in the unit of its header, by degrees without one"
             raise InputError(file, f"line {numbers[i]}", None, problem, remedy)
@@ -270,7 +274,7 @@ def quintics_of(turn: PointedTurn) -> Floats:
     """Return the quintics in t = 0 .. 1 between the points, the last one to the first, (n, 6)."""
     h = turn.steps_deg
     left = np.stack([turn.y_mm, h * turn.v, h**2 / 2 * turn.a], axis=-1)
-    y1, v1, a1 = (np.roll(one, -1) for one in (turn.y_mm, turn.v, turn.a))
+    y1, v1, a1 = (np.roll(values, -1) for values in (turn.y_mm, turn.v, turn.a))
     right = np.stack([y1, h * v1, h**2 / 2 * a1], axis=-1)
     pairs = np.stack([left, right], axis=1)
     return np.asarray(segment_coefficients(pairs, periodic=False)[:, 0], dtype=np.float64)
