@@ -12,7 +12,8 @@ from typing import NoReturn
 import numpy as np
 import pytest
 
-from camtools.base.command import run_command, unbroken
+from camtools.base.command import run_command
+from camtools.base.signals import signals_held
 from tests.tools.cases.part_cases import Capture
 
 
@@ -52,12 +53,12 @@ def test_a_signal_within_a_finaliser_is_a_signal(capsys: Capture) -> None:
     assert capsys.readouterr().err == "demo: interrupted; nothing was written\n"
 
 
-def test_a_signal_within_an_unbroken_call_waits_for_its_end(capsys: Capture) -> None:
+def test_a_signal_that_is_held_ends_the_command_afterwards(capsys: Capture) -> None:
     """The call is whole, then the signal ends the command."""
     done = list[str]()
 
     def act() -> int:
-        with unbroken():
+        with signals_held():
             signal.raise_signal(signal.SIGINT)
             done.append("call")
         done.append("what follows it")

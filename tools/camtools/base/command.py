@@ -17,10 +17,10 @@ from typing import Any, NoReturn
 
 from camtools.base.errors import CamtoolsError, one_line
 from camtools.base.project import VERSION, shown_name, with_names
+from camtools.base.signals import SIGNALS, Interrupted, arrived
 
 BAD_INPUT = 2
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Parser(argparse.ArgumentParser):
@@ -44,36 +44,6 @@ class Parser(argparse.ArgumentParser):
         """End with status 2."""
         name = self.prog.removeprefix("tools/")
         self.exit(BAD_INPUT, f"{name}: {one_line(message)}; see {self.prog} --help\n")
-
-
-class Interrupted(BaseException):
-    """A signal demands the end; unwinding removes what is unfinished."""
-
-
-class _Unbroken:
-    """Whether the main thread is inside `unbroken`, and the signal that arrived there."""
-
-    is_on = False
-    number: int | None = None
-
-
-@contextmanager
-def unbroken() -> Iterator[None]:
-    """Delay Interrupted until the end of the block, so that a library releases its locks.
-
-    Not nestable; for short calls of a library that shares locks with other threads.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    _Unbroken.is_on = True
-    try:
-        yield
-    finally:
-        _Unbroken.is_on = False
-        number, _Unbroken.number = _Unbroken.number, None
-        if number is not None:
-            raise Interrupted(number)
 
 
 @contextmanager
@@ -107,12 +77,9 @@ def run_command(name: str, action: Callable[[], int], *, kept: str = "nothing wa
 
     def interrupt(number: int, _frame: FrameType | None) -> None:
         stopped.append(number)
-        if _Unbroken.is_on:
-            _Unbroken.number = number
-        else:
-            raise Interrupted(number)
+        arrived(number)
 
-    for number in _SIGNALS:
+    for number in SIGNALS:
         signal.signal(number, interrupt)
     try:
         with _no_signal_is_lost():

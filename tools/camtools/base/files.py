@@ -19,7 +19,6 @@ import errno
 import fcntl
 import os
 import shutil
-import signal
 import stat
 import tempfile
 import time
@@ -29,6 +28,7 @@ from pathlib import Path
 from typing import NamedTuple, TextIO
 
 from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.signals import signals_held
 
 
 def read_limited(path: Path, most_bytes: int) -> bytes:
@@ -96,20 +96,9 @@ def read_whole_table(path: Path, most_bytes: int) -> str:
     return text
 
 
-_SIGNALS = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
 _PREFIX, _SUFFIX = ".run.", ".tmp"
 _NEW_S = 1.0  # between making and locking a hidden folder nobody else may remove it
 _MOST_LINKS = 40  # as the kernel
-
-
-@contextmanager
-def signals_held() -> Iterator[None]:
-    """Hold interrupts back while the finished files get their names."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def cannot_write(place: Path, error: OSError) -> CamtoolsError:

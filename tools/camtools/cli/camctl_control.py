@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Annotated, TextIO
 
 from camtools.base.arguments import Option, whole_within
-from camtools.base.command import Interrupted
+from camtools.base.signals import Interrupted
 from camtools.link.controller import Link, Status
 from camtools.link.messages import Answer, Refused
 from camtools.link.refusal_text import ask_done

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from typing import Annotated, TextIO
 
 from camtools.base.arguments import Option, Word, finite, not_negative, positive, whole
-from camtools.base.command import Interrupted
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
+from camtools.base.signals import Interrupted
 from camtools.cli.camctl_control import SECONDS_HELP, Control
 from camtools.link import operator
 from camtools.link.controller import Link, Status

@@ -14,8 +14,8 @@ from typing import Annotated
 import numpy as np
 
 from camtools.base.arguments import Option, Word, not_negative, positive
-from camtools.base.command import Interrupted
 from camtools.base.errors import CamtoolsError
+from camtools.base.signals import Interrupted
 from camtools.cli import camctl_files
 from camtools.cli.camctl_control import Control
 from camtools.cli.camctl_files import Say, count

@@ -26,10 +26,11 @@ from typing import Annotated, Any
 import can
 
 from camtools.base.arguments import Option, Word, Words, command
-from camtools.base.command import BAD_INPUT, Interrupted
+from camtools.base.command import BAD_INPUT
 from camtools.base.errors import CamtoolsError
 from camtools.base.project import with_names
 from camtools.base.quantities import NM_PER_MM
+from camtools.base.signals import Interrupted
 from camtools.cli.bus import Interface
 from camtools.link.bus import open_bus
 from camtools.link.controller import DBC_NODE

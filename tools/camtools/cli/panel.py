@@ -18,10 +18,10 @@ from pathlib import Path
 from typing import Annotated
 
 from camtools.base.arguments import Option, command, whole_within
-from camtools.base.command import Interrupted
 from camtools.base.errors import CamtoolsError
 from camtools.base.files import read_private
 from camtools.base.project import RESULTS
+from camtools.base.signals import Interrupted
 from camtools.cli.bus import BusOptions
 from camtools.link.bus import configured
 from camtools.link.controller import Link

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.files import signals_held
 from camtools.base.quantities import Floats
+from camtools.base.signals import signals_held
 from camtools.identify.configured_drive import PARAMETERS, Believed
 from camtools.identify.excitation_plan import Play
 from camtools.link.controller import Link

@@ -17,7 +17,7 @@ import can
 from cantools.database import DecodeError
 from cantools.database.can import Message
 
-from camtools.base.command import unbroken
+from camtools.base.signals import signals_held
 from camtools.link import messages
 from camtools.link.messages import Answer, Refused
 from camtools.link.rights import Rights, sender_of
@@ -101,7 +101,7 @@ class Link:
         self.on_wait()
         self.rights.beat()
         try:
-            with unbroken():
+            with signals_held():
                 frame = self.bus.recv(timeout_s)
         except (can.CanError, OSError) as error:
             raise Refused(f"{self.where}: the connection to the bus is lost: {error}") from error
@@ -139,7 +139,7 @@ class Link:
     def send_frame(self, identifier: int, data: bytes) -> None:
         """Send a frame."""
         try:
-            with unbroken():
+            with signals_held():
                 self.bus.send(_frame(identifier + self._shift, data), timeout=ANSWER_S)
         except (can.CanError, OSError) as error:
             raise Refused(
