@@ -304,7 +304,7 @@ def _quintics(curve: Curve, first: Floats, last: Floats) -> tuple[Floats, Floats
     """Return quintics (n, 6) through the ends of stretches of a curve, and how far each is off."""
     h = last - first
     at = curve.polar(np.concatenate([first, last]))
-    r, d1, d2 = (one.reshape(2, -1) for one in (at.r, at.d1, at.d2))
+    r, d1, d2 = (column.reshape(2, -1) for column in (at.r, at.d1, at.d2))
     knots = np.stack([r, h * d1, h**2 / 2 * d2], axis=-1).transpose(1, 0, 2)
     quintics = np.asarray(segment_coefficients(knots, periodic=False)[:, 0], dtype=np.float64)
     exact = curve.polar((first[:, None] + h[:, None] * _BETWEEN).ravel()).r
@@ -355,8 +355,8 @@ def prism_of(
     borders = borders[keep]
     borders[0], borders[-1] = 0.0, TURN_RAD
     found = [_fitted(outline, a, b) for a, b in pairwise(borders)]
-    breaks = np.concatenate([*(one[0] for one in found), [TURN_RAD]]) / TURN_RAD
-    quintics = -np.concatenate([one[1] for one in found])
+    breaks = np.concatenate([*(starts for starts, _ in found), [TURN_RAD]]) / TURN_RAD
+    quintics = -np.concatenate([pieces for _, pieces in found])
     quintics[:, 0] += largest_mm
     coefficients = np.zeros((1, quintics.shape[0], N_ANGLE, N_HEIGHT))
     coefficients[0, ..., 0] = factors[0] * quintics
@@ -524,7 +524,7 @@ def _rounded(corners: Floats, radii: Floats, repeat: int) -> Outline:
         starts.append(_angle(corners[i] + taken[i] * along[i]))
         curves.append(line)
     rising = np.unwrap(starts)
-    return Outline(tuple(float(one) for one in rising), tuple(curves), repeat)
+    return Outline(tuple(float(angle) for angle in rising), tuple(curves), repeat)
 
 
 def _angle(point: Floats) -> float:

@@ -57,7 +57,7 @@ def draw_section(made: GeneratedPolygon) -> Figure:
             ls=style,
             label=label,
         )
-    x, y = (np.append(one, one[0]) for one in around(made.drawing.polar(phi).r, phi))
+    x, y = (np.append(column, column[0]) for column in around(made.drawing.polar(phi).r, phi))
     # As axes.fill, which looks for the limits of so many corners by itself: they are set below.
     axes.add_artist(Polygon(np.column_stack((x, y)), color=PALE, alpha=0.5, lw=0))
     axes.plot(x, y, color=BLUE, lw=1.8, label="drawing")
@@ -102,7 +102,7 @@ def draw_motion(made: GeneratedPolygon) -> Figure:
 
 def hardest_blend(made: GeneratedPolygon) -> Blend:
     """Return the blend with the highest acceleration."""
-    return max(made.blended.blends, key=lambda one: one.acceleration_mm())
+    return max(made.blended.blends, key=lambda blend: blend.acceleration_mm())
 
 
 def paint_blend(panels: list[Axes], made: GeneratedPolygon, blend: Blend) -> None:
