@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.quantities import Floats, Ints
+from camtools.base.quantities import NM_PER_MM, Floats, Ints
 
 Complexes = npt.NDArray[np.complex128]
 
@@ -31,7 +31,6 @@ FLAT_HZ = 100.0  # amplitudes are alike up to here and fall with 1/f above
 TICKS_PER_HIGHEST = 12  # a line has at least so many ticks: images of the hold stay small
 CARRIER_LINE = 4  # 20 Hz
 N_PERIODS, N_DROPPED = 5, 1
-NM_PER_MM = 1e6
 _N_ROUNDS = 150
 _OVERSAMPLED = 8
 

@@ -270,11 +270,9 @@ def _with_swing(peaks: Peaks, angle: Channel, speed: Channel | None) -> Peaks:
 
 
 def _feeding(table: Table) -> Peaks:
-    """Return what the feed decides: the speed of Z, and the shortest change between two lobes.
-
-    With a speed channel the lift has half of a change.
-    """
-    least_nm = min((change_nm(*two) for two in pairwise(table.lobes)), default=0)
+    """Return what the feed decides: the speed of Z, and the shortest change between two lobes."""
+    least_nm = min((change_nm(*pair) for pair in pairwise(table.lobes)), default=0)
+    # with a speed channel the lift has half of a change
     change_mm = (least_nm if table.speed is None else least_nm // 2) / NM_PER_MM
     return Peaks(0.0, 0.0, 0.0, feed_mm=table.feed_nm / NM_PER_MM, change_mm=change_mm)
 

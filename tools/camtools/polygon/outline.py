@@ -23,7 +23,7 @@ from scipy.optimize import brentq
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats, Ints
-from camtools.skirt.geometry.poly_surface import N_ANGLE, N_HEIGHT, PolySurface
+from camtools.skirt.geometry.poly_surface import N_ANGLE, N_HEIGHT, TURN_RAD, PolySurface
 from camtools.table.channel import MAX_LOG2_REPEAT, segment_coefficients
 
 HALF_TURN_RAD = np.pi
@@ -126,7 +126,7 @@ class Flank:
     @property
     def is_convex(self) -> bool:
         """Return whether the contour has no loops and needs no circle across its corners."""
-        return self.mean_mm > (self.n**2 - 1) * self.eccentricity_mm
+        return self.mean_mm > self._bend
 
     @cached_property
     def _last_alpha(self) -> float:
@@ -188,7 +188,6 @@ class Flank:
         return Polar(r, r * g1, r * (g1**2 + g2), r * (g1**3 + 3 * g1 * g2 + g3))
 
 
-TURN_RAD = 2 * np.pi
 _MEASURED = 20_160  # angles; a multiple of all numbers of sides up to 10
 _SAME_MM, _SAME_BEND_MM = 1e-9, 1e-6  # slopes and bends that differ by less are the same
 
