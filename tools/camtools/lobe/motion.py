@@ -196,15 +196,13 @@ def profiles_of(lobes: list[ShaftLobe]) -> list[ShaftLobe]:
     return [replace(firsts[i], phase_rad=0.0) for i in sorted(firsts)]
 
 
-def example_lobe(operation: str = "turning", speed: str = "uniform") -> LobePart:
+def example_lobe(operation: str = "turning") -> LobePart:
     """Return the 3-4-5 lobe of the worked numbers, MATHS.md (37), for examples."""
     lobe = Lobe(z_mm=[0, 12], law="poly345", lift_mm=8, half_angle_deg=70)
     return LobePart(
         part=PartInfo(name="example", kind="cam", source="MATHS.md (37)"),
         cam=Camshaft(base_radius_mm=20, roller_radius_mm=10, wheel_radius_mm=200, lobe=[lobe]),
-        process=LobeProcess.model_validate(
-            {"operation": operation, "speed": speed, "spindle_rpm": 60}
-        ),
+        process=LobeProcess.model_validate({"operation": operation, "spindle_rpm": 60}),
     )
 
 

@@ -207,29 +207,21 @@ def sides_of(
     thrust = OvalSide(shape, radius, ovality, none, parameter, none)
     if antithrust is None:
         return SidesSurface(thrust)
-    drop = _over(
-        antithrust, antithrust.drop_mm or [0.0] * len(antithrust.height_mm), "drop_mm", 1000.0
-    )
-    drop = magnified(drop, factors[1], 0.0)
+    drop_mm = antithrust.drop_mm or [0.0] * len(antithrust.height_mm)
+    drop = magnified(_over(antithrust, drop_mm, "drop_mm"), factors[1], 0.0)
     if antithrust.ovality_mm is None:
         breaks = np.union1d(ovality.x, drop.x)  # G - 2 drop leaves the short half axis as it is
         its_ovality = PPoly(_on(ovality, breaks) - 2 * _on(drop, breaks), breaks)
     else:
-        its_ovality = magnified(
-            _over(antithrust, antithrust.ovality_mm, "ovality_mm", 1000.0), factors[0], 0
-        )
+        its_ovality = _over(antithrust, antithrust.ovality_mm, "ovality_mm")
+        its_ovality = magnified(its_ovality, factors[0], 0)
     _check_least(its_ovality, _ends(piston))
     own = getattr(antithrust, key)
-    side = OvalSide(
-        shape,
-        radius,
-        its_ovality,
-        drop,
-        parameter if own is None else _over(antithrust, own, key, 1.0),
-        magnified(
-            _over(antithrust, antithrust.phase_deg, "phase_deg", 1.0), float(np.radians(1)), 0.0
-        ),
-    )
+    if own is not None:
+        parameter = _over(antithrust, own, key)
+    phase_deg = _over(antithrust, antithrust.phase_deg, "phase_deg")
+    phase = magnified(phase_deg, float(np.radians(1)), 0.0)
+    side = OvalSide(shape, radius, its_ovality, drop, parameter, phase)
     return SidesSurface(thrust, side, antithrust.meet, float(np.radians(antithrust.blend_deg)))
 
 
@@ -237,7 +229,7 @@ def _ends(piston: Piston) -> tuple[float, float]:
     return float(piston.profile.height_mm[0]), float(piston.profile.height_mm[-1])
 
 
-def _over(antithrust: Antithrust, value: list[float] | float, name: str, scale: float) -> PPoly:
+def _over(antithrust: Antithrust, value: list[float] | float, name: str) -> PPoly:
     """Return a number, or a list over the heights of the antithrust side, as cubics."""
     heights_mm = antithrust.height_mm
     if not isinstance(value, list):
@@ -245,7 +237,7 @@ def _over(antithrust: Antithrust, value: list[float] | float, name: str, scale: 
     curve = through(heights_mm, value, antithrust.interpolation)
     allowed = Allowance(name, 1.0, "", _FREE, None)
     if name.endswith("_mm"):
-        allowed = in_um(antithrust.overshoot_um, name, scale / 1000.0)
+        allowed = in_um(antithrust.overshoot_um, name)
     check_overshoot("piston.antithrust.interpolation", curve, allowed, np.array(heights_mm))
     return curve
 
