@@ -415,10 +415,7 @@ def choose_u(
 def _measured(
     geometry: Geometry, sieve: Geometry, tolerance_nm: float, most: int
 ) -> tuple[tuple[Channel, Accuracy] | None, list[tuple[Channel, Accuracy]]]:
-    """Return the first channel of a sieve's sizes that keeps the tolerance, and those that do not.
-
-    The latter are those that were measured before it.
-    """
+    """Return the first channel of a sieve's sizes that keeps the tolerance, and those before it."""
     others: list[tuple[Channel, Accuracy]] = []
     coarse: set[int] = set()
     for candidate in islice(_hopeful(sieve, tolerance_nm, coarse), most):
