@@ -234,7 +234,7 @@ class Store:
     def add(self, outcomes: Sequence[CutOutcome]) -> None:
         """Keep outcomes; they are on the disk on return."""
         name = f"{uuid.uuid4().hex}.parquet"
-        columns = {name: [getattr(one, name) for one in outcomes] for name in _FIELDS}
+        columns = {field: [getattr(outcome, field) for outcome in outcomes] for field in _FIELDS}
         write_all(self.folder, {name: parquet_bytes(columns, SCHEMA, {})})
         self._paths.append(self.folder / name)
         self.found |= {outcome.key: outcome for outcome in outcomes}

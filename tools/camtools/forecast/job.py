@@ -48,7 +48,7 @@ class ForecastPlan(NamedTuple):
     @property
     def names(self) -> list[str]:
         """Return the keys of the unknowns."""
-        return [one.key for one in self.unknowns]
+        return [unknown.key for unknown in self.unknowns]
 
 
 def plan_of(
@@ -64,8 +64,8 @@ def plan_of(
 ) -> ForecastPlan:
     """Make the table, read machine and unknowns, draw the machines; nothing is cut or written.
 
-    machine_name: name or path, None: that of the part file; vary: None: the usual unknowns;
-    rpm: the table of some parts depends on it; tolerance_um: None: that of the part.
+    None stands for the machine and the tolerance of the part file, and for the usual unknowns. The
+    machine has a name or a path; the tables of some parts depend on the speed.
     """
     made = make(load(part_file), part_file, rpm=rpm)
     part = made.table.part
@@ -80,7 +80,7 @@ def plan_of(
     _check(task, machine, name)
     _check_ends(task, tree, unknowns, str(vary or DEFAULT_VARY.name))
     inputs = draw(unknowns, n_runs, seed=seed)
-    keys = [one.key for one in unknowns]
+    keys = [unknown.key for unknown in unknowns]
     drawn = (dict(zip(keys, map(float, row), strict=True)) for row in inputs)
     texts = [emit_machine(mistaken(tree, numbers)) for numbers in drawn]
     allowed_um = part.process.form_error_um if tolerance_um is None else tolerance_um
@@ -119,13 +119,13 @@ def _check(task: Task, machine: Machine, name: str) -> None:
 
 def _check_ends(task: Task, tree: Tree, unknowns: Sequence[Unknown], file: str) -> None:
     """Refuse numbers that no machine file may have; what is only infeasible is cut and counted."""
-    for one in unknowns:
-        for end, value in (("low", one.low), ("high", one.high)):
-            text = emit_machine(mistaken(tree, {one.key: value}))
+    for unknown in unknowns:
+        for end, value in (("low", unknown.low), ("high", unknown.high)):
+            text = emit_machine(mistaken(tree, {unknown.key: value}))
             try:
                 _begin(task, Machine(_PROBE, text))
             except CamtoolsError as error:
                 found = _LINE.match(str(error))
                 if found is not None:
                     problem = f"reaches to {value:.6g}: {found.group(1)}"
-                    raise CamtoolsError([f"{file}: {one.key}: {end} {problem}"]) from error
+                    raise CamtoolsError([f"{file}: {unknown.key}: {end} {problem}"]) from error

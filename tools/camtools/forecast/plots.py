@@ -36,16 +36,16 @@ def _distribution(axes: Axes, plan: ForecastPlan, forecast: Forecast) -> None:
     # Where the curve is not, left of the tolerance.
     height, side = (2, "bottom") if forecast.within.share > 0.5 else (102, "top")
     axes.text(plan.tolerance_um, height, text, rotation=90, color=style.RED, ha="right", va=side)
-    for one in forecast.quantiles:
-        if np.isfinite(one.value):
-            ends = [one.low, one.high if np.isfinite(one.high) else high]
-            axes.plot(ends, [one.percent] * 2, color=style.ORANGE, lw=3, alpha=0.7)
-            axes.plot(one.value, one.percent, "o", color=style.BLUE, ms=4)
+    for quantile in forecast.quantiles:
+        if np.isfinite(quantile.value):
+            ends = [quantile.low, quantile.high if np.isfinite(quantile.high) else high]
+            axes.plot(ends, [quantile.percent] * 2, color=style.ORANGE, lw=3, alpha=0.7)
+            axes.plot(quantile.value, quantile.percent, "o", color=style.BLUE, ms=4)
     axes.set(xlabel="largest form error, µm", ylabel="share of machines below, %")
     axes.grid(color=style.PALE, lw=0.5)
     failed = n - errors_um.size
-    told = f"{n} machines, {failed} without a result" if failed else f"{n} machines"
-    axes.set_title(f"{told}: {100 * forecast.within.share:.1f} % within tolerance")
+    count = f"{n} machines, {failed} without a result" if failed else f"{n} machines"
+    axes.set_title(f"{count}: {100 * forecast.within.share:.1f} % within tolerance")
 
 
 def _bars(axes: Axes, forecast: Forecast) -> None:
@@ -55,12 +55,12 @@ def _bars(axes: Axes, forecast: Forecast) -> None:
         axes.set_axis_off()
         return
     places = np.arange(len(shown))
-    colours = [style.PALE if one.is_noise else style.BLUE for one in shown]
-    axes.barh(places, [one.pawn for one in shown], color=colours, height=0.6)
-    first = [min(max(one.first_order, 0.0), 1.0) for one in shown]
-    spread = [one.first_order_conf for one in shown]
+    colours = [style.PALE if effect.is_noise else style.BLUE for effect in shown]
+    axes.barh(places, [effect.pawn for effect in shown], color=colours, height=0.6)
+    first = [min(max(effect.first_order, 0.0), 1.0) for effect in shown]
+    spread = [effect.first_order_conf for effect in shown]
     axes.errorbar(first, places, xerr=spread, fmt="o", color=style.GREEN, ms=4, lw=1)
-    axes.set_yticks(places, [one.key for one in shown])
+    axes.set_yticks(places, [effect.key for effect in shown])
     axes.set(xlim=(0, 1), xlabel="bar: PAWN index, dot: share of the variance alone")
     axes.set_title("what matters (grey: no more than noise)")
 
@@ -82,7 +82,7 @@ def _scatter(axes: Axes, plan: ForecastPlan, forecast: Forecast, key: str) -> No
 def draw_forecast(plan: ForecastPlan, forecast: Forecast) -> bytes:
     """Return the picture as PNG."""
     name = plan.made.table.part.part.name
-    shown = [one.key for one in forecast.effects[:_SCATTERS]]
+    shown = [effect.key for effect in forecast.effects[:_SCATTERS]]
     with style.drawing():
         figure = style.titled_figure(11, 7.5 if shown else 4, f"{name} on {plan.machine.name}")
         parts = figure.subfigures(2 if shown else 1, 1, squeeze=False)[:, 0]

@@ -95,7 +95,7 @@ def effects(keys: list[str], inputs: Floats, errors: Floats, *, seed: int) -> li
     moved = pawn.analyze(_problem(drawn), drawn, logs, S=_SLICES, seed=seed)["median"]
     floor = float(np.quantile(moved[len(keys) :], _CONFIDENCE))
     first = rbd_fast.analyze(_problem(inputs), inputs, logs, num_resamples=_RESAMPLES, seed=seed)
-    columns = (map(float, one) for one in (moved, first["S1"], first["S1_conf"]))
+    columns = (map(float, column) for column in (moved, first["S1"], first["S1_conf"]))
     rows = zip(keys, *columns, strict=False)  # moved has the random columns, too
     found = [Effect(key, far, alone, half, far <= floor) for key, far, alone, half in rows]
     return sorted(found, key=lambda effect: -effect.pawn)
@@ -117,14 +117,15 @@ class Forecast(NamedTuple):
 
 def evaluate(plan: ForecastPlan, outcomes: Sequence[CutOutcome]) -> Forecast:
     """Return what the cuts of a plan say; refuse a plan of which none was gauged."""
-    is_gauged = np.array([one.is_gauged for one in outcomes])
+    is_gauged = np.array([outcome.is_gauged for outcome in outcomes])
     if not is_gauged.any():
         first = outcomes[0].message or outcomes[0].end
         raise CamtoolsError([f"none of {len(outcomes)} cuts was gauged; the first: {first}"])
-    found = np.array([one.form_max_um for one in outcomes])
+    found = np.array([outcome.form_max_um for outcome in outcomes])
     errors_um = np.where(is_gauged, found, _NOTHING_UM)
     ends = Counter(
-        " ".join(["gauged" if one.is_gauged else one.end, one.faults]).strip() for one in outcomes
+        " ".join(["gauged" if outcome.is_gauged else outcome.end, outcome.faults]).strip()
+        for outcome in outcomes
     )
     return Forecast(
         errors_um,
@@ -139,8 +140,8 @@ def forecast_summary(plan: ForecastPlan, forecast: Forecast) -> Json:
     """Return all numbers of a forecast; a number that is infinite is null."""
     names = ("percent", "value_um", "low_um", "high_um")
     quantiles = [
-        {name: v if np.isfinite(v) else None for name, v in zip(names, one, strict=True)}
-        for one in forecast.quantiles
+        {name: v if np.isfinite(v) else None for name, v in zip(names, figures, strict=True)}
+        for figures in forecast.quantiles
     ]
     return {
         "part": plan.made.table.part.part.name,
@@ -154,8 +155,8 @@ def forecast_summary(plan: ForecastPlan, forecast: Forecast) -> Json:
         "form_error_um": quantiles,
         "ends": forecast.ends,
         "unknowns": [
-            {"key": one.key, "nominal": one.nominal, "distribution": one.words}
-            for one in plan.unknowns
+            {"key": unknown.key, "nominal": unknown.nominal, "distribution": unknown.words}
+            for unknown in plan.unknowns
         ],
         "left_out": plan.left_out,
         "effects": [effect._asdict() for effect in forecast.effects],
@@ -169,7 +170,7 @@ def runs_parquet(plan: ForecastPlan, outcomes: Sequence[CutOutcome], about: Json
     schema = pa.schema([*fields, *(SCHEMA.field(name) for name in names)])
     columns: dict[str, Any] = {"run": list(range(len(outcomes)))}
     columns |= {key: plan.inputs[:, place] for place, key in enumerate(plan.names)}
-    columns |= {name: [getattr(one, name) for one in outcomes] for name in names}
+    columns |= {name: [getattr(outcome, name) for outcome in outcomes] for name in names}
     return parquet_bytes(columns, schema, {"camturn.forecast": emit_json(about)})
 
 
@@ -185,7 +186,7 @@ class Progress:
         self._stream, self._clock = stream, clock
         self._begin_s = clock()
         self._is_open = False
-        self._told = n_done * _LINES // max(n_all, 1)
+        self._reported = n_done * _LINES // max(n_all, 1)
         if n_done:
             stream.write(f"forecast: {n_done} of {n_all} cuts are already done\n")
 
@@ -196,8 +197,8 @@ class Progress:
         if self._stream.isatty():
             self._stream.write(f"\r{self._text()}\033[K")
             self._is_open = True
-        elif self._n_done * _LINES // self._n_all > self._told:
-            self._told = self._n_done * _LINES // self._n_all
+        elif self._n_done * _LINES // self._n_all > self._reported:
+            self._reported = self._n_done * _LINES // self._n_all
             self._stream.write(f"{self._text()}\n")
         self._stream.flush()
 
@@ -235,16 +236,16 @@ def forecast_text(plan: ForecastPlan, forecast: Forecast, place: str) -> str:
     rows = [(f"within {length_text(plan.tolerance_um)}", f"{percent} of {n} machines")]
     if taken_um := plan.made.kind.taken_um(plan.made.table):
         rows.append(("smoothing", share_text(taken_um, plan.tolerance_um + taken_um)))
-    for one in forecast.quantiles:
-        name = "median" if one.percent == 50 else f"{one.percent:.0f} % below"
-        value, low, high = (length_text(um) if np.isfinite(um) else "no result" for um in one[1:])
-        within = f"{low} .. {high}" if np.isfinite(one.high) else f"from {low} up"
+    for found in forecast.quantiles:
+        name = "median" if found.percent == 50 else f"{found.percent:.0f} % below"
+        value, low, high = (length_text(um) if np.isfinite(um) else "no result" for um in found[1:])
+        within = f"{low} .. {high}" if np.isfinite(found.high) else f"from {low} up"
         rows.append((name, f"{value} ({within})"))
     for end, count in forecast.ends.items():
         if end != "gauged":
             rows.append((f"ended: {end}", f"{count} cuts, counted as out of tolerance"))
     shown = forecast.effects[:_SHOWN]
-    rows += [("matters most" if one is shown[0] else "", _effect(one)) for one in shown]
+    rows += [("matters most" if effect is shown[0] else "", _effect(effect)) for effect in shown]
     if not shown:
         rows.append(("matters most", f"unknown with fewer than {LEAST_FOR_RANKING} different cuts"))
     if plan.left_out:

@@ -3,7 +3,7 @@ r"""V.toml: unknown numbers of a machine, how they are spread, and machines draw
 A table for each number, named as in machine files; tools/docs/FORECAST.md describes the keys.
 
 >>> text = '[u.delay_us]\ndistribution = "uniform"\nof = "nominal"\nlow = 0.9\nhigh = 1.1\n'
->>> [one.key for one in read_vary(text.encode(), "v.toml", {})]
+>>> [unknown.key for unknown in read_vary(text.encode(), "v.toml", {})]
 ['u.delay_us']
 """
 
@@ -167,4 +167,4 @@ def draw(unknowns: Sequence[Unknown], n_runs: int, *, seed: int) -> Floats:
     with warnings.catch_warnings():  # balance wants powers of two; any number is a fair sample
         warnings.simplefilter("ignore", UserWarning)
         points = sobol.random(n_runs)
-    return np.column_stack([one.at(points[:, place]) for place, one in enumerate(unknowns)])
+    return np.column_stack([unknown.at(points[:, place]) for place, unknown in enumerate(unknowns)])

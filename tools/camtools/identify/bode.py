@@ -27,9 +27,9 @@ def unwrapped_deg(response: Complexes) -> Floats:
 
 def measured_response(found: Identified) -> tuple[Complexes, Floats]:
     """Return the response at the lines, friction taken out, and its standard deviation."""
-    one, values = found.spectra, found.plain.values
-    free = one.y + values[FRICTION] * one.friction / slide_of(one.s, values)
-    return free / one.u, one.noise_nm / np.abs(one.u)
+    spectra, values = found.spectra, found.plain.values
+    free = spectra.y + values[FRICTION] * spectra.friction / slide_of(spectra.s, values)
+    return free / spectra.u, spectra.noise_nm / np.abs(spectra.u)
 
 
 def left_by_fit(found: Identified) -> Floats:
@@ -46,10 +46,10 @@ def _curves(found: Identified, believed: Floats, s: Complexes) -> Iterator[_Curv
 
 
 def _residual(axes: Axes, found: Identified) -> None:
-    one = found.spectra
-    left, noise = 100 * left_by_fit(found), 100 * one.noise_nm / np.abs(one.y)
-    axes.loglog(one.frequency_hz, left, ".", color=style.BLUE, label="left by the fit")
-    axes.loglog(one.frequency_hz, noise, "-", color=style.GREY, label="noise")
+    spectra = found.spectra
+    left, noise = 100 * left_by_fit(found), 100 * spectra.noise_nm / np.abs(spectra.y)
+    axes.loglog(spectra.frequency_hz, left, ".", color=style.BLUE, label="left by the fit")
+    axes.loglog(spectra.frequency_hz, noise, "-", color=style.GREY, label="noise")
     axes.set(xlabel="frequency, Hz", ylabel="share of the line, %")
     axes.legend(loc="upper left", frameon=False)
 

@@ -153,11 +153,11 @@ class SimulatedU:
         except OSError as error:
             problem = f"{program}: cannot be started: {error.strerror}"
             raise CamtoolsError([f"{problem}; start tools/identify, which builds it"]) from error
-        said = done.stderr.strip().removeprefix("camsim: ").replace(_MACHINE, self._name)
+        message = done.stderr.strip().removeprefix("camsim: ").replace(_MACHINE, self._name)
         if done.returncode == 1:
-            raise CutShortError(said or "the excitation was cut short")
+            raise CutShortError(message or "the excitation was cut short")
         if done.returncode != 0:
-            raise CamtoolsError((said or f"camsim ended with {done.returncode}").splitlines())
+            raise CamtoolsError((message or f"camsim ended with {done.returncode}").splitlines())
         return done.stdout
 
     def believed(self) -> Believed:
@@ -176,7 +176,7 @@ class SimulatedU:
         `signals`: of the recorder, in the order of firmware/recorder/cam_recorder.h. Raises
         `CamtoolsError`: the controller refuses; `CutShortError`: it began and did not end.
         """
-        text = "\n".join([HEADINGS[play.unit], *(str(one) for one in play.samples.tolist())])
+        text = "\n".join([HEADINGS[play.unit], *(str(sample) for sample in play.samples.tolist())])
         (self._folder / _WAVE).write_text(f"{text}\n", "ascii")
         words = {
             "--wave": _WAVE,

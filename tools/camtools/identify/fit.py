@@ -7,8 +7,9 @@ A drive that rings has the same constants beside one mode, for comparison.
 >>> s = 2j * np.pi * grid.excited * grid.line_hz
 >>> u = np.ones_like(s)
 >>> y = u * np.exp(-1e-4 * s) / (1 + 7e-4 * s + 3e-7 * s**2)
->>> one = Spectra(grid, grid.excited, 0, s, u, y, 0 * s, u[None], y[None], 0 * s[None], abs(0 * s))
->>> found = fit(one)
+>>> periods = u[None], y[None], 0 * s[None]
+>>> spectra = Spectra(grid, grid.excited, 0, s, u, y, 0 * s, *periods, abs(0 * s))
+>>> found = fit(spectra)
 >>> (found.values * [1e6, 1e9, 1, 1e6]).round(2).tolist()
 [700.0, 300.0, 0.0, 100.0]
 """
@@ -296,10 +297,10 @@ class _Residual:
         self.scale = np.array([k1_s, k2_s2, max(friction, 1.0), 1e-4])
 
     def __call__(self, x: Floats) -> Floats:
-        values, one = x[:4] * self.scale, self.spectra
-        slide = one.y / _mode_at(x).factor(one.s)
-        left = slide_of(one.s, values) * slide + values[FRICTION] * one.friction
-        return stacked((left - one.u * np.exp(-values[LEAD] * one.s)) * self.weight)
+        values, spectra = x[:4] * self.scale, self.spectra
+        slide = spectra.y / _mode_at(x).factor(spectra.s)
+        left = slide_of(spectra.s, values) * slide + values[FRICTION] * spectra.friction
+        return stacked((left - spectra.u * np.exp(-values[LEAD] * spectra.s)) * self.weight)
 
 
 def _begins(start: Floats, near: ModeFit | None) -> Iterator[Floats]:

@@ -120,11 +120,11 @@ class Identified:
     @property
     def has_mode(self) -> bool:
         """A mode explains most of what the plain fit leaves, so that the fit is biased."""
-        one = self.with_mode
+        with_mode = self.with_mode
         return (
-            one is not None
-            and one.plain_cost > _MODE_GAIN * one.cost
-            and self.gain_cost > _RATHER_A_MODE * one.cost
+            with_mode is not None
+            and with_mode.plain_cost > _MODE_GAIN * with_mode.cost
+            and self.gain_cost > _RATHER_A_MODE * with_mode.cost
         )
 
     @property
@@ -150,21 +150,21 @@ class Identified:
 
     def problems(self) -> list[str]:
         """Return why the constants are not to be applied; an empty list when they are."""
-        one = self.judged
-        if not one.is_physical:
+        judged = self.judged
+        if not judged.is_physical:
             return ["no drive of second order has such a response"]
         found = []
-        sigmas = np.sqrt(np.diag(one.covariance))
+        sigmas = np.sqrt(np.diag(judged.covariance))
         for name, i in (("k1", K1), ("k2", K2)):
-            share = float(sigmas[i] / one.values[i])
+            share = float(sigmas[i] / judged.values[i])
             if share > _MOST_SHARE:
                 known = f"{name} is known to {100 * share:.3g} % only"
                 found.append(f"{known}, at most {100 * _MOST_SHARE:g} %")
         if sigmas[LEAD] > _MOST_LEAD_S:
             known = f"lead is known to {sigmas[LEAD] * 1e6:.3g} us"
             found.append(f"{known}, at most {_MOST_LEAD_S * 1e6:g} us")
-        if one.misfit > _MOST_MISFIT:
-            left = f"the fit leaves {100 * one.misfit:.3g} % of what was measured"
+        if judged.misfit > _MOST_MISFIT:
+            left = f"the fit leaves {100 * judged.misfit:.3g} % of what was measured"
             found.append(f"{left}, at most {100 * _MOST_MISFIT:g} %")
         if not self.has_mode and abs(self.gain - 1) > _MOST_GAIN_OFF:
             moved = f"U moves {self.gain:.4f} of what is commanded"
@@ -226,10 +226,10 @@ def identify(record: SettledRecord, *, with_mode: bool = True) -> Identified:
     """
     spectra, plain = _fit_plain(record)
     if record.is_coarse:
-        record_too = record.rounded()
-        other = _fit_plain(record_too)
-        if other[1].misfit < plain.misfit:
-            record, (spectra, plain) = record_too, other
+        rounded = record.rounded()
+        rounded_spectra, rounded_plain = _fit_plain(rounded)
+        if rounded_plain.misfit < plain.misfit:
+            record, spectra, plain = rounded, rounded_spectra, rounded_plain
     looks = with_mode and plain.is_physical
     mode = _fit_mode(spectra, record, plain) if looks else None
     return Identified(spectra, plain, mode, *moved_per_commanded(spectra, plain))

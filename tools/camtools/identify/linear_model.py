@@ -109,7 +109,9 @@ def _check_excitation(segments: _Segments) -> None:
 
 def _lines(segments: _Segments) -> Lines:
     """Return the mean of segments at the lines that the command excites coherently."""
-    power_u, power_y = (np.mean(np.abs(one) ** 2, axis=0) for one in (segments.u, segments.y))
+    power_u, power_y = (
+        np.mean(np.abs(transform) ** 2, axis=0) for transform in (segments.u, segments.y)
+    )
     cross = np.mean(segments.y * segments.u.conj(), axis=0)
     coherence = np.abs(cross) ** 2 / np.maximum(power_u * power_y, 1e-300)
     is_used = (power_u > _LEAST_POWER * power_u.max()) & (coherence > _LEAST_COHERENCE)
@@ -143,8 +145,8 @@ def _begin(lines: Lines) -> Floats:
     """Return where a fit begins: linear least squares for the best of many delays."""
     step_s = 0.25 * np.pi / float(np.abs(lines.s[-1]))
     delays_s = np.arange(-2, 4 * _MOST_DELAY_STEPS) * step_s
-    tried = [np.append(_solve(lines, one), one) for one in delays_s]
-    costs = [float(np.sum(_off(one, lines) ** 2)) for one in tried]
+    tried = [np.append(_solve(lines, delay_s), delay_s) for delay_s in delays_s]
+    costs = [float(np.sum(_off(values, lines) ** 2)) for values in tried]
     return tried[int(np.argmin(costs))]
 
 
@@ -163,7 +165,7 @@ def _fit_of(segments: _Segments, rows: Ints, begin: Floats) -> Floats:
 
 def _replicas(segments: _Segments, blocks: list[Ints], begin: Floats) -> Floats:
     rows = [np.concatenate(blocks[:i] + blocks[i + 1 :]) for i in range(len(blocks))]
-    return np.array([_fit_of(segments, one, begin) for one in rows])
+    return np.array([_fit_of(segments, kept, begin) for kept in rows])
 
 
 def jackknife(replicas: Floats) -> Floats:
@@ -205,7 +207,7 @@ def _held_or_not(record: ForeignRecord) -> tuple[_Segments, Lines, Floats]:
         values = _fit(lines, _begin(lines))
         cost = float(np.sum(_off(values, lines) ** 2)) + doubt
         found.append((cost, (segments, lines, values)))
-    return min(found, key=lambda one: one[0])[1]
+    return min(found, key=lambda fitted: fitted[0])[1]
 
 
 def identify_record(record: ForeignRecord) -> LinearModel:
@@ -228,8 +230,8 @@ def identify_record(record: ForeignRecord) -> LinearModel:
 def _terms(record: ForeignRecord, values: Floats, hold_s: float) -> dict[str, Floats]:
     """Return terms of the command that a drive may have and a linear model has not."""
     s = np.asarray(2j * np.pi * np.fft.rfftfreq(record.u.size, 1 / record.rate_hz))[1:]
-    way = np.fft.rfft(record.u)[1:] * response_of(values, s, hold_s)
-    terms = (np.fft.irfft(np.append(0, way * s**i), record.u.size) for i in range(3))
+    spectrum = np.fft.rfft(record.u)[1:] * response_of(values, s, hold_s)
+    terms = (np.fft.irfft(np.append(0, spectrum * s**i), record.u.size) for i in range(3))
     (position, speed, acceleration), command = terms, record.u - record.u.mean()
     return {
         "friction": np.sign(speed),
@@ -273,7 +275,6 @@ def _distortion(record: ForeignRecord, segments: _Segments, values: Floats) -> l
 
 
 def _problems(found: LinearModel) -> list[str]:
-    """Return why a linear model does not hold."""
     problems = []
     if found.misfit > _MOST_MISFIT and found.chi > _MOST_CHI:
         problems.append(
@@ -321,9 +322,8 @@ def constants_of(values: Floats, command: str) -> dict[str, float]:
 
 
 def _uncertain(found: LinearModel, command: str) -> list[tuple[str, float, float]]:
-    """Return name, value and deviation of each constant."""
     constants = constants_of(found.values, command)
-    rows = [list(constants_of(one, command).values()) for one in found.replicas]
+    rows = [list(constants_of(replica, command).values()) for replica in found.replicas]
     return [*zip(constants, constants.values(), jackknife(np.array(rows)).tolist(), strict=True)]
 
 
@@ -341,7 +341,7 @@ def record_lines(found: LinearModel, record: ForeignRecord) -> Iterator[str]:
     for name, value, sigma in _uncertain(found, record.command):
         yield f"{name:<22}{value:>14.6g}{sigma:>12.2g}"
     yield f"misfit {100 * found.misfit:.3g} %, {found.chi:.3g} times the deviations of the lines"
-    yield from (f"a linear model does not hold: {one}" for one in found.problems)
+    yield from (f"a linear model does not hold: {problem}" for problem in found.problems)
 
 
 def record_numbers(found: LinearModel, record: ForeignRecord) -> Json:

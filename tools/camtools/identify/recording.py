@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.quantities import Floats, Ints
+from camtools.base.quantities import NM_PER_MM, Floats, Ints
 
 Complexes = npt.NDArray[np.complex128]
 
@@ -31,7 +31,6 @@ FLAT_HZ = 100.0  # amplitudes are alike up to here and fall with 1/f above
 TICKS_PER_HIGHEST = 12  # a line has at least so many ticks: images of the hold stay small
 CARRIER_LINE = 4  # 20 Hz
 N_PERIODS, N_DROPPED = 5, 1
-NM_PER_MM = 1e6
 _N_ROUNDS = 150
 _OVERSAMPLED = 8
 
@@ -157,7 +156,6 @@ class SettledRecord:
     u_nm: Floats  # written in a tick; in the first periods, those dropped, U settles
     y_nm: Floats  # measured in the same tick, before the set-point was written
     quantum_nm: float  # of the scale, 0 when it is not known
-    n_dropped: int = N_DROPPED
 
     @property
     def is_coarse(self) -> bool:
@@ -171,22 +169,17 @@ class SettledRecord:
     @property
     def period_nm(self) -> Floats:
         """Set-points of a settled period, about their mean; all of them are alike."""
-        period = self.u_nm[self.n_dropped]
+        period = self.u_nm[N_DROPPED]
         return np.asarray(period - period.mean())
 
     @property
     def settled(self) -> tuple[Floats, Floats]:
         """Set-points and positions of the periods that count."""
-        return self.u_nm[self.n_dropped :], self.y_nm[self.n_dropped :]
+        return self.u_nm[N_DROPPED:], self.y_nm[N_DROPPED:]
 
 
 def record_of(
-    grid: Grid,
-    tick: Ints,
-    u_nm: Floats,
-    y_nm: Floats,
-    quantum_nm: float,
-    n_dropped: int = N_DROPPED,
+    grid: Grid, tick: Ints, u_nm: Floats, y_nm: Floats, quantum_nm: float
 ) -> SettledRecord:
     """Return the whole periods at the end of a record.
 
@@ -200,15 +193,15 @@ def record_of(
         problem = f"{gaps.size} {many}, the first after tick {int(tick[gaps[0]])}"
         raise CamtoolsError([f"record: {problem}; {_AGAIN}"])
     n_periods = tick.size // grid.n_ticks
-    if n_periods < n_dropped + MIN_PERIODS:
+    if n_periods < N_DROPPED + MIN_PERIODS:
         problem = (
-            f"{tick.size} ticks are {n_periods} periods, a fit needs {n_dropped + MIN_PERIODS}"
+            f"{tick.size} ticks are {n_periods} periods, a fit needs {N_DROPPED + MIN_PERIODS}"
         )
         raise CamtoolsError([f"record: {problem}; {_AGAIN}"])
     n = n_periods * grid.n_ticks
     u, y = (np.asarray(row[-n:], np.float64).reshape(n_periods, -1) for row in (u_nm, y_nm))
-    _check(u[n_dropped:], y[n_dropped:])
-    return SettledRecord(grid, u, y, quantum_nm, n_dropped)
+    _check(u[N_DROPPED:], y[N_DROPPED:])
+    return SettledRecord(grid, u, y, quantum_nm)
 
 
 def _check(u_nm: Floats, y_nm: Floats) -> None:

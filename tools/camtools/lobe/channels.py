@@ -51,7 +51,7 @@ from camtools.table.header import TooLargeError, quantise, with_bounds
 N_GRID = 1 << 15  # places of a turn
 _MARGIN = 0.94  # of the acceleration: the table overshoots where straight lines meet
 _TOP_MARGIN = 0.985  # of the highest speed
-_TOLD_MARGIN = 0.992  # of the same as set-point
+_COMMANDED_MARGIN = 0.992  # of the same as set-point
 _COORDINATES = 1 << 15
 _SMOOTHED = 8  # places over which those corners are rounded, on either side
 
@@ -78,16 +78,16 @@ def surface_speed(
     """
     wanted = np.minimum(base_rad_s * base_mm / ds_dphi, _TOP_MARGIN * limits.highest_rad_s)
     alpha, loop = _MARGIN * limits.alpha_rad_s2, _MARGIN * limits.bandwidth_rad_s
-    told = _TOLD_MARGIN * limits.highest_rad_s
+    commanded = _COMMANDED_MARGIN * limits.highest_rad_s
 
     def rising(omega: Floats) -> Floats:
-        return np.minimum(alpha, np.maximum(loop * (told - omega), 1e-9))
+        return np.minimum(alpha, np.maximum(loop * (commanded - omega), 1e-9))
 
     def falling(omega: Floats) -> Floats:
         return np.minimum(alpha, loop * np.maximum(omega, 1e-9))
 
-    risen = _bounded(wanted, told, rising)
-    square = _bounded(risen[::-1], told, falling)[::-1] ** 2
+    risen = _bounded(wanted, commanded, rising)
+    square = _bounded(risen[::-1], commanded, falling)[::-1] ** 2
     kernel = np.ones(2 * _SMOOTHED + 1) / (2 * _SMOOTHED + 1)
     padded = np.concatenate([square[-_SMOOTHED:], square, square[:_SMOOTHED]])
     return np.asarray(np.sqrt(np.convolve(padded, kernel, "valid")), dtype=np.float64)

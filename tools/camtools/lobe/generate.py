@@ -90,7 +90,7 @@ def nearest_heel(lobes: list[ShaftLobe], heel_mm: float, direction: int) -> Lobe
     firsts = {lobe.profile: i for i, lobe in reversed(list(enumerate(lobes)))}
     return max(
         (_of_lobe(i, lobes[i], heel_mm, direction) for i in firsts.values()),
-        key=lambda one: one.needed_deg,
+        key=lambda heel: heel.needed_deg,
     )
 
 
@@ -260,8 +260,8 @@ def _modulation(part: LobePart, lobes: list[ShaftLobe]) -> tuple[MadeChannel | N
 def _with_swing(peaks: Peaks, angle: Channel, speed: Channel | None) -> Peaks:
     raw, h = raw_bounds(angle), knot_interval(angle)
     unit = angle.lsb * _DEG_PER_UNIT
-    extremes = (angle.value_offset + one * angle.lsb for one in (raw.low, raw.high))
-    largest = max(abs(one) for one in extremes) * _DEG_PER_UNIT
+    extremes = (angle.value_offset + value * angle.lsb for value in (raw.low, raw.high))
+    largest = max(abs(value) for value in extremes) * _DEG_PER_UNIT
     first, second = raw.first * unit / h, raw.second * unit / h**2
     if speed is not None:
         moved = peaks_together(angle, speed)
@@ -270,11 +270,9 @@ def _with_swing(peaks: Peaks, angle: Channel, speed: Channel | None) -> Peaks:
 
 
 def _feeding(table: Table) -> Peaks:
-    """Return what the feed decides: the speed of Z, and the shortest change between two lobes.
-
-    With a speed channel the lift has half of a change.
-    """
-    least_nm = min((change_nm(*two) for two in pairwise(table.lobes)), default=0)
+    """Return what the feed decides: the speed of Z, and the shortest change between two lobes."""
+    least_nm = min((change_nm(*pair) for pair in pairwise(table.lobes)), default=0)
+    # with a speed channel the lift has half of a change
     change_mm = (least_nm if table.speed is None else least_nm // 2) / NM_PER_MM
     return Peaks(0.0, 0.0, 0.0, feed_mm=table.feed_nm / NM_PER_MM, change_mm=change_mm)
 
@@ -288,7 +286,7 @@ def _needs(part: LobePart, paths: list[Follower], fed: Peaks, rpm: float) -> dic
     alone = [_peaks(part, path, law / mean, fed) for path, law in zip(paths, laws, strict=True)]
     numbers = ("u_stroke_mm", "u1_mm", "u2_mm", "ratio", "spindle_rad2")
     swung = ("swing_deg", "swing1_deg", "swing2_deg")
-    most = {name: max(getattr(one, name) for one in alone) for name in (*numbers, *swung)}
+    most = {name: max(getattr(peaks, name) for peaks in alone) for name in (*numbers, *swung)}
     for name, needed in needed_of(fed._replace(**most), limits, mean).items():
         if name in given and name != "spindle_rpm":
             shares[name] = needed * _ENGAGED.get(name, 1.0) / given[name]
@@ -349,7 +347,7 @@ def _highest_surface_speed(part: LobePart, paths: list[Follower], fed: Peaks) ->
     for _ in range(_BISECTIONS):
         middle = high if low == 0.0 and decides == "spindle_rpm" else (low + high) / 2
         shares = _needs(part, paths, fed, middle)
-        name = max(shares, key=lambda one: shares[one])
+        name = max(shares, key=lambda limit: shares[limit])
         is_kept = shares[name] <= (1.0 if name == "spindle_rpm" else _SEARCH_MARGIN)
         if is_kept and middle == high:
             return HighestSpeed(high, decides)

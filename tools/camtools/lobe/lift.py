@@ -210,8 +210,8 @@ def bands_of(points: PointedTurn) -> list[float]:
 def band_for(points: PointedTurn) -> Smoothing | None:
     """Return the smoothing that a list without one needs; None where it needs none."""
 
-    def peaks(one: Smoothing) -> tuple[float, float]:
-        return peaks_of(one.before).acceleration, peaks_of(one.after).acceleration
+    def peaks(smoothing: Smoothing) -> tuple[float, float]:
+        return peaks_of(smoothing.before).acceleration, peaks_of(smoothing.after).acceleration
 
     def smooth(band_um: float) -> Smoothing:
         return smooth_list(points.x_deg, points.y_mm, band_um)
@@ -380,9 +380,9 @@ class Risen:
         is_top = (at > self.rise_rad) & (at <= top)
         lift = np.where(is_up, up.y, np.where(is_down, down.y, 0.0)) + 1.0 * is_top
         slopes = [
-            np.where(is_up, one / self.rise_rad**n, 0.0)
-            + np.where(is_down, other / (-self.fall_rad) ** n, 0.0)
-            for n, (one, other) in enumerate(zip(up[1:], down[1:], strict=True), start=1)
+            np.where(is_up, rising / self.rise_rad**n, 0.0)
+            + np.where(is_down, falling / (-self.fall_rad) ** n, 0.0)
+            for n, (rising, falling) in enumerate(zip(up[1:], down[1:], strict=True), start=1)
         ]
         return Lift(self.lift_mm * lift, *(self.lift_mm * slope for slope in slopes))
 

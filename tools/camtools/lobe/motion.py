@@ -55,13 +55,15 @@ def smoothing_of(law: LiftLaw) -> Json:
     if not isinstance(law, Listed):
         return {}
     found = {"smoothing": law.smoothing, "noise": law.needed}
-    return {name: _facts(one) for name, one in found.items() if one is not None}
+    return {name: _facts(smoothing) for name, smoothing in found.items() if smoothing is not None}
 
 
 def smoothing_takes_um(laws: list[LiftLaw]) -> float:
     """Return how far smoothing moves the lift of any lobe at most."""
     smoothings = (law.smoothing for law in laws if isinstance(law, Listed))
-    return max((one.largest_um for one in smoothings if one is not None), default=0.0)
+    return max(
+        (smoothing.largest_um for smoothing in smoothings if smoothing is not None), default=0.0
+    )
 
 
 def noise_hint(laws: list[LiftLaw], form_error_um: float) -> str:
@@ -77,18 +79,18 @@ def smoothing_texts(found: Json, form_error_um: float) -> list[str]:
     """Return what `smoothing_of` found as lines for people, none where it found nothing."""
     lines = []
     if "smoothing" in found:
-        one = found["smoothing"]
-        place = f"{one['largest_at_deg']:g} degrees"
-        lines += smoothed_texts("list", one, place, _changes(one))
+        facts = found["smoothing"]
+        place = f"{facts['largest_at_deg']:g} degrees"
+        lines += smoothed_texts("list", facts, place, _changes(facts))
     if "noise" in found:
-        one = found["noise"]
-        words = band_words(one["smooth_um"], one["largest_um"], form_error_um)
-        lines.append(noise_text("list", words, _changes(one)))
+        facts = found["noise"]
+        words = band_words(facts["smooth_um"], facts["largest_um"], form_error_um)
+        lines.append(noise_text("list", words, _changes(facts)))
     return lines
 
 
-def _changes(one: Json) -> list[PeakChange]:
-    acceleration, jerk = one["acceleration_mm_per_rad2"], one["jerk_mm_per_rad3"]
+def _changes(facts: Json) -> list[PeakChange]:
+    acceleration, jerk = facts["acceleration_mm_per_rad2"], facts["jerk_mm_per_rad3"]
     return [
         PeakChange("acceleration", acceleration["before"], acceleration["after"], "mm/rad2"),
         PeakChange("jerk", jerk["before"], jerk["after"], "mm/rad3"),
@@ -172,7 +174,7 @@ def _with_band(error: GeometryError, part: LobePart, lobe: Lobe, field: str) -> 
     if lobe.law != "list":
         return error
     form_error_um = part.process.form_error_um
-    wider = (one for one in bands_of(points_of(lobe, field)) if one > (lobe.smooth_um or 0))
+    wider = (band for band in bands_of(points_of(lobe, field)) if band > (lobe.smooth_um or 0))
     for band_um in wider:
         allowed_um = form_error_for(band_um, form_error_um)
         process = part.process.model_copy(update={"form_error_um": allowed_um})
@@ -194,15 +196,13 @@ def profiles_of(lobes: list[ShaftLobe]) -> list[ShaftLobe]:
     return [replace(firsts[i], phase_rad=0.0) for i in sorted(firsts)]
 
 
-def example_lobe(operation: str = "turning", speed: str = "uniform") -> LobePart:
+def example_lobe(operation: str = "turning") -> LobePart:
     """Return the 3-4-5 lobe of the worked numbers, MATHS.md (37), for examples."""
     lobe = Lobe(z_mm=[0, 12], law="poly345", lift_mm=8, half_angle_deg=70)
     return LobePart(
         part=PartInfo(name="example", kind="cam", source="MATHS.md (37)"),
         cam=Camshaft(base_radius_mm=20, roller_radius_mm=10, wheel_radius_mm=200, lobe=[lobe]),
-        process=LobeProcess.model_validate(
-            {"operation": operation, "speed": speed, "spindle_rpm": 60}
-        ),
+        process=LobeProcess.model_validate({"operation": operation, "spindle_rpm": 60}),
     )
 
 

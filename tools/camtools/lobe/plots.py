@@ -214,14 +214,16 @@ def draw_smoothing(result: GeneratedLobes) -> Figure:
     figure = titled_figure(8.5, 8, f"{result.table.part_name}: smoothed lists of lift")
     names = ["residual, µm", "acceleration,\nmm/rad²", "jerk, mm/rad³"]
     panels = stacked(figure, names)
-    for i, (name, one) in enumerate(smoothed_lists(result)):
-        panels[0].plot(one.angle_deg, one.off_um, ".", ms=3, color=stroke_of(i)["color"])
-        for edge_um in (-one.band_um, one.band_um):
+    for i, (name, smoothing) in enumerate(smoothed_lists(result)):
+        panels[0].plot(
+            smoothing.angle_deg, smoothing.off_um, ".", ms=3, color=stroke_of(i)["color"]
+        )
+        for edge_um in (-smoothing.band_um, smoothing.band_um):
             panels[0].axhline(edge_um, lw=0.8, ls="--", color=_PATH)
-        degrees = np.linspace(one.angle_deg[0], one.angle_deg[0] + 360, _N_ANGLES)
+        degrees = np.linspace(smoothing.angle_deg[0], smoothing.angle_deg[0] + 360, _N_ANGLES)
         for axes, n in zip(panels[1:], (2, 3), strict=True):
-            axes.plot(degrees, one.before(np.radians(degrees), nu=n), lw=0.5, color=_PATH)
-            after = one.after(np.radians(degrees), nu=n)
+            axes.plot(degrees, smoothing.before(np.radians(degrees), nu=n), lw=0.5, color=_PATH)
+            after = smoothing.after(np.radians(degrees), nu=n)
             axes.plot(degrees, after, **stroke_of(i), lw=1.4, label=name)
     panels[1].legend(frameon=False)
     panels[-1].set_xlabel("angle of the list in degrees of the cam")

@@ -63,7 +63,7 @@ def make_lobe_summary(made: GeneratedLobes) -> Json:
         },
         **_tool(made),
         **_plunge(made),
-        "channels": {_NAMES[one.kind]: describe_channel(one) for one in table.channels},
+        "channels": {_NAMES[channel.kind]: describe_channel(channel) for channel in table.channels},
         "error": {
             "u_nm": made.lift.error,
             "angle_deg": made.angle.error,
@@ -114,9 +114,9 @@ def _law(law: LiftLaw) -> Json:
     if isinstance(law, Risen):
         angles = ("lift_mm", "rise_rad", "dwell_rad", "fall_rad")
         soft = {
-            f"{name}_deflection": one.deflection
-            for name, one in (("rise", law.rise), ("fall", law.fall))
-            if one.name == "polydyne"
+            f"{name}_deflection": flank.deflection
+            for name, flank in (("rise", law.rise), ("fall", law.fall))
+            if flank.name == "polydyne"
         }
         numbers = {name: getattr(law, name) for name in angles}
         return {"law": "flanks", "shape": law.rise.name} | numbers | soft

@@ -36,15 +36,17 @@ class Previous(NamedTuple):
     correction: Correction | None
 
 
-def is_alike(one: object, other: object) -> bool:
+def is_alike(first: object, second: object) -> bool:
     """Return whether two JSON values are the same but for rounding."""
-    if isinstance(one, dict) and isinstance(other, dict):
-        return one.keys() == other.keys() and all(is_alike(one[key], other[key]) for key in one)
-    if isinstance(one, list) and isinstance(other, list):
-        return len(one) == len(other) and all(map(is_alike, one, other))
-    if isinstance(one, float | int) and isinstance(other, float | int):
-        return isclose(one, other, rel_tol=_RELATIVE, abs_tol=_ABSOLUTE)
-    return bool(one == other)
+    if isinstance(first, dict) and isinstance(second, dict):
+        return first.keys() == second.keys() and all(
+            is_alike(first[key], second[key]) for key in first
+        )
+    if isinstance(first, list) and isinstance(second, list):
+        return len(first) == len(second) and all(map(is_alike, first, second))
+    if isinstance(first, float | int) and isinstance(second, float | int):
+        return isclose(first, second, rel_tol=_RELATIVE, abs_tol=_ABSOLUTE)
+    return bool(first == second)
 
 
 def read_given(path: Path, option: str, most_bytes: int = _MAX_BYTES) -> bytes:
@@ -57,7 +59,6 @@ def read_given(path: Path, option: str, most_bytes: int = _MAX_BYTES) -> bytes:
 
 
 def _report(path: Path) -> Json:
-    """Return the report of a table."""
     try:
         report = json.loads(read_given(path, "--previous"))
         is_report = {"part", "design", "table_crc32"} <= report.keys()
@@ -82,11 +83,11 @@ def _check_summary(surface: Path, path: Path, crc32: int) -> None:
     if not summary.is_file():
         return
     try:
-        other = _crc32(json.loads(read_given(summary, "--measured")))
+        named = _crc32(json.loads(read_given(summary, "--measured")))
     except (ValueError, TypeError, KeyError):
         return
-    if other != crc32:
-        problem = f"{_SUMMARY} next to it names table 0x{other:08x}, but {path} is of table "
+    if named != crc32:
+        problem = f"{_SUMMARY} next to it names table 0x{named:08x}, but {path} is of table "
         problem += f"0x{crc32:08x}: another table cut the part"
         raise CamtoolsError([f"--measured {surface}: {problem}; give its NAME.json by --previous"])
 
@@ -207,8 +208,8 @@ def _check_size(fit: SurfaceFit, drawing: Drawing) -> None:
 def _check_new(previous: Previous, surface: Path, own: int) -> None:
     """Refuse a surface that was corrected already."""
     rounds = previous.correction.rounds if previous.correction else ()
-    for number, one in enumerate(rounds, start=1):
-        if one.get("surface_crc32") == own:
+    for number, about in enumerate(rounds, start=1):
+        if about.get("surface_crc32") == own:
             problem = f"was already used in round {number} of {previous.path}"
             remedy = "measure a part that this table has cut"
             raise CamtoolsError([f"--measured {surface}: {problem}; {remedy}"])
@@ -218,7 +219,7 @@ def _step(fit: SurfaceFit, by: GaugedPoints, before: Correction, gain: float) ->
     """Return what the round takes off, smaller at the ends where that leaves less."""
     shown = fit.correction(before.heights_mm, 1.0)
     taken = taper(take(shown, before.left_mm, gain).taken, by)
-    left_mm = {order: shown.waves_mm[order] - one for order, one in taken.waves_mm.items()}
+    left_mm = {order: shown.waves_mm[order] - values for order, values in taken.waves_mm.items()}
     return RoundStep(taken, left_mm)
 
 

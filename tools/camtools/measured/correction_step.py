@@ -7,7 +7,7 @@ shows again, is neither.
 >>> shown = Correction((0.0, 60.0), {2: np.full(N_NODES, 0.001 + 0j)})
 >>> first = take(shown, {}, 0.7)
 >>> second = take(Correction((0.0, 60.0), first.left_mm), first.left_mm, 0.7)
->>> [f"{1000 * abs(one.taken.waves_mm[2][0]):.2f}" for one in (first, second)]
+>>> [f"{1000 * abs(step.taken.waves_mm[2][0]):.2f}" for step in (first, second)]
 ['0.70', '0.30']
 
 Where the tool enters the metal or leaves it, the error changes within a turn, and a smooth
@@ -79,7 +79,7 @@ def judged(fit: SurfaceFit, points: GaugedPoints, ends_mm: tuple[float, float]) 
 
 
 def _chosen(points: GaugedPoints, is_chosen: Bools) -> GaugedPoints:
-    turn, z_mm, deviation_um = (one[is_chosen] for one in points[:3])
+    turn, z_mm, deviation_um = (column[is_chosen] for column in points[:3])
     return GaugedPoints(turn, z_mm, deviation_um)
 
 
@@ -135,22 +135,21 @@ def pair_of(values_um: Floats) -> Json:
     }
 
 
-def _wave(fit: SurfaceFit, one: KeptWave, step: RoundStep) -> Json:
-    """Return what is said of a wave that is kept."""
-    heights_mm = fit.z_mm[np.abs(one.kept) > 0]
+def _wave(fit: SurfaceFit, wave: KeptWave, step: RoundStep) -> Json:
+    heights_mm = fit.z_mm[np.abs(wave.kept) > 0]
     return {
-        "order": one.order,
-        "gauged_um": _rounded(np.abs(one.smooth.values).max()),
-        "noise_um": _rounded(np.sqrt(np.mean(one.smooth.errors**2))),
+        "order": wave.order,
+        "gauged_um": _rounded(np.abs(wave.smooth.values).max()),
+        "noise_um": _rounded(np.sqrt(np.mean(wave.smooth.errors**2))),
         "from_mm": _rounded(heights_mm[0]),
         "to_mm": _rounded(heights_mm[-1]),
-        "left_um": _rounded(UM_PER_MM * np.abs(step.left_mm[one.order]).max()),
+        "left_um": _rounded(UM_PER_MM * np.abs(step.left_mm[wave.order]).max()),
     }
 
 
-def judged_um(one: Json) -> Json:
+def judged_um(about: Json) -> Json:
     """Return largest error and rms of the part of a round, less dust and damaged heights."""
-    return dict(one.get("judged_um") or one["gauged_um"])
+    return dict(about.get("judged_um") or about["gauged_um"])
 
 
 def pair_text(form: Json) -> str:
@@ -163,23 +162,23 @@ def best_round(rounds: Sequence[Json]) -> int:
 
     The least largest error decides; of parts within a tenth of it, the least rms.
     """
-    found = [judged_um(one) for one in rounds]
-    most_um = _ALIKE * min(one["max"] for one in found)
+    found = [judged_um(about) for about in rounds]
+    most_um = _ALIKE * min(form["max"] for form in found)
     return min(range(len(found)), key=lambda i: (found[i]["max"] > most_um, found[i]["rms"]))
 
 
 def best_text(rounds: Sequence[Json]) -> str:
     """Return which table was the best, by round and `table_crc32`, and the errors of its part."""
     number = best_round(rounds)
-    one = rounds[number]
-    table = f"the table of round {number} (table_crc32 {one['table_crc32']})"
-    return f"{table}, {pair_text(judged_um(one))}"
+    about = rounds[number]
+    table = f"the table of round {number} (table_crc32 {about['table_crc32']})"
+    return f"{table}, {pair_text(judged_um(about))}"
 
 
 def account_of(points: GaugedPoints, fit: SurfaceFit, step: RoundStep, by: GaugedPoints) -> Json:
     """Return what was measured and what is expected of the next part, judged `by` points."""
-    kept = [one for one in fit.waves if one.is_kept]
-    noise2 = sum(float(np.mean(one.smooth.errors**2)) / (2 if one.order else 1) for one in kept)
+    kept = [wave for wave in fit.waves if wave.is_kept]
+    noise2 = sum(float(np.mean(wave.smooth.errors**2)) / (2 if wave.order else 1) for wave in kept)
     return {
         "points": int(points.turn.size),
         "heights": int(fit.z_mm.size),
@@ -192,7 +191,7 @@ def account_of(points: GaugedPoints, fit: SurfaceFit, step: RoundStep, by: Gauge
         "gauged_um": pair_of(points.deviation_um),
         "judged_um": pair_of(by.deviation_um),
         "expected_um": pair_of(off_um(step.taken, by)),
-        "waves": [_wave(fit, one, step) for one in kept],
+        "waves": [_wave(fit, wave, step) for wave in kept],
     }
 
 
@@ -212,7 +211,7 @@ def _left_out(about: Json) -> str:
     if about["heights_left_out"]:
         found.append(f"{about['heights_left_out']} heights have too few points")
     if about["heights_alone_mm"]:
-        places = ", ".join(f"{one:.4g}" for one in about["heights_alone_mm"])
+        places = ", ".join(f"{mm:.4g}" for mm in about["heights_alone_mm"])
         found.append(f"heights unlike both neighbours: {places} mm")
     if about["points_far_off"]:
         found.append(f"{about['points_far_off']} points far from the others")
@@ -226,7 +225,7 @@ def round_text(correction: Json) -> str:
     about = rounds[-1]
     is_best = best_round(rounds) == len(rounds) - 1
     worse = "" if is_best else f"    caution: the best so far is {best_text(rounds)}\n"
-    lines = "".join(f"{wave_text(one)}\n" for one in about["waves"])
+    lines = "".join(f"{wave_text(wave)}\n" for wave in about["waves"])
     return (
         f"  round {len(rounds)} of correcting, gain {about['gain']:g}: {about['points']} points at "
         f"{about['heights']} heights, deviation {pair_text(about['gauged_um'])}\n"
@@ -249,4 +248,5 @@ def cautions(process: object, tool: object, report: Json) -> list[str]:
     old, new = report.get("tool", {}).get("nose_radius_mm"), getattr(tool, "nose_radius_mm", None)
     if old is not None and new is not None and old != new:
         found.append(f"tool.nose_radius_mm: {old:g} mm then, {new:g} now")
-    return [f"  caution: the measured part was cut with other settings: {one}" for one in found]
+    caution = "  caution: the measured part was cut with other settings"
+    return [f"{caution}: {change}" for change in found]

@@ -19,7 +19,7 @@ True
 >>> noise_um = np.random.default_rng(1).normal(0, 0.05, turn.size)
 >>> gauged = GaugedPoints(turn, z_mm, 2 * np.cos(6 * np.pi * turn) + noise_um)
 >>> found = fit_surface(gauged, (0.0, 40.0))
->>> [one.order for one in found.waves if one.is_kept], f"{found.sigma_um:.2f}"
+>>> [wave.order for wave in found.waves if wave.is_kept], f"{found.sigma_um:.2f}"
 ([3], '0.05')
 """
 
@@ -169,7 +169,7 @@ class SurfaceFit(NamedTuple):
 
     def correction(self, ends_mm: tuple[float, float], gain: float) -> Correction:
         """Return what is kept as a correction of this gain."""
-        kept = {one.order: gain * one.kept for one in self.waves if one.is_kept}
+        kept = {wave.order: gain * wave.kept for wave in self.waves if wave.is_kept}
         return _over_part(self.z_mm, kept, ends_mm)
 
 
@@ -263,14 +263,14 @@ def fit_surface(
             use = np.delete(use, lone)
         white = np.median([fits[i].variances for i in use], axis=0)
         smooth = _smooth(z_mm[use], waves[:, use], white)
-        curves = {order: one.values for order, one in enumerate(smooth)}
+        curves = {order: wave.values for order, wave in enumerate(smooth)}
         model = _over_part(z_mm[use], curves, (float(z_mm[0]), float(z_mm[-1])))
         off_um = points.deviation_um - taken_um(model, points)
         for order in curves:
             base[order] = _at(model, order, z_mm)
     found = [
-        KeptWave(order, one, _kept(one) if order >= first else 0 * one.values)
-        for order, one in enumerate(smooth)
+        KeptWave(order, wave, _kept(wave) if order >= first else 0 * wave.values)
+        for order, wave in enumerate(smooth)
     ]
     sigma_um = float(np.median([fits[i].sigma for i in use]))
     counts = np.zeros(points.turn.size, dtype=np.bool_)
@@ -281,12 +281,12 @@ def fit_surface(
     return SurfaceFit(z_mm[use], found, sigma_um, n_far, counts, sorted(alone_mm), heights)
 
 
-def _kept(one: Smoothed) -> Complexes:
+def _kept(wave: Smoothed) -> Complexes:
     """Return what stands above the noise of a wave: nothing below what a table resolves."""
-    energy, noise = np.abs(one.values) ** 2, one.errors**2
+    energy, noise = np.abs(wave.values) ** 2, wave.errors**2
     least = np.finfo(float).tiny
     share = np.maximum(0.0, 1 - _LOCAL**2 * noise / np.maximum(energy, least))
-    kept: Complexes = one.values * share
+    kept: Complexes = wave.values * share
     is_whole = energy.sum() > _KEPT_WHOLE * noise.sum() and np.abs(kept).max() >= LEAST_UM
     return kept if is_whole else 0 * kept
 

@@ -84,7 +84,7 @@ _SLIGHT = 1e-3
 def _ramp(x: Floats) -> Floats:
     """Return the ramp and three derivatives by x, shape (4, n)."""
     inside = np.clip(x, -1, 1)
-    found = np.stack([one(inside) for one in _RAMPS])
+    found = np.stack([ramp(inside) for ramp in _RAMPS])
     found[0] += np.maximum(x - 1, 0)
     return found
 
@@ -121,7 +121,7 @@ class Blend:
         """Return the difference over y and three derivatives, shape (4, n)."""
         is_near = np.abs(y) < _NEAR * self.half_rad
         found = np.empty((4, y.size))
-        found[:, is_near] = np.stack([one(y[is_near]) for one in self._middle])
+        found[:, is_near] = np.stack([polynomial(y[is_near]) for polynomial in self._middle])
         far = y[~is_near]
         d = self._difference(far)
         found[0, ~is_near] = g = d[0] / far
@@ -168,20 +168,20 @@ class Blended(NamedTuple):
     @property
     def deviation_um(self) -> float:
         """Return the largest deviation from the drawing [um]."""
-        return max((one.deviation_mm() for one in self.blends), default=0.0) * UM_PER_MM
+        return max((blend.deviation_mm() for blend in self.blends), default=0.0) * UM_PER_MM
 
 
-def bend_of(one: Blended) -> float:
+def bend_of(cut: Blended) -> float:
     """Return the largest second derivative of the radius all around [mm/rad^2]."""
-    around = float(np.abs(one.outline.polar(all_around(one.outline)).d2).max())
-    return max(around, *(blend.acceleration_mm() for blend in one.blends), 0.0)
+    around = float(np.abs(cut.outline.polar(all_around(cut.outline)).d2).max())
+    return max(around, *(blend.acceleration_mm() for blend in cut.blends), 0.0)
 
 
 def widest_rad(joint: OutlineJoint) -> float:
     """Return the largest half width of a window at a joint."""
     below = joint.angle_rad - joint.behind.reach.first
     above = joint.before.reach.last - joint.angle_rad
-    reach = min(float(np.mod(one + _ROUNDING, 2 * np.pi)) for one in (below, above))
+    reach = min(float(np.mod(angle + _ROUNDING, 2 * np.pi)) for angle in (below, above))
     return min(_ROOM * joint.room_rad, _SHARE_OF_REACH * reach)
 
 
@@ -211,14 +211,14 @@ def blend_of(joint: OutlineJoint, deviation_mm: float) -> Blend:
 def blended(outline: Outline, deviation_um: float) -> Blended:
     """Return an outline with all joints blended, as wide as a deviation allows."""
     deviation_mm = deviation_um / UM_PER_MM
-    joints = [one for one in outline.joints() if not is_smooth(one)]
+    joints = [joint for joint in outline.joints() if not is_smooth(joint)]
     if not joints:
         return Blended(outline, (), False)
     first = joints[: max(1, len(joints) // outline.repeat)]
     found = [blend_of(joint, deviation_mm) for joint in first]
-    widths = [one.half_rad for one in found]
+    widths = [blend.half_rad for blend in found]
     squeezed = any(
-        one.half_rad >= widest_rad(joint) for one, joint in zip(found, first, strict=True)
+        blend.half_rad >= widest_rad(joint) for blend, joint in zip(found, first, strict=True)
     )
     blends = tuple(
         Blend(joint.before, joint.behind, joint.angle_rad, widths[i % len(widths)])
@@ -359,7 +359,7 @@ def choose_channel(
         except TooLargeError:
             continue
         found = measure_u(geometry, channel, z_nm)
-        if found.value_nm <= tolerance_nm and _share(found) <= DERIVATIVE_SHARE:
+        if found.value_nm <= tolerance_nm and max(found.shares) <= DERIVATIVE_SHARE:
             return channel, found
         if best is None or _rank(found) < _rank(best):
             best = found
@@ -378,13 +378,9 @@ def _within(
     return DEFAULT_TOLERANCES_NM[-1], *choose_channel(geometry, DEFAULT_TOLERANCES_NM[-1], cut)
 
 
-def _share(one: Accuracy) -> float:
-    return max(one.first_share, one.second_share)
-
-
-def _rank(one: Accuracy) -> tuple[float, float]:
+def _rank(accuracy: Accuracy) -> tuple[float, float]:
     """Return what makes a table better: derivatives that are close enough, then the value."""
-    return max(_share(one), DERIVATIVE_SHARE), one.value_nm
+    return max(*accuracy.shares, DERIVATIVE_SHARE), accuracy.value_nm
 
 
 def _unreachable(tolerance_nm: float, best: Accuracy | None, cut: Blended) -> CamtoolsError:
@@ -397,7 +393,7 @@ def _unreachable(tolerance_nm: float, best: Accuracy | None, cut: Blended) -> Ca
         wider = "give larger corner radii, between which there is room for wider blends"
     if best is None:
         return CamtoolsError([f"{problem}, nothing fits the format; {wider}"])
-    share = _share(best)
+    share = max(best.shares)
     if share <= DERIVATIVE_SHARE:
         remedy = f"ask for at least {best.value_nm * 1.05:.2g} nm, or {wider}"
         return CamtoolsError([f"{problem}, best achievable is {best.value_nm:.3g} nm; {remedy}"])

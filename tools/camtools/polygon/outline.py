@@ -23,7 +23,7 @@ from scipy.optimize import brentq
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats, Ints
-from camtools.skirt.geometry.poly_surface import N_ANGLE, N_HEIGHT, PolySurface
+from camtools.skirt.geometry.poly_surface import N_ANGLE, N_HEIGHT, TURN_RAD, PolySurface
 from camtools.table.channel import MAX_LOG2_REPEAT, segment_coefficients
 
 HALF_TURN_RAD = np.pi
@@ -126,7 +126,7 @@ class Flank:
     @property
     def is_convex(self) -> bool:
         """Return whether the contour has no loops and needs no circle across its corners."""
-        return self.mean_mm > (self.n**2 - 1) * self.eccentricity_mm
+        return self.mean_mm > self._bend
 
     @cached_property
     def _last_alpha(self) -> float:
@@ -188,7 +188,6 @@ class Flank:
         return Polar(r, r * g1, r * (g1**2 + g2), r * (g1**3 + 3 * g1 * g2 + g3))
 
 
-TURN_RAD = 2 * np.pi
 _MEASURED = 20_160  # angles; a multiple of all numbers of sides up to 10
 _SAME_MM, _SAME_BEND_MM = 1e-9, 1e-6  # slopes and bends that differ by less are the same
 
@@ -304,7 +303,7 @@ def _quintics(curve: Curve, first: Floats, last: Floats) -> tuple[Floats, Floats
     """Return quintics (n, 6) through the ends of stretches of a curve, and how far each is off."""
     h = last - first
     at = curve.polar(np.concatenate([first, last]))
-    r, d1, d2 = (one.reshape(2, -1) for one in (at.r, at.d1, at.d2))
+    r, d1, d2 = (column.reshape(2, -1) for column in (at.r, at.d1, at.d2))
     knots = np.stack([r, h * d1, h**2 / 2 * d2], axis=-1).transpose(1, 0, 2)
     quintics = np.asarray(segment_coefficients(knots, periodic=False)[:, 0], dtype=np.float64)
     exact = curve.polar((first[:, None] + h[:, None] * _BETWEEN).ravel()).r
@@ -355,8 +354,8 @@ def prism_of(
     borders = borders[keep]
     borders[0], borders[-1] = 0.0, TURN_RAD
     found = [_fitted(outline, a, b) for a, b in pairwise(borders)]
-    breaks = np.concatenate([*(one[0] for one in found), [TURN_RAD]]) / TURN_RAD
-    quintics = -np.concatenate([one[1] for one in found])
+    breaks = np.concatenate([*(starts for starts, _ in found), [TURN_RAD]]) / TURN_RAD
+    quintics = -np.concatenate([pieces for _, pieces in found])
     quintics[:, 0] += largest_mm
     coefficients = np.zeros((1, quintics.shape[0], N_ANGLE, N_HEIGHT))
     coefficients[0, ..., 0] = factors[0] * quintics
@@ -524,7 +523,7 @@ def _rounded(corners: Floats, radii: Floats, repeat: int) -> Outline:
         starts.append(_angle(corners[i] + taken[i] * along[i]))
         curves.append(line)
     rising = np.unwrap(starts)
-    return Outline(tuple(float(one) for one in rising), tuple(curves), repeat)
+    return Outline(tuple(float(angle) for angle in rising), tuple(curves), repeat)
 
 
 def _angle(point: Floats) -> float:

@@ -127,7 +127,7 @@ class PolygonSection(TomlTable):
         if isinstance(size, bool) or not isinstance(size, int | float):
             return tree
         if float(size) not in known:
-            sizes = ", ".join(f"{one:g}" for one in known)
+            sizes = ", ".join(f"{nominal:g}" for nominal in known)
             remedy = f"use one of {sizes}, or give {' and '.join(keys)}"
             problem = f"no nominal size of {form}"
             raise wrong("size", problem, remedy, field="size_mm", value=size)
@@ -143,10 +143,10 @@ class PolygonSection(TomlTable):
         radii = self.corner_radius_mm
         if not isinstance(radii, list):
             return self
-        n = self.sides if self.form == "regular" else len(self.corners_mm or [])
         context = {"field": "corner_radius_mm", "value": radii}
         if self.form == "regular":
             raise wrong("one", "is a list, a regular polygon has one", "give one radius", **context)
+        n = len(self.corners_mm or [])
         if len(radii) != n:
             problem = f"has {len(radii)} entries, corners_mm has {n}"
             raise wrong("length", problem, "give one number, or one for each corner", **context)

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from camtools.base.quantities import MM_PER_M, NM_PER_MM, Floats, omega_rad_s
+from camtools.base.quantities import MM_PER_M, NM_PER_MM, UM_PER_MM, Floats, omega_rad_s
 from camtools.part.common import Tolerances
 from camtools.plots.style import (
     BLUE,
@@ -35,7 +35,6 @@ from camtools.report.kind_report import KindReport
 from camtools.report.sheet import Subject
 from camtools.sim.results import CUTTING, CutTrace
 
-_UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
 _WINDOW = 2.2  # half width of the picture of a blend over that of the blend
 _N_WINDOW = 801
 BLEND_NAMES = ("off the drawing, µm\n(above 0: metal left)", "acceleration of U, m/s²")
@@ -57,7 +56,7 @@ def draw_section(made: GeneratedPolygon) -> Figure:
             ls=style,
             label=label,
         )
-    x, y = (np.append(one, one[0]) for one in around(made.drawing.polar(phi).r, phi))
+    x, y = (np.append(column, column[0]) for column in around(made.drawing.polar(phi).r, phi))
     # As axes.fill, which looks for the limits of so many corners by itself: they are set below.
     axes.add_artist(Polygon(np.column_stack((x, y)), color=PALE, alpha=0.5, lw=0))
     axes.plot(x, y, color=BLUE, lw=1.8, label="drawing")
@@ -89,10 +88,10 @@ def draw_motion(made: GeneratedPolygon) -> Figure:
     phi, omega = angles_of(made), omega_rad_s(rpm)
     u = made.geometry.delta(phi, z_mm)
     from_zero_mm = u.delta - made.middle_nm / NM_PER_MM
-    curves = (from_zero_mm, u.d1 * omega, u.d2 * omega**2 / _MM_PER_M)
+    curves = (from_zero_mm, u.d1 * omega, u.d2 * omega**2 / MM_PER_M)
     for axes, curve in zip(panels, curves, strict=True):
         axes.plot(np.degrees(phi), curve, color=BLUE, lw=1.4)
-    limit = made.part.machine.limits.u_acceleration_mm_s2 / _MM_PER_M
+    limit = made.part.machine.limits.u_acceleration_mm_s2 / MM_PER_M
     for sign in (1, -1):
         panels[2].axhline(sign * limit, color=RED, lw=1, ls="--")
     panels[2].set_title("dashed: limit of the machine")
@@ -102,7 +101,7 @@ def draw_motion(made: GeneratedPolygon) -> Figure:
 
 def hardest_blend(made: GeneratedPolygon) -> Blend:
     """Return the blend with the highest acceleration."""
-    return max(made.blended.blends, key=lambda one: one.acceleration_mm())
+    return max(made.blended.blends, key=lambda blend: blend.acceleration_mm())
 
 
 def paint_blend(panels: list[Axes], made: GeneratedPolygon, blend: Blend) -> None:
@@ -112,10 +111,10 @@ def paint_blend(panels: list[Axes], made: GeneratedPolygon, blend: Blend) -> Non
     drawn, cut = made.drawing.polar(phi), made.blended.outline.polar(phi)
     degrees, omega = np.degrees(phi), omega_rad_s(made.part.process.spindle_rpm)
     panels[0].plot(degrees, drawn.r * 0, color=BLUE, lw=1.6, label="drawing")
-    off_um = (cut.r - drawn.r) * _UM_PER_MM
+    off_um = (cut.r - drawn.r) * UM_PER_MM
     panels[0].plot(degrees, off_um, color=ORANGE, lw=1.6, label="blend")
     behind, before = phi > blend.joint_rad, phi < blend.joint_rad
-    unit = -(omega**2) / _MM_PER_M
+    unit = -(omega**2) / MM_PER_M
     for side in (before, behind):
         panels[1].plot(degrees[side], drawn.d2[side] * unit, color=BLUE, lw=1.6)
     panels[1].plot(degrees, cut.d2 * unit, color=ORANGE, lw=1.6)

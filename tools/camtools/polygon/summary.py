@@ -27,7 +27,7 @@ from camtools.report.text import (
     turns_text,
 )
 from camtools.sim.results import Cut
-from camtools.skirt.geometry.poly_surface import PolySurface
+from camtools.skirt.geometry.poly_surface import PolySurface, piecewise
 from camtools.skirt.report.outcome import pass_rows, table_error_nm, tool_rows
 from camtools.skirt.report.summary import (
     emit_text,
@@ -43,11 +43,9 @@ from camtools.table.summary import about_image, describe_channel
 
 def surface_of(prism: PolySurface, made: GeneratedPolygon) -> Json:
     """Return a surface as the gauge reads it."""
-    radius = made.geometry.radius
-    axis = {"breaks_mm": radius.x.tolist(), "coefficients": radius.c.T.tolist()}
     return {
         "shape": "surface",
-        "radius_mm": axis,
+        "radius_mm": piecewise(made.geometry.radius),
         "surface": prism.document(),
         "gauge_mm": list(made.geometry.skirt_mm),
     }
@@ -63,17 +61,17 @@ def angles_of(made: GeneratedPolygon) -> np.ndarray:
 def _about(made: GeneratedPolygon) -> Json:
     section = made.part.polygon
     blends = {blend.joint_rad: blend for blend in made.blended.blends}
-    drawn = [one for one in made.drawing.joints() if not is_smooth(one)]  # of all repeats
+    drawn = [joint for joint in made.drawing.joints() if not is_smooth(joint)]  # of all repeats
     joints = [
         {
-            "angle_deg": float(np.degrees(one.angle_rad)),
-            "slope_jump_mm_per_rad": one.slope_mm,
-            "bend_jump_mm_per_rad2": one.bend_mm,
-            "blend_half_deg": float(np.degrees(blends[one.angle_rad].half_rad)),
-            "room_half_deg": float(np.degrees(widest_rad(one))),
-            "deviation_um": 1000 * blends[one.angle_rad].deviation_mm(),
+            "angle_deg": float(np.degrees(joint.angle_rad)),
+            "slope_jump_mm_per_rad": joint.slope_mm,
+            "bend_jump_mm_per_rad2": joint.bend_mm,
+            "blend_half_deg": float(np.degrees(blends[joint.angle_rad].half_rad)),
+            "room_half_deg": float(np.degrees(widest_rad(joint))),
+            "deviation_um": 1000 * blends[joint.angle_rad].deviation_mm(),
         }
-        for one in drawn[: len(drawn) // made.drawing.repeat]
+        for joint in drawn[: len(drawn) // made.drawing.repeat]
     ]
     return {
         "form": section.form,
@@ -130,7 +128,7 @@ def blend_text(about: Json) -> str:
     """Return what the blends are and cost in one phrase."""
     if not about["joints"]:
         return "none needed: the outline is smooth"
-    widest = max(2 * one["blend_half_deg"] for one in about["joints"])
+    widest = max(2 * joint["blend_half_deg"] for joint in about["joints"])
     return (
         f"{about['deviation_um']:.3g} um off the drawing at most (allowed {about['blend_um']:g} um)"
         f", over {widest:.3g} degrees"

@@ -83,11 +83,11 @@ def recorded(u: U, name: str, highest_hz: float = HIGHEST_HZ) -> Recorded:
     return Recorded(believed.tick_hz, believed.u_scale_nm, values, *signals)
 
 
-def fitted(one: Recorded) -> Measured:
+def fitted(record: Recorded) -> Measured:
     """Fit the drive to a record; raise CamtoolsError where that is of no use."""
-    signals = (one.set_m, one.force_n, one.actual_m)
-    lines = record_lines(one.tick_hz, *signals, one.scale_nm)
-    return Measured(one.tick_hz, one.values, lines, fit_lines(lines))
+    signals = (record.set_m, record.force_n, record.actual_m)
+    lines = record_lines(record.tick_hz, *signals, record.scale_nm)
+    return Measured(record.tick_hz, record.values, lines, fit_lines(lines))
 
 
 def measure(u: U, name: str, highest_hz: float = HIGHEST_HZ) -> Measured:
@@ -99,7 +99,7 @@ _SMOOTH_S = 3e-4  # window of the speed
 _STANDING = 0.01  # of the greatest speed: below, friction takes up the force
 _MOST_SCATTER = 0.3  # of the mass, between the directions
 _OF_STROKE = 0.1
-_LEAST_WAY = 0.05  # of the planned way: less shows loop and friction more than the mass
+_LEAST_TRAVEL = 0.05  # of the planned travel: less shows loop and friction more than the mass
 _LEAST_S, _MOST_S = 2e-3, 50e-3
 _FADE_TICKS = 16
 
@@ -117,7 +117,7 @@ def _sums(row: Floats, step_s: float) -> Floats:
     return np.asarray(np.cumsum(row) * step_s)
 
 
-def _one(tick_hz: float, force_n: Floats, position_m: Floats) -> tuple[float, float]:
+def _pushed(tick_hz: float, force_n: Floats, position_m: Floats) -> tuple[float, float]:
     """Return motion per force [1/kg] and per friction [m/s2], by the sums of both."""
     step_s, n = 1.0 / tick_hz, max(1, round(_SMOOTH_S * tick_hz))
     smooth = np.convolve(np.pad(position_m, n, mode="edge"), np.ones(n) / n, mode="same")[n:-n]
@@ -143,7 +143,7 @@ def pulse_fit(tick_hz: float, force_n: Floats, position_m: Floats) -> Pulse:
     if any(np.ptp(force_n[part]) == 0 or np.ptp(position_m[part]) == 0 for part in parts):
         problem = "no force or no motion in one of the directions"
         raise CamtoolsError([f"pulse: {problem}; see amplifier, scale and brake, push harder"])
-    (first, rub), (second, rub_2) = (_one(tick_hz, force_n[p], position_m[p]) for p in parts)
+    (first, rub), (second, rub_2) = (_pushed(tick_hz, force_n[p], position_m[p]) for p in parts)
     mean, off = 0.5 * (first + second), 0.5 * abs(first - second)
     if first * second <= 0 or off > _MOST_SCATTER * abs(mean):
         problem = f"the directions give masses of {1 / first:.3g} and {1 / second:.3g} kg"
@@ -155,11 +155,11 @@ def pulse_fit(tick_hz: float, force_n: Floats, position_m: Floats) -> Pulse:
 
 def pulse_play(force_n: float, mass_kg: float, believed: Believed) -> Play:
     """Return a force, its opposite, twice as long a rest, in each direction, over 0.1 stroke."""
-    way_m = _OF_STROKE * believed.u_stroke_nm * 1e-9
-    seconds = min(max(float(np.sqrt(way_m * mass_kg / force_n)), _LEAST_S), _MOST_S)
+    travel_m = _OF_STROKE * believed.u_stroke_nm * 1e-9
+    seconds = min(max(float(np.sqrt(travel_m * mass_kg / force_n)), _LEAST_S), _MOST_S)
     n = round(seconds * believed.tick_hz)
-    one = np.concatenate([np.zeros(n), np.ones(n), -np.ones(n), np.zeros(2 * n)])
-    samples = np.asarray(np.round(1e3 * force_n * np.concatenate([one, -one])), np.int64)
+    push = np.concatenate([np.zeros(n), np.ones(n), -np.ones(n), np.zeros(2 * n)])
+    samples = np.asarray(np.round(1e3 * force_n * np.concatenate([push, -push])), np.int64)
     return Play(samples, "mN", n_periods=1, fade_ticks=_FADE_TICKS, place_nm=0)
 
 
@@ -173,7 +173,7 @@ def measure_pulse(u: U, force_n: float) -> Pulse:
     believed, values = u.believed(), u.values(["servo_mass_g"])
     play = pulse_play(force_n, values["servo_mass_g"] / 1e3, believed)
     _, actual_nm, force_q6 = u.played(play, ("u_actual_nm", "u_force_q6"))
-    if np.ptp(actual_nm) < _LEAST_WAY * _OF_STROKE * believed.u_stroke_nm:
+    if np.ptp(actual_nm) < _LEAST_TRAVEL * _OF_STROKE * believed.u_stroke_nm:
         problem = f"U moved by {np.ptp(actual_nm) * 1e-3:.3g} um alone"
         raise CamtoolsError([f"pulse: {problem}; set a weaker loop, of 30 Hz, or push harder"])
     return pulse_fit(believed.tick_hz, force_q6 / 64e3, (actual_nm - actual_nm[0]) / 1e9)
@@ -181,8 +181,10 @@ def measure_pulse(u: U, force_n: float) -> Pulse:
 
 def pulse_lines(found: Pulse) -> Iterator[str]:
     """Yield the report."""
-    way = "up" if found.sign > 0 else "DOWN: swap the motor's wires, or the sense of the scale"
-    yield f"a positive force moves the scale {way}"
+    direction = (
+        "up" if found.sign > 0 else "DOWN: swap the motor's wires, or the sense of the scale"
+    )
+    yield f"a positive force moves the scale {direction}"
     yield f"mass {found.mass_kg:.4g} kg, the directions differ by {2 * found.mass_sigma_kg:.2g} kg"
     yield f"friction {max(0.0, found.friction_n):.3g} N"
 

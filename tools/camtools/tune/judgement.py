@@ -105,7 +105,7 @@ def judge(loop: Loop, plant: Plant, mass: float = 1.0) -> Judgement:
     weakest = int(np.argmin(stiffness))
     return Judgement(
         loop, plant, mass,
-        tuple(margins(loop, plant, mass * one) for one in MASSES),
+        tuple(margins(loop, plant, mass * relative) for relative in MASSES),
         float(hz[np.flatnonzero(level > 1.0)[-1]]) if level.max() > 1.0 else 0.0,
         float(hz[weakest]), float(stiffness[weakest]),
         STEP_N * 1e6 * step_response(row, plant, _LINE_HZ, mass),
@@ -114,24 +114,27 @@ def judge(loop: Loop, plant: Plant, mass: float = 1.0) -> Judgement:
 
 def _missing(at: tuple[Margins, ...]) -> float:
     """Return how much the margins lack, 0: nothing; of each mass 1: all, 2: unstable."""
-    shares = ((one.gain_db / LEAST_GAIN_DB, one.phase_deg / LEAST_PHASE_DEG) for one in at)
-    lacks = zip(at, (max(0.0, 1.0 - min(two)) for two in shares), strict=True)
-    return sum(lack if one.is_stable else 2.0 for one, lack in lacks)
+
+    def lack(reached: Margins) -> float:
+        share = min(reached.gain_db / LEAST_GAIN_DB, reached.phase_deg / LEAST_PHASE_DEG)
+        return max(0.0, 1.0 - share) if reached.is_stable else 2.0
+
+    return sum(map(lack, at))
 
 
-def _without(p: Plant) -> dict[str, Plant]:
+def _without(plant: Plant) -> dict[str, Plant]:
     """Return the drive without each of its lags, by its description and remedy."""
-    quick = max(_WITHOUT_LAG_HZ, p.amplifier_hz)
-    tick = f"the hold of a tick at {p.step_hz * 1e-3:.3g} kHz: raise the rate"
-    lag = f"the lag of the amplifier of {p.amplifier_hz:.4g} Hz: take a faster one"
+    quick = max(_WITHOUT_LAG_HZ, plant.amplifier_hz)
+    tick = f"the hold of a tick at {plant.step_hz * 1e-3:.3g} kHz: raise the rate"
+    lag = f"the lag of the amplifier of {plant.amplifier_hz:.4g} Hz: take a faster one"
     found = {
-        f"the delay of {p.delay_s * 1e6:.3g} us: shorten it": replace(p, delay_s=0.0),
-        tick: replace(p, delay_s=p.delay_s - 0.5 / p.step_hz),
-        lag: replace(p, amplifier_hz=quick),
+        f"the delay of {plant.delay_s * 1e6:.3g} us: shorten it": replace(plant, delay_s=0.0),
+        tick: replace(plant, delay_s=plant.delay_s - 0.5 / plant.step_hz),
+        lag: replace(plant, amplifier_hz=quick),
     }
-    if p.mode_hz:
-        mode = f"the mode at {p.mode_hz:.4g} Hz: damp or stiffen it"
-        found[mode] = replace(p, mode_hz=0.0)
+    if plant.mode_hz:
+        mode = f"the mode at {plant.mode_hz:.4g} Hz: damp or stiffen it"
+        found[mode] = replace(plant, mode_hz=0.0)
     return found
 
 
@@ -143,18 +146,22 @@ def _culprit(judged: Judgement, is_proposal: bool) -> str:
         loop = best(plant) if is_proposal else judged.loop
         if judged.plant.mode_hz and not plant.mode_hz and not is_proposal:
             loop = replace(loop, notch_zero=loop.notch_pole)
-        one = judge(loop, plant, judged.mass)
-        return _missing(one.at), one.peak_um
+        rejudged = judge(loop, plant, judged.mass)
+        return _missing(rejudged.at), rejudged.peak_um
 
     return min(without, key=lacks)
 
 
 def refusal(judged: Judgement, *, is_proposal: bool) -> str:
     """Return why a loop, proposed as best or given, is refused and what to do; "" if it is not."""
-    poor = [(mass, one) for mass, one in zip(MASSES, judged.at, strict=True) if not one.is_enough]
+    poor = [
+        (mass, reached)
+        for mass, reached in zip(MASSES, judged.at, strict=True)
+        if not reached.is_enough
+    ]
     if not poor:
         return ""
-    mass, at = min(poor, key=lambda one: (one[1].is_stable, one[1].gain_db, one[1].phase_deg))
+    mass, at = min(poor, key=lambda pair: (pair[1].is_stable, pair[1].gain_db, pair[1].phase_deg))
     state = f"{at.gain_db:.1f} dB and {at.phase_deg:.0f} degrees" if at.is_stable else "unstable"
     return (
         f"margins at {mass:g} of the mass: {state}; at least {LEAST_GAIN_DB:g} dB and "
@@ -226,31 +233,31 @@ def _at_zeros(values: Reals, *others: Reals) -> list[Reals]:
     """Return others where values cross 0, linear between the lines."""
     i = np.flatnonzero(values[1:] * values[:-1] < 0.0)
     part = values[i] / (values[i] - values[i + 1])
-    return [other[i] + part * (other[i + 1] - other[i]) for other in others]
+    return [row[i] + part * (row[i + 1] - row[i]) for row in others]
 
 
-def figures(one: OpenLoop) -> Figures:
+def figures(loop: OpenLoop) -> Figures:
     """Return crossover and margins."""
-    log_hz, level_db = np.log(one.hz), 20.0 * np.log10(np.abs(one.response))
-    angle_deg = np.degrees(np.unwrap(np.angle(-one.response)))
+    log_hz, level_db = np.log(loop.hz), 20.0 * np.log10(np.abs(loop.response))
+    angle_deg = np.degrees(np.unwrap(np.angle(-loop.response)))
     crossing, angle = _at_zeros(level_db, log_hz, angle_deg)
     if crossing.size == 0:
         return Figures()
     phase_deg = float(np.abs((angle + 180.0) % 360.0 - 180.0).min())
     found = Figures(float(np.exp(crossing[-1])), phase_deg)
-    imag, real = one.response.imag, one.response.real
+    imag, real = loop.response.imag, loop.response.real
     turned, level, real = _at_zeros(imag, log_hz, level_db, real)
-    is_one = (real < 0.0) & (turned > crossing[-1])
-    if not is_one.any():
+    is_crossing = (real < 0.0) & (turned > crossing[-1])
+    if not is_crossing.any():
         return found
-    least = int(np.argmax(np.where(is_one, level, -np.inf)))
+    least = int(np.argmax(np.where(is_crossing, level, -np.inf)))
     return found._replace(gain_db=-float(level[least]), gain_hz=float(np.exp(turned[least])))
 
 
-def loop_text(one: OpenLoop) -> str:
+def loop_text(loop: OpenLoop) -> str:
     """Return crossover and margins in a line."""
-    found = figures(one)
-    missing = f"not within the lines of {one.hz[0]:.0f} .. {one.hz[-1]:.0f} Hz"
+    found = figures(loop)
+    missing = f"not within the lines of {loop.hz[0]:.0f} .. {loop.hz[-1]:.0f} Hz"
     if found.crossover_hz is None:
         return f"crossover {missing}"
     text = f"crossover {found.crossover_hz:.0f} Hz, phase margin {found.phase_deg:.1f} degrees"
@@ -290,11 +297,11 @@ def subject_of(found: Measured, keys: dict[str, Any], name: str, where: str) -> 
     return Subject(name, where, drive, lines, measured)
 
 
-def proposed(one: Subject, given: Path | None = None) -> Proposal:
+def proposed(subject: Subject, given: Path | None = None) -> Proposal:
     """Return the best loop for a drive, or the given one, which may be for another mass."""
-    drive = one.drive
+    drive = subject.drive
     values = read_loop(given, drive) if given else parameters_of(best(drive.plant), drive)
     judged = judge(loop_of(values, drive), *plant_of(values, drive))
     problem = refusal(judged, is_proposal=given is None)
-    head = ["given:" if given else "proposed:"] if one.measured else []
-    return Proposal(values, judged, problem, [*one.lines, *head, *lines_of(judged, drive)])
+    head = ["given:" if given else "proposed:"] if subject.measured else []
+    return Proposal(values, judged, problem, [*subject.lines, *head, *lines_of(judged, drive)])

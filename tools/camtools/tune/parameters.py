@@ -208,7 +208,7 @@ def read_loop(path: Path, drive: Drive) -> dict[str, int]:
         if type(value) is not int:
             raise InputError(str(path), name, value, "no whole number", "give a whole number")
     needed = _OF_LOOP + (_OF_NOTCH if values.get("servo_notch_hz") else ())
-    for name in (PREFIX + one for one in needed if PREFIX + one not in values):
+    for name in (PREFIX + key for key in needed if PREFIX + key not in values):
         raise InputError(str(path), name, None, "is missing", "add it")
     check(values, drive, str(path))
     return values

@@ -7,9 +7,9 @@ the loop feeds back into the force goes, so that it does not bias position over 
 >>> hz = grid.excited * grid.line_hz
 >>> true = Plant(1.5, 1500.0, 75e-6, grid.tick_hz, drag_n_s_per_m=8.0, stiffness_n_per_m=2000.0)
 >>> s, y = 2j * np.pi * hz, 1e9 * late_response(true, hz) * compliance(true, hz)
->>> one = Spectra(grid, grid.excited, 0, s, 1 + 0 * s, y, 0 * s, 1 + 0 * s[None], y[None],
+>>> spectra = Spectra(grid, grid.excited, 0, s, 1 + 0 * s, y, 0 * s, 1 + 0 * s[None], y[None],
 ...               0 * s[None], 1e-4 * abs(y))
->>> found = fit_lines(one)
+>>> found = fit_lines(spectra)
 >>> round(found.mass_kg, 3), round(found.delay_s * 1e6, 1), round(found.amplifier_hz, -1)
 (1.5, 75.0, 1500.0)
 """
@@ -92,15 +92,15 @@ class _Residual:
     the lag is small, the first alone shows.
     """
 
-    def __init__(self, one: Spectra, friction_n: float = 0.0) -> None:
-        self.one = one
-        force = float(np.sqrt(np.sum(np.abs(one.u) ** 2)))
-        omega = float(np.abs(one.s).min())
-        self.mass = float(np.median(np.abs(one.u * _NM / (one.y * one.s**2))))
-        inertia = self.mass * np.abs(one.s**2)
-        rubbed = _NM * _FRICTION_LIKENESS * abs(friction_n) * np.abs(one.friction) / inertia
-        likeness = np.hypot(rubbed, _LIKENESS * np.abs(one.y))
-        self.noise = np.hypot(one.noise_nm, likeness) / _NM
+    def __init__(self, spectra: Spectra, friction_n: float = 0.0) -> None:
+        self.spectra = spectra
+        force = float(np.sqrt(np.sum(np.abs(spectra.u) ** 2)))
+        omega = float(np.abs(spectra.s).min())
+        self.mass = float(np.median(np.abs(spectra.u * _NM / (spectra.y * spectra.s**2))))
+        inertia = self.mass * np.abs(spectra.s**2)
+        rubbed = _NM * _FRICTION_LIKENESS * abs(friction_n) * np.abs(spectra.friction) / inertia
+        likeness = np.hypot(rubbed, _LIKENESS * np.abs(spectra.y))
+        self.noise = np.hypot(spectra.noise_nm, likeness) / _NM
         base = [self.mass, self.mass * omega, self.mass * omega**2, force]
         self.scale = np.array([*base, _LATE_S, _LATE_S**2, 1000.0, 1.0, 1.0])
 
@@ -112,10 +112,10 @@ class _Residual:
         return values
 
     def __call__(self, x: Floats) -> Floats:
-        one, values = self.one, self.values(x)
-        plant, hz = plant_at(values, one.grid.tick_hz), one.frequency_hz
-        push = one.u * late_response(plant, hz) - values[FRICTION] * one.friction
-        return stacked((push * compliance(plant, hz) - one.y / _NM) / self.noise)
+        spectra, values = self.spectra, self.values(x)
+        plant, hz = plant_at(values, spectra.grid.tick_hz), spectra.frequency_hz
+        push = spectra.u * late_response(plant, hz) - values[FRICTION] * spectra.friction
+        return stacked((push * compliance(plant, hz) - spectra.y / _NM) / self.noise)
 
 
 def _starts(plain: Floats) -> Iterator[Floats]:
@@ -135,18 +135,18 @@ def _best(residual: _Residual) -> Floats:
     """Return the constants, with a mode where that is clearly better."""
     plain, cost = _solve(residual, np.array([1.0, 0.1, 0.1, 0.01, *_START_LATE]))
     tried = [_solve(residual, start, 30) for start in _starts(plain)]
-    mode, mode_cost = _solve(residual, min(tried, key=lambda one: one[1])[0])
+    mode, mode_cost = _solve(residual, min(tried, key=lambda solution: solution[1])[0])
     return mode if mode_cost < _LEAST_GAIN * cost else plain
 
 
-def fit_lines(one: Spectra) -> PlantFit:
+def fit_lines(spectra: Spectra) -> PlantFit:
     """Return the constants of lines of force [N] and position [nm], or refuse too few."""
-    if one.s.size < _MIN_LINES:
-        problem = f"{one.s.size} lines stand above their noise, {_MIN_LINES} are needed"
+    if spectra.s.size < _MIN_LINES:
+        problem = f"{spectra.s.size} lines stand above their noise, {_MIN_LINES} are needed"
         raise CamtoolsError([f"record: {problem}; excite more, or record for longer"])
-    residual = _Residual(one)
+    residual = _Residual(spectra)
     x = _best(residual)
-    residual = _Residual(one, float(residual.values(x)[FRICTION]))
+    residual = _Residual(spectra, float(residual.values(x)[FRICTION]))
     x, cost = _solve(residual, _best(residual))
     return _fit_at(residual, x, cost)
 
@@ -157,7 +157,7 @@ def _fit_at(residual: _Residual, x: Floats, cost: float) -> PlantFit:
     sides = [(residual(x + d) - residual(np.maximum(x - d, _LOW[: x.size]))) for d in steps]
     by = [2.0 * d.sum() if (x - d >= _LOW[: x.size]).all() else d.sum() for d in steps]
     jac = np.column_stack([side / width for side, width in zip(sides, by, strict=True)])
-    per_line = max(1.0, cost / (2 * residual.one.s.size - x.size))
+    per_line = max(1.0, cost / (2 * residual.spectra.s.size - x.size))
     variance = np.maximum(np.diag(np.linalg.pinv(jac.T @ jac)), 0.0) * per_line
     raw = np.sqrt(variance) * residual.scale[: x.size]
     sigmas, late = raw.copy(), float(raw[DELAY])
@@ -165,8 +165,8 @@ def _fit_at(residual: _Residual, x: Floats, cost: float) -> PlantFit:
     sigmas[LAG] = np.sqrt(square + raw[LAG]) - np.sqrt(square)
     sigmas[LAG] = max(sigmas[LAG], np.sqrt(square) - np.sqrt(max(0.0, square - raw[LAG])))
     sigmas[DELAY] = np.hypot(late, sigmas[LAG])
-    misfit = float(np.sqrt(cost / (2 * residual.one.s.size)))
-    return PlantFit(residual.values(x), sigmas, late, misfit, residual.one.s.size)
+    misfit = float(np.sqrt(cost / (2 * residual.spectra.s.size)))
+    return PlantFit(residual.values(x), sigmas, late, misfit, residual.spectra.s.size)
 
 
 def record_lines(
@@ -188,10 +188,10 @@ def record_lines(
     if np.abs(signal - signal.mean(axis=0)).max() > _SAME * np.ptp(signal) or not np.ptp(signal):
         problem = f"the injected signal does not repeat every {grid.n_ticks / tick_hz:g} s"
         raise CamtoolsError([f"record: {problem}; inject a multisine of that period"])
-    one = spectra_of(grid, force, position * _NM, quantum_nm)
-    power = np.abs(np.fft.rfft(signal.mean(axis=0))[one.bins])
-    odd = power[one.bins % 2 == 1]  # without the carrier, which is far larger
-    return one.only(np.asarray(power > 1e-3 * odd.max(initial=0.0)))
+    lines = spectra_of(grid, force, position * _NM, quantum_nm)
+    power = np.abs(np.fft.rfft(signal.mean(axis=0))[lines.bins])
+    odd = power[lines.bins % 2 == 1]  # without the carrier, which is far larger
+    return lines.only(np.asarray(power > 1e-3 * odd.max(initial=0.0)))
 
 
 _HEADER = "time_s,injected_n,force_n,position_um"

@@ -77,12 +77,12 @@ def _step(axes: Axes, judged: Judgement) -> None:
     axes.set(xlabel="time, ms", ylabel=f"after a step of {STEP_N:g} N, um")
 
 
-def _measured(panels: list[Axes], one: OpenLoop) -> None:
+def _measured(panels: list[Axes], loop: OpenLoop) -> None:
     level, phase, nyquist = panels[:3]
-    decibels = 20 * np.log10(np.abs(one.response))
-    level.plot(one.hz, decibels, "k.", ms=3, label="as it is, measured")
-    phase.plot(one.hz, -np.degrees(np.angle(one.response.conj()) % (2 * np.pi)), "k.", ms=3)
-    nyquist.plot(one.response.real, one.response.imag, "k.", ms=3)
+    decibels = 20 * np.log10(np.abs(loop.response))
+    level.plot(loop.hz, decibels, "k.", ms=3, label="as it is, measured")
+    phase.plot(loop.hz, -np.degrees(np.angle(loop.response.conj()) % (2 * np.pi)), "k.", ms=3)
+    nyquist.plot(loop.response.real, loop.response.imag, "k.", ms=3)
 
 
 def loop_png(judged: Judgement, title: str, measured: OpenLoop | None = None) -> bytes:

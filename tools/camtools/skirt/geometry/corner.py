@@ -170,16 +170,18 @@ def best_of(
     Where none is near enough to the drawing it is the nearest one, which the generator refuses.
     Raises GeometryError: no candidate keeps the limit of the jerk.
     """
-    within = [one for one in candidates if one.tail_jerk_mm_s3 <= jerk_limit_mm_s3]
+    within = [
+        candidate for candidate in candidates if candidate.tail_jerk_mm_s3 <= jerk_limit_mm_s3
+    ]
     if not within:
-        least = min(one.tail_jerk_mm_s3 for one in candidates)
+        least = min(candidate.tail_jerk_mm_s3 for candidate in candidates)
         problem = f"no deletion keeps {jerk_limit_mm_s3:g} mm/s3; the least jerk is {least:.4g}"
         field = "piston.section.refit.jerk_limit_mm_s3"
         raise GeometryError(field, problem, "allow more, or turn more slowly")
-    near = [one for one in within if one.deviation_um <= deviation_limit_um]
+    near = [candidate for candidate in within if candidate.deviation_um <= deviation_limit_um]
     if not near:
-        return min(within, key=lambda one: one.deviation_um)
-    return min(near, key=lambda one: one.acceleration_mm_s2)
+        return min(within, key=lambda candidate: candidate.deviation_um)
+    return min(near, key=lambda candidate: candidate.acceleration_mm_s2)
 
 
 MAX_STEP_MM = 0.001
@@ -313,12 +315,12 @@ def _judged(corner: Corner, wish: Refit, spindle_rpm: float) -> list[RefitCandid
     breaks = np.append(breaks[:-1:step], breaks[-1])
     heights_mm = np.unique(np.concatenate([breaks, (breaks[1:] + breaks[:-1]) / 2]))
     found, joint = [], corner.joint(corner.worst_mm)
-    for one in judge_all(joint, wish.spline, wish.ends, spindle_rpm):
-        recipe = Recipe(wish.spline, one.s1, one.s2, wish.ends)
+    for candidate in judge_all(joint, wish.spline, wish.ends, spindle_rpm):
+        recipe = Recipe(wish.spline, candidate.s1, candidate.s2, wish.ends)
         off = largest_deviation(corner, recipe, heights_mm)
-        if off.um > one.deviation_um:
-            one = one._replace(deviation_um=off.um, deviation_deg=off.deg)
-        found.append(one)
+        if off.um > candidate.deviation_um:
+            candidate = candidate._replace(deviation_um=off.um, deviation_deg=off.deg)
+        found.append(candidate)
     return found
 
 
@@ -340,8 +342,11 @@ def _with_recipe(corner: Corner, part: SkirtPart, heights_mm: Floats) -> Corner:
         s1, s2 = wish.delete
     recipe = Recipe(wish.spline, s1, s2, wish.ends)
     off = largest_deviation(corner, recipe, heights_mm[:: max(1, heights_mm.size // _MAX_CHECKED)])
-    told = max((one.deviation_um for one in found if (one.s1, one.s2) == (s1, s2)), default=0.0)
-    off = off._replace(um=max(off.um, told))
+    judged_um = max(
+        (candidate.deviation_um for candidate in found if (candidate.s1, candidate.s2) == (s1, s2)),
+        default=0.0,
+    )
+    off = off._replace(um=max(off.um, judged_um))
     return replace(corner, recipe=recipe, candidates=tuple(found), off=off, off_limit_um=limit_um)
 
 
@@ -351,7 +356,7 @@ def refuse_deviation(corner: Corner, refit_of_part: Refit) -> None:
     if off is None or recipe is None or off.um <= corner.off_limit_um:
         return
     given = "deviation_um" if refit_of_part.deviation_um else "three quarters of form_error_um"
-    least = min(corner.candidates, key=lambda one: one.deviation_um)
+    least = min(corner.candidates, key=lambda candidate: candidate.deviation_um)
     of_least = f"[{least.s1}, {least.s2}], {least.deviation_um:.2f} um at "
     of_least += f"{least.acceleration_mm_s2:.6g} mm/s2"
     allowed = f"{given} allows {corner.off_limit_um:g} um"

@@ -73,7 +73,7 @@ class PolySurface(SkirtSurface):
         shape = np.broadcast_shapes(phi.shape, z.shape)
         if phi.ndim <= 1 and (z.ndim == 0 or z.shape[-1] == 1):
             return SectionValues(*self._rows(np.atleast_1d(phi), z.ravel()).reshape(4, *shape))
-        flat_phi, flat_z = (np.broadcast_to(one, shape).ravel() for one in (phi, z))
+        flat_phi, flat_z = (np.broadcast_to(values, shape).ravel() for values in (phi, z))
         parts = [
             self._points(flat_phi[i : i + _CHUNK], flat_z[i : i + _CHUNK])
             for i in range(0, max(1, flat_phi.size), _CHUNK)
@@ -151,7 +151,7 @@ def _rounded(knots: Floats, breaks: Floats) -> list[float]:
     """Return knots as numbers that err by less than 1e-6 nm on any piece."""
     decimals = 13 + np.floor(np.log10(float(np.diff(breaks).max()))).astype(int) * np.arange(3)
     columns = [np.round(knots[..., k], int(decimals[k])) for k in range(3)]
-    return [float(one) for one in np.stack(columns, axis=-1).ravel()]
+    return [float(number) for number in np.stack(columns, axis=-1).ravel()]
 
 
 def _horner(c: Floats, t: Floats, slope: Floats) -> Floats:

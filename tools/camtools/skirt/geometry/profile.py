@@ -57,15 +57,15 @@ def _pointed(piston: Piston) -> dict[str, Profile | Ovality]:
     """Return the curves over the height that are given by points, by name."""
     drawn = {"profile": piston.profile, "ovality": piston.ovality}
     return {
-        name: one
-        for name, one in drawn.items()
-        if isinstance(one, Profile | Ovality) and not one.segment
+        name: curve
+        for name, curve in drawn.items()
+        if isinstance(curve, Profile | Ovality) and not curve.segment
     }
 
 
 def smoothed_curves(piston: Piston) -> dict[str, Profile | Ovality]:
     """Return the curves over the height whose points are smoothed, by name."""
-    return {name: one for name, one in _pointed(piston).items() if one.smooth_um is not None}
+    return {name: curve for name, curve in _pointed(piston).items() if curve.smooth_um is not None}
 
 
 def _facts(drawn: Profile | Ovality, band_um: float) -> Json:
@@ -73,7 +73,7 @@ def _facts(drawn: Profile | Ovality, band_um: float) -> Json:
     before, after = listed_mm(drawn), smoothed_mm(drawn, band_um)
     off_um = (after - before) * UM_PER_MM
     matrix = differences(z_mm, 2)
-    bends = (float(np.abs(matrix @ one).max(initial=0.0)) for one in (before, after))
+    bends = (float(np.abs(matrix @ values).max(initial=0.0)) for values in (before, after))
     return residuals(band_um, off_um, z_mm, "largest_at_mm") | {
         "height_mm": z_mm.tolist(),
         "off_um": off_um.tolist(),
@@ -87,7 +87,9 @@ def smoothing_facts(piston: Piston) -> Json:
     Diameters and ovalities, not radii; the second derivative is that of three neighbours.
     """
     curves = smoothed_curves(piston)
-    return {name: _facts(one, one.smooth_um) for name, one in curves.items() if one.smooth_um}
+    return {
+        name: _facts(curve, curve.smooth_um) for name, curve in curves.items() if curve.smooth_um
+    }
 
 
 def noise_facts(piston: Piston) -> Json:
@@ -107,12 +109,12 @@ def noise_facts(piston: Piston) -> Json:
 def smoothing_texts(found: Json, noise: Json, form_error_um: float) -> list[str]:
     """Return what `smoothing_facts` and `noise_facts` found as lines for people."""
     lines = []
-    for name, one in found.items():
-        place = f"height {one['largest_at_mm']:g} mm"
-        lines += smoothed_texts(name, one, place, [_change(one)])
-    for name, one in noise.items():
-        words = band_words(one["smooth_um"], one["largest_um"] / 2, form_error_um)
-        lines.append(noise_text(name, f"piston.{name}.{words}", [_change(one)]))
+    for name, facts in found.items():
+        place = f"height {facts['largest_at_mm']:g} mm"
+        lines += smoothed_texts(name, facts, place, [_change(facts)])
+    for name, facts in noise.items():
+        words = band_words(facts["smooth_um"], facts["largest_um"] / 2, form_error_um)
+        lines.append(noise_text(name, f"piston.{name}.{words}", [_change(facts)]))
     return lines
 
 
@@ -125,7 +127,7 @@ def _taken_by_curve_um(part: SkirtPart) -> dict[str, float]:
     """Return how far smoothing of each curve moves the radius at most."""
     magnify, found = part.magnify, smoothing_facts(part.piston)
     factors = {"profile": magnify.profile_factor, "ovality": magnify.factor} if magnify else {}
-    return {name: factors.get(name, 1.0) * one["largest_um"] / 2 for name, one in found.items()}
+    return {name: factors.get(name, 1.0) * facts["largest_um"] / 2 for name, facts in found.items()}
 
 
 def smoothing_takes_um(part: SkirtPart) -> float:
@@ -157,8 +159,8 @@ def tolerances_left(part: SkirtPart) -> Tolerances:
 def _taper_um(part: SkirtPart) -> float:
     """Return by how much smoothing changes the taper of the diameter at most."""
     found = smoothing_facts(part.piston).values()
-    slopes = [abs(np.polyfit(one["height_mm"], one["off_um"], 1)[0]) for one in found]
-    spans_mm = [one["height_mm"][-1] - one["height_mm"][0] for one in found]
+    slopes = [abs(np.polyfit(facts["height_mm"], facts["off_um"], 1)[0]) for facts in found]
+    spans_mm = [facts["height_mm"][-1] - facts["height_mm"][0] for facts in found]
     factor = part.magnify.factor if part.magnify else 1.0
     return factor * float(np.dot(slopes, spans_mm))
 

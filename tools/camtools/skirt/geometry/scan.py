@@ -237,7 +237,7 @@ def overshoot_between(z_mm: Floats, values: Floats, interpolation: str) -> tuple
         there = ((c[..., 3] * w + c[..., 2]) * w + c[..., 1]) * w + c[..., 0]
         above = there - np.maximum(values[:-1], values[1:])
         found[:] = np.maximum(above, np.minimum(values[:-1], values[1:]) - there)
-    k, j, i = (int(one) for one in np.unravel_index(int(np.argmax(beyond)), beyond.shape))
+    k, j, i = (int(index) for index in np.unravel_index(int(np.argmax(beyond)), beyond.shape))
     at = float(z_mm[j] + places[k][j, i] * (z_mm[j + 1] - z_mm[j]))
     largest = max(0.0, float(beyond[k, j, i]))
     return Overshoot(largest, at, float(z_mm[j]), float(z_mm[j + 1])), i
@@ -271,14 +271,14 @@ def joined(sections: Sections) -> tuple[Scan, float]:
     even the most samples keep within a micrometre.
     """
     first = sections.angles_deg[0]
-    if all(np.array_equal(one, first) for one in sections.angles_deg):
+    if all(np.array_equal(angles, first) for angles in sections.angles_deg):
         return Scan(first, sections.z_mm, np.array(sections.values_mm)), 0.0
     pairs = list(zip(sections.angles_deg, sections.values_mm, strict=True))
     own = [Periodic(angle, values) for angle, values in pairs]
     n = max(angle.size for angle in sections.angles_deg)
     while True:
         grid = 360 * np.arange(n) / n
-        sampled = [Periodic(grid, one(grid)) for one in own]
+        sampled = [Periodic(grid, spline(grid)) for spline in own]
         between = 360 * (np.arange(4 * n) + 0.5) / (4 * n)
         places = [np.concatenate([between, angle]) for angle, _ in pairs]
         off_mm = max(
@@ -293,7 +293,7 @@ def joined(sections: Sections) -> tuple[Scan, float]:
         problem = f"the heights have different angles, and {common}"
         remedy = "measure all heights at the same angles"
         raise GeometryError("piston.section.csv", problem, remedy)
-    return Scan(grid, sections.z_mm, np.stack([one(grid) for one in own])), off_mm
+    return Scan(grid, sections.z_mm, np.stack([spline(grid) for spline in own])), off_mm
 
 
 class Periodic:
@@ -319,9 +319,9 @@ def reductions(sections: Sections, radius_mm: Callable[[Floats], Floats]) -> Sec
     if not sections.is_radius:
         return sections
     a_mm = radius_mm(sections.z_mm)
-    values = tuple(a - one for a, one in zip(a_mm, sections.values_mm, strict=True))
-    for z_mm, a, one in zip(sections.z_mm, a_mm, values, strict=True):
-        worst = float(one[np.argmax(np.abs(one))])
+    values = tuple(a - reduction for a, reduction in zip(a_mm, sections.values_mm, strict=True))
+    for z_mm, a, reduction in zip(sections.z_mm, a_mm, values, strict=True):
+        worst = float(reduction[np.argmax(np.abs(reduction))])
         if abs(worst) > MAX_REDUCTION_MM:
             problem = f"height {z_mm:g} mm: a radius of {a - worst:g} mm, the profile has {a:g} mm"
             remedy = "give radii in mm, or name the column reduction_um or reduction_mm"

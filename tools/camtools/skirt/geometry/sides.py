@@ -86,17 +86,17 @@ class SidesSurface(SkirtSurface):
 
     def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
         """Return radius reduction and angle derivatives; see `Geometry.delta`."""
-        one = self.thrust.delta(phi_rad, z_mm)
+        thrust = self.thrust.delta(phi_rad, z_mm)
         if self.antithrust is None:
-            return one
-        other = self.antithrust.delta(phi_rad, z_mm)
+            return thrust
+        antithrust = self.antithrust.delta(phi_rad, z_mm)
         w = share_of(phi_rad, _MIDDLE_RAD[self.meet], self.blend_rad)
-        d = [np.asarray(b - a) for a, b in zip(one, other, strict=True)]
+        d = [np.asarray(b - a) for a, b in zip(thrust, antithrust, strict=True)]
         return SectionValues(
-            one.delta + w.delta * d[0],
-            one.d1 + w.d1 * d[0] + w.delta * d[1],
-            one.d2 + w.d2 * d[0] + 2 * w.d1 * d[1] + w.delta * d[2],
-            one.d3 + w.d3 * d[0] + 3 * w.d2 * d[1] + 3 * w.d1 * d[2] + w.delta * d[3],
+            thrust.delta + w.delta * d[0],
+            thrust.d1 + w.d1 * d[0] + w.delta * d[1],
+            thrust.d2 + w.d2 * d[0] + 2 * w.d1 * d[1] + w.delta * d[2],
+            thrust.d3 + w.d3 * d[0] + 3 * w.d2 * d[1] + 3 * w.d1 * d[2] + w.delta * d[3],
         )
 
     def heights_mm(self) -> Floats:
@@ -110,12 +110,12 @@ class SidesSurface(SkirtSurface):
             return 0.0
         middle = _MIDDLE_RAD[self.meet]
         phi = np.array([middle - np.pi / 2, middle + np.pi / 2])
-        one = self.thrust.delta(phi, z_mm[:, None]).delta
-        return float(np.abs(self.antithrust.delta(phi, z_mm[:, None]).delta - one).max())
+        thrust = self.thrust.delta(phi, z_mm[:, None]).delta
+        return float(np.abs(self.antithrust.delta(phi, z_mm[:, None]).delta - thrust).max())
 
     def document(self) -> dict[str, Any]:
         """Return what a gauge needs as JSON values (layout: host_sim/part/sim_surface.h)."""
-        sides = [one.document() for one in (self.thrust, self.antithrust) if one is not None]
+        sides = [side.document() for side in (self.thrust, self.antithrust) if side is not None]
         middle_rad = _MIDDLE_RAD[self.meet]
         return {"sides": sides, "middle_rad": middle_rad, "blend_rad": self.blend_rad}
 
@@ -197,7 +197,7 @@ def sides_of(
     Curves of the thrust side are magnified already; the factors are those of ovality and profile.
     Raises GeometryError: a curve leaves its points, or the other side's ovality falls below 0.
     """
-    other, shape, drawn = piston.antithrust, piston.section.shape, piston.ovality
+    antithrust, shape, drawn = piston.antithrust, piston.section.shape, piston.ovality
     assert drawn is not None
     key = PARAMETERS.get(shape, "beta")
     parameter = over_ovality(getattr(piston.section, key), drawn)
@@ -205,41 +205,39 @@ def sides_of(
     check_points("piston.ovality.interpolation", parameter, allowed, drawn)
     none = constant_spline(0.0, *_ends(piston))
     thrust = OvalSide(shape, radius, ovality, none, parameter, none)
-    if other is None:
+    if antithrust is None:
         return SidesSurface(thrust)
-    drop = _over(other, other.drop_mm or [0.0] * len(other.height_mm), "drop_mm", 1000.0)
-    drop = magnified(drop, factors[1], 0.0)
-    if other.ovality_mm is None:
+    drop_mm = antithrust.drop_mm or [0.0] * len(antithrust.height_mm)
+    drop = magnified(_over(antithrust, drop_mm, "drop_mm"), factors[1], 0.0)
+    if antithrust.ovality_mm is None:
         breaks = np.union1d(ovality.x, drop.x)  # G - 2 drop leaves the short half axis as it is
         its_ovality = PPoly(_on(ovality, breaks) - 2 * _on(drop, breaks), breaks)
     else:
-        its_ovality = magnified(_over(other, other.ovality_mm, "ovality_mm", 1000.0), factors[0], 0)
+        its_ovality = _over(antithrust, antithrust.ovality_mm, "ovality_mm")
+        its_ovality = magnified(its_ovality, factors[0], 0)
     _check_least(its_ovality, _ends(piston))
-    own = getattr(other, key)
-    side = OvalSide(
-        shape,
-        radius,
-        its_ovality,
-        drop,
-        parameter if own is None else _over(other, own, key, 1.0),
-        magnified(_over(other, other.phase_deg, "phase_deg", 1.0), float(np.radians(1)), 0.0),
-    )
-    return SidesSurface(thrust, side, other.meet, float(np.radians(other.blend_deg)))
+    own = getattr(antithrust, key)
+    if own is not None:
+        parameter = _over(antithrust, own, key)
+    phase_deg = _over(antithrust, antithrust.phase_deg, "phase_deg")
+    phase = magnified(phase_deg, float(np.radians(1)), 0.0)
+    side = OvalSide(shape, radius, its_ovality, drop, parameter, phase)
+    return SidesSurface(thrust, side, antithrust.meet, float(np.radians(antithrust.blend_deg)))
 
 
 def _ends(piston: Piston) -> tuple[float, float]:
     return float(piston.profile.height_mm[0]), float(piston.profile.height_mm[-1])
 
 
-def _over(other: Antithrust, value: list[float] | float, name: str, scale: float) -> PPoly:
-    """Return a number, or a list over the heights of the other side, as cubics."""
-    heights_mm = other.height_mm
+def _over(antithrust: Antithrust, value: list[float] | float, name: str) -> PPoly:
+    """Return a number, or a list over the heights of the antithrust side, as cubics."""
+    heights_mm = antithrust.height_mm
     if not isinstance(value, list):
         return constant_spline(value, heights_mm[0], heights_mm[-1])
-    curve = through(heights_mm, value, other.interpolation)
+    curve = through(heights_mm, value, antithrust.interpolation)
     allowed = Allowance(name, 1.0, "", _FREE, None)
     if name.endswith("_mm"):
-        allowed = in_um(other.overshoot_um, name, scale / 1000.0)
+        allowed = in_um(antithrust.overshoot_um, name)
     check_overshoot("piston.antithrust.interpolation", curve, allowed, np.array(heights_mm))
     return curve
 

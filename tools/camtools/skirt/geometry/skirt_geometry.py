@@ -68,7 +68,7 @@ def read_sections(section: SectionShape) -> PointFile:
         if section.csv is not None:
             return with_motion(read_points(Path(section.csv)))
         assert section.files is not None
-        return _together([(one, read_points(Path(one.csv))) for one in section.files])
+        return _together([(entry, read_points(Path(entry.csv))) for entry in section.files])
     except InputError as error:
         key = "csv" if section.csv is not None else "files"
         raise CamtoolsError([f"piston.section.{key}: {line}" for line in error.lines]) from error
@@ -169,7 +169,7 @@ def point_surface(file: PointFile, factor: float = 1.0) -> PolySurface:
     """
     _check(file)
     made = [_pieces(turn) for turn in file.sections]
-    breaks, columns = made[0][0], factor * np.stack([one[1] for one in made])
+    breaks, columns = made[0][0], factor * np.stack([pieces for _, pieces in made])
     heights = np.array([-1.0, 1.0]) if file.z_mm is None else file.z_mm
     if heights.size == 1 or file.z_mm is None:
         heights, columns = heights[:1] + np.array([0.0, 1.0]), np.repeat(columns[:1], 2, axis=0)
@@ -421,12 +421,12 @@ def section_cut(geometry: Geometry, depth_mm: float, z_mm: float) -> SectionCut:
 
     def shaped(phi_rad: Floats) -> SectionValues:
         flat = geometry.delta(phi_rad.ravel(), z_mm)
-        return SectionValues(*(one.reshape(phi_rad.shape) for one in flat))
+        return SectionValues(*(values.reshape(phi_rad.shape) for values in flat))
 
     phi = np.linspace(0, QUARTER_RAD, 181)
     here = shaped(phi).delta
-    mirrored = [shaped(other).delta for other in (np.pi - phi, phi + np.pi, -phi)]
-    is_quarter = all(np.abs(one - here).max() < _SYMMETRIC_MM for one in mirrored)
+    mirrored = [shaped(angles).delta for angles in (np.pi - phi, phi + np.pi, -phi)]
+    is_quarter = all(np.abs(reduction - here).max() < _SYMMETRIC_MM for reduction in mirrored)
     pattern = QUARTER_RAD if is_quarter else TURN_RAD
     a_mm, blank_mm = float(geometry.radius_mm(z_mm)), blank_radius_mm(geometry, depth_mm)
     return SectionCut(shaped, a_mm, blank_mm, pattern)

@@ -117,7 +117,7 @@ class _Law(TomlTable):
     @property
     def height_mm(self) -> list[float]:
         """Return the ends of the range, and the peak where it lies inside, rising."""
-        first, last = (float(one) for one in self.range_mm)
+        first, last = (float(end) for end in self.range_mm)
         is_inside = first + MIN_STEP_MM <= self.peak_height_mm <= last - MIN_STEP_MM
         return [first, float(self.peak_height_mm), last] if is_inside else [first, last]
 
@@ -147,11 +147,11 @@ class PowerProfile(_Law):
     def diameter_mm(self) -> list[float]:
         """Return the diameters at `height_mm`."""
         drop = self.coefficient * self._from_peak_mm() ** self.exponent
-        return [float(one) for one in self.peak_diameter_mm - 2 * drop]
+        return [float(mm) for mm in self.peak_diameter_mm - 2 * drop]
 
     def curve(self) -> PPoly:
         """Return a(h) [mm] in cubic pieces: exact for exponents 2 and 3, else to LAW_ERROR_MM."""
-        first, last = (float(one) for one in self.range_mm)
+        first, last = (float(end) for end in self.range_mm)
         below = self._breaks(max(0.0, self.peak_height_mm - last), self.peak_height_mm - first)
         above = self._breaks(max(0.0, first - self.peak_height_mm), last - self.peak_height_mm)
         z_mm = np.concatenate([self.peak_height_mm - below[::-1], self.peak_height_mm + above])
@@ -207,7 +207,7 @@ class PeakOvality(_Law):
     def ovality_mm(self) -> list[float]:
         """Return the ovalities at `height_mm`."""
         g = self.peak_ovality_mm - self.fall_mm_per_mm * self._from_peak_mm()
-        return [float(one) for one in (g if self.is_oval else 0.0 * g)]
+        return [float(mm) for mm in (g if self.is_oval else 0.0 * g)]
 
 
 MAX_KINK_DEG = 0.01  # between segments that the drawing calls tangent
@@ -393,8 +393,8 @@ def curve_of(pieces: tuple[Piece, ...]) -> PPoly:
     cubics = []
     for piece in pieces:
         z = np.array([*breaks_of(piece), piece.to_mm])
-        values = np.array([piece.value(float(one)) for one in z])
-        slopes = np.array([piece.slope(float(one)) for one in z])
+        values = np.array([piece.value(float(mm)) for mm in z])
+        slopes = np.array([piece.slope(float(mm)) for mm in z])
         values[-1] = piece.value_mm
         cubics.append(CubicHermiteSpline(z, values, slopes).c)
         heights += z[:-1].tolist()

@@ -104,10 +104,10 @@ def _checked_heights(value: list[float], info: ValidationInfo) -> list[float]:
 
 def joined(start_mm: float, value: float, segments: Segments, scale: int) -> tuple[Piece, ...]:
     """Return segments with all their numbers, see `join`; values are divided by scale."""
-    ends = [None if one.end is None else one.end / scale for one in segments]
+    ends = [None if segment.end is None else segment.end / scale for segment in segments]
     steps = [
-        DrawnSegment(one.to_mm, end, one.kind, one.radius_mm, one.tangent)
-        for one, end in zip(segments, ends, strict=True)
+        DrawnSegment(segment.to_mm, end, segment.kind, segment.radius_mm, segment.tangent)
+        for segment, end in zip(segments, ends, strict=True)
     ]
     return join(start_mm, value / scale, tuple(steps))
 
@@ -116,15 +116,15 @@ def _points(
     heights: list[float], values: list[float], segments: Segments, key: str, scale: int
 ) -> tuple[list[float], list[float]]:
     """Return the points at which segments begin and end: those of the drawing and derived ones."""
-    z_mm = rising([heights[0], *(one.to_mm for one in segments)])
-    for i, one in enumerate(segments):
-        one.check(key, is_first=i == 0)
+    z_mm = rising([heights[0], *(segment.to_mm for segment in segments)])
+    for i, segment in enumerate(segments):
+        segment.check(key, is_first=i == 0)
     try:
         pieces = joined(heights[0], values[0], segments, scale)
     except SegmentError as error:
         context = {"field": f"segment.{error.index}.{error.key}", "value": None}
         raise wrong("segment", error.problem, error.remedy, **context) from error
-    return z_mm, [values[0], *(scale * one.value_mm for one in pieces)]
+    return z_mm, [values[0], *(scale * piece.value_mm for piece in pieces)]
 
 
 def _check_smooth(curve: "Profile | Ovality") -> None:
@@ -412,7 +412,7 @@ class SectionShape(TomlTable):
     @field_validator("files")
     @classmethod
     def _check_files(cls, value: list[PointsAt] | None) -> list[PointsAt] | None:
-        rising([one.z_mm for one in value or []] or [0.0, 1.0])
+        rising([file.z_mm for file in value or []] or [0.0, 1.0])
         return value
 
     @model_validator(mode="after")
@@ -479,18 +479,18 @@ class Antithrust(TomlTable):
         return self
 
 
-def check_sides(other: Antithrust, shape: str, ends_mm: tuple[float, float]) -> None:
+def check_sides(antithrust: Antithrust, shape: str, ends_mm: tuple[float, float]) -> None:
     """Refuse another side where the section has none, or which does not cover the profile."""
     if shape not in OVALS:
         context: dict[str, object] = {"field": "section.shape", "value": shape}
         problem = "has no sides: the table [piston.antithrust] is for ovals"
         raise wrong("sides", problem, f"remove it, or set one of: {', '.join(OVALS)}", **context)
-    if other.height_mm[0] > ends_mm[0] or other.height_mm[-1] < ends_mm[1]:
-        context = {"field": "antithrust.height_mm", "value": other.height_mm}
+    if antithrust.height_mm[0] > ends_mm[0] or antithrust.height_mm[-1] < ends_mm[1]:
+        context = {"field": "antithrust.height_mm", "value": antithrust.height_mm}
         problem = f"must cover the profile's heights {ends_mm[0]} .. {ends_mm[1]} mm"
         raise wrong("cover", problem, "add points at the ends", **context)
     for owner, key in PARAMETERS.items():
-        if getattr(other, key) is not None and shape != owner:
-            context = {"field": f"antithrust.{key}", "value": getattr(other, key)}
+        if getattr(antithrust, key) is not None and shape != owner:
+            context = {"field": f"antithrust.{key}", "value": getattr(antithrust, key)}
             problem = f'has no meaning for shape = "{shape}"'
             raise wrong("foreign", problem, f'remove it, or set shape = "{owner}"', **context)

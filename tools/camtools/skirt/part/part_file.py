@@ -247,7 +247,7 @@ def spread(
         heights = np.linspace(low_mm, high_mm, _MOST)
         heights[1:-1] = np.linspace(*ends_mm, _MOST)[1:-1]
     chosen = np.linspace(0, heights.size - 1, min(_MOST, heights.size)).round().astype(np.int64)
-    return [round(float(one), 6) for one in heights[chosen]]
+    return [round(float(mm), 6) for mm in heights[chosen]]
 
 
 def margin_mm(feed_mm: float) -> float:

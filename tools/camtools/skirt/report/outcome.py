@@ -86,7 +86,7 @@ def compare_removal(rig: Rig, generated: GeneratedSkirt) -> Even | None:
         made_cut(table, words, tables=["removal"], files={file: "removal"})
         for table, file in ((rig.table, REMOVAL), (str(twin / rig.table), REMOVAL_UNIFORM))
     ]
-    even, uniform = (removal_of(one.removal) for one in cuts)
+    even, uniform = (removal_of(cut.removal) for cut in cuts)
     return Even(cuts[0].summary, cuts[1].summary, even, uniform)
 
 
@@ -145,13 +145,13 @@ def pass_rows(outcome: AnyCut) -> list[ReportRow]:
     passes = outcome.summary.get("passes", [])
     return [
         ReportRow(
-            f"pass {one['pass']} of {len(passes)}",
-            f"{one['spindle_rpm']:g} r/min, feed {one['feed_mm']:g} mm, depth "
-            f"{one['depth_min_mm']:.3f} .. {one['depth_max_mm']:.3f} mm, leaves "
-            f"{length_text(one['allowance_um'])}: {error_pair(one['form_error_um'])}"
-            f"{_force_text(one['chip_force_n'])}",
+            f"pass {record['pass']} of {len(passes)}",
+            f"{record['spindle_rpm']:g} r/min, feed {record['feed_mm']:g} mm, depth "
+            f"{record['depth_min_mm']:.3f} .. {record['depth_max_mm']:.3f} mm, leaves "
+            f"{length_text(record['allowance_um'])}: {error_pair(record['form_error_um'])}"
+            f"{_force_text(record['chip_force_n'])}",
         )
-        for one in passes
+        for record in passes
     ]
 
 

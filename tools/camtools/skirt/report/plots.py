@@ -132,9 +132,9 @@ def draw_smoothing(result: GeneratedSkirt) -> Figure:
     found = smoothing_facts(result.part.piston)
     figure = titled_figure(8.5, 5.0, _title(result, "residuals of smoothed points"))
     panels = figure.subplots(1, len(found), sharey=True, squeeze=False)[0]
-    for axes, (name, one) in zip(panels, found.items(), strict=True):
-        axes.plot(one["off_um"], one["height_mm"], "o-", lw=0.6, ms=3, color=_colour(1))
-        for edge_um in (-one["smooth_um"], one["smooth_um"]):
+    for axes, (name, facts) in zip(panels, found.items(), strict=True):
+        axes.plot(facts["off_um"], facts["height_mm"], "o-", lw=0.6, ms=3, color=_colour(1))
+        for edge_um in (-facts["smooth_um"], facts["smooth_um"]):
             axes.axvline(edge_um, lw=0.8, ls="--", color=_colour(2))
         axes.set_xlabel(f"{name}: smoothed less listed, µm")
         axes.grid(alpha=0.3)

@@ -10,7 +10,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camtools.base.quantities import NM_PER_MM, Floats, Ints, length_unit, omega_rad_s
+from camtools.base.quantities import (
+    MM_PER_M,
+    NM_PER_MM,
+    UM_PER_MM,
+    Floats,
+    Ints,
+    length_unit,
+    omega_rad_s,
+)
 from camtools.part.smoothing import sheet_note
 from camtools.plots.style import (
     BLUE,
@@ -37,7 +45,7 @@ from camtools.skirt.report.outcome import ROWS, Even, SkirtOutcome
 from camtools.skirt.report.plots import draw_all, draw_smoothing
 from camtools.skirt.table.speed import SpeedTable, motion_played, worst_of
 
-_UM_PER_MM, _MM_PER_M, _PERCENT = 1000.0, 1000.0, 100.0
+_PERCENT = 100.0
 _N_ANGLES = 721
 _ENLARGED = 30.0  # the part in space
 _BETWEEN_PASSES = 1000  # ticks: engaging and disengaging take more
@@ -99,7 +107,7 @@ def _measured(turn: CutTrace) -> tuple[Floats, Floats, Floats]:
     """Return angle [degrees], place of U [um] and its velocity [mm/s] at some ticks of a turn."""
     u_mm = turn.u_act_nm / NM_PER_MM
     step = max(1, u_mm.size // 60)
-    columns = 360 * (turn.turn % 1), u_mm * _UM_PER_MM, slope_of(u_mm, turn.t_s, _SLOPE_TICKS)
+    columns = 360 * (turn.turn % 1), u_mm * UM_PER_MM, slope_of(u_mm, turn.t_s, _SLOPE_TICKS)
     degrees, moved_um, slope = (column[::step] for column in columns)
     return degrees, moved_um, slope
 
@@ -120,9 +128,9 @@ def motion_of(outcome: SkirtOutcome) -> TurnOfU:
         f"height {z_mm:.1f} mm, {mean}{speed_rpm:g} r/min",
         360 * turns,
         (
-            ChartPanel("U towards the axis, µm", u_mm * _UM_PER_MM, moved_um),
+            ChartPanel("U towards the axis, µm", u_mm * UM_PER_MM, moved_um),
             ChartPanel("velocity, mm/s", trace.sense * velocity, slope),
-            ChartPanel("acceleration, m/s²", acceleration / _MM_PER_M),
+            ChartPanel("acceleration, m/s²", acceleration / MM_PER_M),
         ),
         geometry.played_name,
         degrees,
@@ -152,7 +160,7 @@ def lines_at(geometry: Geometry, corner: Corner, z_mm: float, spindle_rpm: float
     u = geometry.delta(np.radians(deg), z_mm)
     drawn = corner.delta(np.radians(deg), z_mm).delta
     return Lines(
-        deg, drawn * _UM_PER_MM, u.delta * _UM_PER_MM, u.d1 * omega, u.d2 * omega**2 / _MM_PER_M
+        deg, drawn * UM_PER_MM, u.delta * UM_PER_MM, u.d1 * omega, u.d2 * omega**2 / MM_PER_M
     )
 
 

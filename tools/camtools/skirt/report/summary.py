@@ -133,11 +133,11 @@ def passes_of(table: Table) -> list[Json]:
     """Return the passes as the table has them, none of a part that is cut in one."""
     return [
         {
-            "allowance_um": one.allowance_nm / NM_PER_UM,
-            "feed_mm": one.feed_nm / NM_PER_MM,
-            "spindle_rpm": one.spindle_mrpm / 1000,
+            "allowance_um": record.allowance_nm / NM_PER_UM,
+            "feed_mm": record.feed_nm / NM_PER_MM,
+            "spindle_rpm": record.spindle_mrpm / 1000,
         }
-        for one in table.passes
+        for record in table.passes
     ]
 
 
@@ -183,7 +183,7 @@ def _refit(corner: Corner) -> Json:
         "corner_mm_per_rad": float(at.corner_mm_rad()),
         "deviation_um": corner.off.um if corner.off else 0.0,
         "deviation_limit_um": corner.off_limit_um,
-        "candidates": [one._asdict() for one in corner.candidates],
+        "candidates": [candidate._asdict() for candidate in corner.candidates],
     }
 
 
@@ -216,9 +216,9 @@ def segment_facts(piston: Piston) -> Json:
     """
     drawn = {"profile": (piston.profile, 2), "ovality": (piston.ovality, 1)}
     return {
-        name: [_piece(piece, scale) for piece in pieces_of(one)]
-        for name, (one, scale) in drawn.items()
-        if isinstance(one, Profile | Ovality) and one.segment
+        name: [_piece(piece, scale) for piece in pieces_of(curve)]
+        for name, (curve, scale) in drawn.items()
+        if isinstance(curve, Profile | Ovality) and curve.segment
     }
 
 
@@ -330,7 +330,7 @@ def _words(segment: Json) -> str:
 
 def _segments_text(found: Json) -> str:
     return "".join(
-        f"  {name}: {'; '.join(_words(one) for one in segments)}\n"
+        f"  {name}: {'; '.join(_words(segment) for segment in segments)}\n"
         for name, segments in found.items()
     )
 
@@ -360,10 +360,10 @@ def _room_text(summary: Json) -> str:
         text += f"  U = 0 is the middle of its stroke, {below}\n"
     if process["run_in_mm"] or process["run_out_mm"]:
         text += f"  run-in {process['run_in_mm']:g} mm, run-out {process['run_out_mm']:g} mm\n"
-    for number, one in enumerate(process.get("passes", []), start=1):
+    for number, record in enumerate(process.get("passes", []), start=1):
         text += (
-            f"  pass {number} of {len(process['passes'])}: {one['spindle_rpm']:g} r/min, feed "
-            f"{one['feed_mm']:.6g} mm, leaves {one['allowance_um']:g} um\n"
+            f"  pass {number} of {len(process['passes'])}: {record['spindle_rpm']:g} r/min, feed "
+            f"{record['feed_mm']:.6g} mm, leaves {record['allowance_um']:g} um\n"
         )
     if process.get("feed_law") is not None:
         low, high = min(process["feed_law"]["feed_mm"]), max(process["feed_law"]["feed_mm"])
@@ -456,14 +456,14 @@ def _refit_text(summary: Json) -> str:
         "   s1 s2  acceleration mm/s2   at deg  jerk mm/s3   after corner  deviation um",
     ]
     chosen = recipe["s1"], recipe["s2"]
-    lines += [_candidate_text(one, (one["s1"], one["s2"]) == chosen) for one in refit["candidates"]]
+    lines += [_candidate_text(candidate, chosen) for candidate in refit["candidates"]]
     return "\n".join(lines) + "\n"
 
 
-def _candidate_text(one: Json, is_chosen: bool) -> str:
-    mark = "*" if is_chosen else " "
+def _candidate_text(found: Json, chosen: tuple[int, int]) -> str:
+    mark = "*" if (found["s1"], found["s2"]) == chosen else " "
     return (
-        f"  {mark}{one['s1']:2d} {one['s2']:2d}  {one['acceleration_mm_s2']:18.1f}  "
-        f"{one['peak_deg']:7.2f}  {one['jerk_mm_s3']:10.3e}  {one['tail_jerk_mm_s3']:13.3e}  "
-        f"{one['deviation_um']:12.2f}"
+        f"  {mark}{found['s1']:2d} {found['s2']:2d}  {found['acceleration_mm_s2']:18.1f}  "
+        f"{found['peak_deg']:7.2f}  {found['jerk_mm_s3']:10.3e}  {found['tail_jerk_mm_s3']:13.3e}  "
+        f"{found['deviation_um']:12.2f}"
     )

@@ -374,18 +374,18 @@ def _hopeful(geometry: Geometry, tolerance_nm: float, coarse: set[int]) -> Itera
     candidates, in_height = u_candidates(geometry), height_error(geometry)
     has_kinks = second_share_of(geometry) > DERIVATIVE_SHARE
     within = (
-        one
-        for one in candidates
-        if one.estimate_nm <= tolerance_nm and one.log2_knots not in coarse
+        candidate
+        for candidate in candidates
+        if candidate.estimate_nm <= tolerance_nm and candidate.log2_knots not in coarse
     )
-    for one in islice(within, _MAX_PROBES):
-        size = one.log2_knots, one.n_slices
+    for candidate in islice(within, _MAX_PROBES):
+        size = candidate.log2_knots, candidate.n_slices
         found = probe(geometry, in_height, *size, has_kinks=has_kinks)
         first, second = (GRID_MARGIN * share for share in found.shares)
         is_near = GRID_MARGIN * found.value_nm <= tolerance_nm
         if is_near and _keeps_derivatives(geometry, first, second):
-            yield one
-    yield from sorted(candidates, key=lambda one: one.estimate_nm)[:1]
+            yield candidate
+    yield from sorted(candidates, key=lambda candidate: candidate.estimate_nm)[:1]
 
 
 def choose_u(
@@ -404,8 +404,8 @@ def choose_u(
     within, others = _measured(geometry, geometry, tolerance_nm, _MAX_MEASURES)
     if within is not None:
         return within
-    smooth = [one for one in others if _keeps_derivatives(geometry, *one[1].shares)]
-    best = min(smooth, key=lambda one: one[1].value_nm, default=None)
+    smooth = [made for made in others if _keeps_derivatives(geometry, *made[1].shares)]
+    best = min(smooth, key=lambda made: made[1].value_nm, default=None)
     if best is None or best[1].value_nm > most_nm:
         best_nm = min((accuracy.value_nm for _, accuracy in others), default=inf)
         raise UnreachableError("u", tolerance_nm, best_nm)
@@ -415,10 +415,7 @@ def choose_u(
 def _measured(
     geometry: Geometry, sieve: Geometry, tolerance_nm: float, most: int
 ) -> tuple[tuple[Channel, Accuracy] | None, list[tuple[Channel, Accuracy]]]:
-    """Return the first channel of a sieve's sizes that keeps the tolerance, and those that do not.
-
-    The latter are those that were measured before it.
-    """
+    """Return the first channel of a sieve's sizes that keeps the tolerance, and those before it."""
     others: list[tuple[Channel, Accuracy]] = []
     coarse: set[int] = set()
     for candidate in islice(_hopeful(sieve, tolerance_nm, coarse), most):
@@ -455,4 +452,4 @@ def choose_x(
     best_nm = min((accuracy.value_nm for _, accuracy in found), default=inf)
     if best_nm > most_nm:
         raise UnreachableError("x", tolerance_nm, best_nm)
-    return next(one for one in found if one[1].value_nm <= min(most_nm, _NEAR_BEST * best_nm))
+    return next(made for made in found if made[1].value_nm <= min(most_nm, _NEAR_BEST * best_nm))

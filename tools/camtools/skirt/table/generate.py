@@ -71,7 +71,7 @@ def refuse_scan(
     n_points = f"{scan.angle_deg.size} points a turn at {scan.z_mm.size} heights"
     kept = "all points" if section.harmonics is None else f"{section.harmonics} waves per turn"
     problem = f"no table through {kept} of the scan ({n_points}) keeps {tolerance_nm:g} nm"
-    for waves in (one for one in WAVES if one < most):
+    for waves in (number for number in WAVES if number < most):
         try:
             fewer = keeping(geometry, waves, factor, section.interpolation)
             channel, _ = choose_u(followed(fewer), tolerance_nm)
@@ -139,8 +139,8 @@ def _u_of(
     """Return the u channel for the way of the tip; of a long scan with a remedy when none fits."""
     runs = part.process.run_in_mm, part.process.run_out_mm
 
-    def followed(one: Geometry) -> Geometry:
-        return tip_geometry(with_run(one, *runs), part.tool)
+    def followed(surface: Geometry) -> Geometry:
+        return tip_geometry(with_run(surface, *runs), part.tool)
 
     sieve = with_run(geometry, *runs) if part.tool.is_round else None
     try:
@@ -174,8 +174,8 @@ def _geometry_of(part: SkirtPart, passes: list[SkirtPart]) -> Geometry:
         raise GeometryError("process.path", problem, remedy)
     geometry = geometry_of(part)
     low_mm, high_mm = geometry.skirt_mm
-    for one in passes:
-        path_of(one, low_mm - part.process.run_in_mm, high_mm + part.process.run_out_mm)
+    for pass_part in passes:
+        path_of(pass_part, low_mm - part.process.run_in_mm, high_mm + part.process.run_out_mm)
     refuse_corner(geometry)
     if geometry.corner is not None and part.piston.section.refit is not None:
         refuse_deviation(geometry.corner, part.piston.section.refit)
@@ -251,7 +251,7 @@ def _judge(geometry: Geometry, part: SkirtPart, table: Table) -> HighestSpeed:
         lines = with_mean(error.lines, part.process.u_zero, table.bounds)
         if geometry.corner is None or not any("u_acceleration" in line for line in lines):
             raise CamtoolsError(lines) from error
-        best = min(geometry.corner.candidates, key=lambda one: one.acceleration_mm_s2)
+        best = min(geometry.corner.candidates, key=lambda candidate: candidate.acceleration_mm_s2)
         hint = (
             "piston.section.refit.delete: the corner decides; of all deletions "
             f"[{best.s1}, {best.s2}] needs least, {best.acceleration_mm_s2:.6g} mm/s2 at this "

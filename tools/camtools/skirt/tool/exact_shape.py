@@ -26,7 +26,7 @@ def shape_key(part: SkirtPart) -> Hashable:
     """Return what the geometry of a part follows from; of a refit the speed is part of it."""
     magnify = None if part.magnify is None else part.magnify.model_dump_json()
     section = part.piston.section
-    names = [section.csv, *(one.csv for one in section.files or [])]
+    names = [section.csv, *(entry.csv for entry in section.files or [])]
     files = tuple(file_state(name) for name in names if name is not None)
     refit = f"{part.process.form_error_um!r}" if smoothed_curves(part.piston) else ""
     if section.shape == "ellipse-arc":

@@ -239,7 +239,7 @@ class NoseGeometry(Geometry):
         """See `Geometry.delta`; the jerk alone leaves out the third derivative by the height."""
         phi, z = np.asarray(phi_rad, dtype=np.float64), np.asarray(z_mm, dtype=np.float64)
         shape = np.broadcast_shapes(phi.shape, z.shape)
-        flat_phi, flat_z = (np.broadcast_to(one, shape).ravel() for one in (phi, z))
+        flat_phi, flat_z = (np.broadcast_to(values, shape).ravel() for values in (phi, z))
         touch = self._touch(self._rays, flat_phi, flat_z)
         r, r1, r2, r3 = self._rays.surface.values(flat_phi, touch.z_mm)
         along = self._rays.along(flat_phi, touch.z_mm)
@@ -251,7 +251,7 @@ class NoseGeometry(Geometry):
         tip3 = r3 + 3 * (along.first[2] + along.second[1] * travel) * travel + circle3 * travel**3
         long_mm = np.broadcast_to(self.radius_mm(z), shape).ravel()
         u = (long_mm - r - touch.above_mm(self.nose_mm), -r1, -tip2, -tip3)
-        return SectionValues(*(one.reshape(shape) for one in u))
+        return SectionValues(*(values.reshape(shape) for values in u))
 
     def breaks_mm(self) -> Floats:
         """Return heights of the nose at which its contact passes a break of the shape."""
@@ -308,14 +308,14 @@ class NoseGeometry(Geometry):
         self, rays: Rays, phi: Floats, best: NoseContact, side: NoseContact, near: Ints
     ) -> NoseContact:
         """Return the contacts at which the tip stands further out."""
-        kept = NoseContact(*(one[near] for one in best))
+        kept = NoseContact(*(column[near] for column in best))
         mine, others = (
-            rays.surface.values(phi[near], one.z_mm)[0] + one.above_mm(self.nose_mm)
-            for one in (kept, side)
+            rays.surface.values(phi[near], contact.z_mm)[0] + contact.above_mm(self.nose_mm)
+            for contact in (kept, side)
         )
         is_deeper = others > mine
-        for whole, one in zip(best, side, strict=True):
-            whole[near[is_deeper]] = one[is_deeper]
+        for column, deeper in zip(best, side, strict=True):
+            column[near[is_deeper]] = deeper[is_deeper]
         return best
 
 
@@ -336,7 +336,7 @@ def tip_geometry(drawing: Geometry, tool: Tool) -> Geometry:
     """Return what the tip must follow; of a tool with a point the drawing itself."""
     if not tool.is_round:
         return drawing
-    own = {one.name: getattr(drawing, one.name) for one in fields(Geometry)}
+    own = {member.name: getattr(drawing, member.name) for member in fields(Geometry)}
     check_nose(drawing, tool.nose_radius_mm)
     return NoseGeometry(**own, work=drawing, nose_mm=tool.nose_radius_mm)
 
@@ -373,7 +373,7 @@ def _narrowest_hollow(rays: Rays, drawing: Geometry) -> _Place:
 def _sharpest_crease(rays: Rays, drawing: Geometry) -> _Place:
     """Return the largest radius that leaves no more than LEFT_MM in a crease, and where it is."""
     inner = drawing.breaks_mm()[1:-1]
-    below, above = (np.arctan(slopes_at(rays, inner, below=one)) for one in (True, False))
+    below, above = (np.arctan(slopes_at(rays, inner, below=is_below)) for is_below in (True, False))
     bend = above - below
     if not bend.size or bend.max() <= _CREASE_RAD:
         return float("inf"), 0.0, 0.0, "crease"

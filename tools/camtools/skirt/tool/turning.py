@@ -97,8 +97,9 @@ def middle_nm(geometry: Geometry, u_zero: str) -> int:
     if u_zero == "long-axis":
         return 0
     z_mm = dense_heights_mm(geometry, _PER_PIECE)
-    ranges = [geometry.delta(ALL_AROUND_RAD, float(z)).delta for z in z_mm]
-    low, high = min(float(one.min()) for one in ranges), max(float(one.max()) for one in ranges)
+    sections = [geometry.delta(ALL_AROUND_RAD, float(z)).delta for z in z_mm]
+    low = min(float(section.min()) for section in sections)
+    high = max(float(section.max()) for section in sections)
     return round((low + high) / 2 * NM_PER_MM)
 
 
