@@ -25,9 +25,8 @@ class _Held:
 
 def arrived(number: int) -> None:
     """Raise Interrupted, or let the end of `signals_held` raise it."""
-    if _Held.is_on:
-        _Held.number = number
-    else:
+    _Held.number = number if _Held.is_on else None
+    if not _Held.is_on:
         raise Interrupted(number)
 
 
@@ -36,19 +35,15 @@ def signals_held() -> Iterator[None]:
     """Delay Interrupted until the end of the block.
 
     For finished files that get their names, and for short calls of a library whose locks other
-    threads need. A masked signal may still come by way of another thread.
+    threads need. Only the main thread is interrupted, and only within `run_command`.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    mask, was_on = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS), _Held.is_on
-    _Held.is_on = True
+    was_on, _Held.is_on = _Held.is_on, True
     try:
         yield
     finally:
         _Held.is_on = was_on
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-        number = _Held.number
-        if number is not None and not was_on:
-            _Held.number = None
-            raise Interrupted(number)
+        if _Held.number is not None and not was_on:
+            arrived(_Held.number)
