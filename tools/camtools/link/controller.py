@@ -250,7 +250,12 @@ class Link:
         return answer
 
     def listen(self) -> Status:
-        """Wait for every message and page of the status; refused where a controller lacks one."""
+        """Take what has come, and wait for every message and page of the status.
+
+        Refused where a controller lacks one.
+        """
+        while self.pump(0):
+            pass
         if not self.wait_in_its_time(lambda: self.status.signals.keys() >= WANTED, ANSWER_S):
             is_heard = time.monotonic() - self.status.at_s < SILENT_S
             lacks = _lacks(self.status.signals.keys())
