@@ -104,12 +104,6 @@ void fuzz_disturb(uint8_t which, uint16_t code)
     }
 }
 
-static void note(cam_verdict_t verdict)
-{
-    fuzz_try(verdict.err);
-    fuzz_note(verdict.value);
-}
-
 void fuzz_command(uint8_t what, int32_t value)
 {
     static cam_err_t (*const simple[16])(cam_machine_t *) = {
@@ -123,16 +117,17 @@ void fuzz_command(uint8_t what, int32_t value)
     const hal_axis_t axis = (hal_axis_t)(what / 16u % hal_n_axes);
     switch (what % 16u) {
     case 7:
-        note(cam_machine_jog(m, axis, value));
+        fuzz_try_verdict(cam_machine_jog(m, axis, value));
         break;
     case 8:
-        note(cam_machine_step(m, axis, value * 128));
+        fuzz_try_verdict(cam_machine_step(m, axis, value * 128));
         break;
     case 9:
         fuzz_try(cam_machine_home_axis(m, axis));
         break;
     case 10:
-        note(cam_machine_zero(m, axis, axis == hal_axis_x ? 92000000 + value * 256 : value * 256));
+        fuzz_try_verdict(
+            cam_machine_zero(m, axis, axis == hal_axis_x ? 92000000 + value * 256 : value * 256));
         break;
     case 13:
         cam_machine_keep_alive(m);

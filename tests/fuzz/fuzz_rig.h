@@ -39,6 +39,13 @@ static inline void fuzz_try(cam_err_t err)
     fuzz_note(err);
 }
 
+/// The same for a command whose answer has a number.
+static inline void fuzz_try_verdict(cam_verdict_t verdict)
+{
+    fuzz_try(verdict.err);
+    fuzz_note(verdict.value);
+}
+
 /// @return [Hz] a tick rate
 uint32_t fuzz_rig_hz(uint32_t rate);
 

@@ -342,19 +342,16 @@ static void put_learning(void)
     uint8_t bytes[sizeof setup + 1 + sizeof after + n_turns * turn_bytes] = {0};
     memcpy(bytes, setup, sizeof setup);
     memcpy(bytes + sizeof setup + 1, after, sizeof after);
-    for (uint32_t i = 0; i < (uint32_t)n_turns; i++) {
-        const bool is_rehearsed = i < (uint32_t)n_rehearsed;
-        const bool is_engaged = !is_rehearsed && i < (uint32_t)(n_rehearsed + n_engaged);
-        const uint8_t state = is_rehearsed ? 0x80 : is_engaged ? 0x82 : 0x83;
-        const uint8_t turn[turn_bytes] = {state, 44, 1, 1, 136, 19, 44, 1, 1, 10, 0, 0x10};
-        memcpy(bytes + sizeof bytes - (n_turns - i) * turn_bytes, turn, sizeof turn);
-    }
     for (uint8_t order = 1; order <= 4u; order++) {
+        for (uint32_t i = 0; i < (uint32_t)n_turns; i++) {
+            const bool is_rehearsed = i < (uint32_t)n_rehearsed;
+            const bool is_engaged = !is_rehearsed && i < (uint32_t)(n_rehearsed + n_engaged);
+            const uint8_t state = is_rehearsed ? 0x80 : is_engaged ? 0x82 : 0x83;
+            const uint8_t turn[turn_bytes] = {state, 44, 1, order, 136, 19, 44, 1, 1, 10, 0, 0x10};
+            memcpy(bytes + sizeof bytes - (n_turns - i) * turn_bytes, turn, sizeof turn);
+        }
         char name[16];
         (void)snprintf(name, sizeof name, "order_%u", (unsigned)order);
-        for (uint32_t i = 0; i < (uint32_t)n_turns; i++) {
-            bytes[sizeof bytes - (n_turns - i) * turn_bytes + 3] = order;
-        }
         put("learning", name, bytes, sizeof bytes);
     }
 }

@@ -3,6 +3,7 @@
 // agree, and every configuration built is within the ranges of the proof.
 #include "cam_build.h"
 #include "cam_feasible.h"
+#include "cam_fix.h" // cam_clamp_i64
 #include "fixture_image.h"
 #include "fixture_shaft.h"
 #include "fuzz_bytes.h"
@@ -15,23 +16,22 @@ enum { n_tables = fuzz_rig_n_parts + 1, most_changes = 12, clock_hz = 480000000 
 
 static cam_table_t tables[n_tables];
 
+static void check(uint32_t i, const void *image, size_t size)
+{
+    FUZZ_EXPECT(cam_table_check(image, size, &tables[i]) == cam_ok, "table %u", (unsigned)i);
+}
+
 static void make_tables(void)
 {
     static fixture_image_t shaft;
-    if (tables[0].image != NULL) {
-        return;
+    for (uint32_t i = 0; i < (uint32_t)fuzz_rig_n_parts; i++) {
+        size_t size;
+        const void *image = fuzz_rig_image(i, &size);
+        check(i, image, size);
     }
-    for (uint32_t i = 0; i < (uint32_t)n_tables; i++) {
-        size_t size = 0;
-        const void *image = i < (uint32_t)fuzz_rig_n_parts ? fuzz_rig_image(i, &size) : NULL;
-        if (image == NULL) {
-            const fixture_shaft_t three = fixture_shaft_three();
-            fixture_shaft_make(&shaft, &three);
-            image = shaft.bytes;
-            size = shaft.size;
-        }
-        FUZZ_EXPECT(cam_table_check(image, size, &tables[i]) == cam_ok, "table %u", (unsigned)i);
-    }
+    const fixture_shaft_t three = fixture_shaft_three();
+    fixture_shaft_make(&shaft, &three);
+    check(fuzz_rig_n_parts, shaft.bytes, shaft.size);
 }
 
 /// @return 0 to 2^8 times the default, an end of the range, or a number within it; not yet clamped
@@ -61,8 +61,7 @@ static cam_params_t drawn(fuzz_bytes_t *b, bool takes_force)
         const cam_param_id_t id = (cam_param_id_t)(fuzz_u16(b) % (uint32_t)cam_n_params);
         const cam_param_info_t *info = cam_param_info(id);
         const int64_t value = value_of(b, info);
-        const int64_t fit = value < info->min ? info->min : value > info->max ? info->max : value;
-        fuzz_try(cam_param_set(&params, id, (int32_t)fit));
+        fuzz_try(cam_param_set(&params, id, (int32_t)cam_clamp_i64(value, info->min, info->max)));
     }
     return params;
 }
@@ -102,7 +101,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static cam_config_t config;
     fuzz_bytes_t b = {.at = data, .n = size};
-    make_tables();
+    if (tables[0].image == NULL) {
+        make_tables();
+    }
     const uint32_t hz = fuzz_rig_hz(fuzz_u8(&b));
     const cam_table_t *table = &tables[fuzz_u8(&b) % (uint32_t)n_tables];
     const uint32_t mrpm =

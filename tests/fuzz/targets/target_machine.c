@@ -111,7 +111,7 @@ static void jog_on(hal_axis_t axis, int32_t um_per_s, uint32_t n)
 {
     cam_machine_t *m = &fuzz_rig.machine;
     for (uint32_t i = 0; i < n && fuzz_orders_has_time(); i++) {
-        (void)cam_machine_jog(m, axis, um_per_s);
+        fuzz_try_verdict(cam_machine_jog(m, axis, um_per_s));
         fuzz_rig.judge.n_alone = 0;
         fuzz_let_pass(fuzz_rig.judge.tick_hz / 10u);
         if (cam_machine_status(m).jog.end == cam_jog_limit) {

@@ -117,8 +117,8 @@ static void excite(int32_t place_nm)
     if (cam_machine_wave_begin(m, sizeof wave_nm) == cam_ok) {
         fuzz_try(cam_machine_wave_block(m, 0, bytes, sizeof wave_nm));
         fuzz_try(cam_machine_wave_end(m, cam_crc32(0, bytes, sizeof wave_nm)));
-        (void)!cam_machine_scope_set(m, cam_scope_field_place_nm, place_nm);
-        (void)cam_machine_excite(m, 3, 100);
+        fuzz_try(cam_machine_scope_set(m, cam_scope_field_place_nm, place_nm));
+        fuzz_try_verdict(cam_machine_excite(m, 3, 100));
     }
 }
 
