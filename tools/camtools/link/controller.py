@@ -111,6 +111,11 @@ class Link:
             self._take(frame)
         return True
 
+    def catch_up(self) -> None:
+        """Take all frames that have come."""
+        while self.pump(0):
+            pass
+
     def _take(self, frame: can.Message) -> None:
         identifier = frame.arbitration_id - self._shift
         if identifier == messages.ANSWER.frame_id and len(frame.data) == messages.ANSWER.length:
@@ -235,8 +240,7 @@ class Link:
     ) -> Answer:
         """Do as ask(), but leave the rights as they are; `echo` is that of next_answer()."""
         for _ in range(BUSY_TRIES):
-            while self.pump(0):
-                pass
+            self.catch_up()
             self._answers.clear()
             self.send_command(command, parameter=parameter, **value)
             answer = self.next_answer(command, timeout_s, echo)
@@ -250,12 +254,11 @@ class Link:
         return answer
 
     def listen(self) -> Status:
-        """Take what has come, and wait for every message and page of the status.
+        """Catch up, and wait for every message and page of the status.
 
         Refused where a controller lacks one.
         """
-        while self.pump(0):
-            pass
+        self.catch_up()
         if not self.wait_in_its_time(lambda: self.status.signals.keys() >= WANTED, ANSWER_S):
             is_heard = time.monotonic() - self.status.at_s < SILENT_S
             lacks = _lacks(self.status.signals.keys())
