@@ -7,9 +7,10 @@
 import math
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TextIO
 
 from camtools.base.arguments import Option, PartFile, command
 from camtools.base.errors import CamtoolsError
@@ -19,7 +20,6 @@ from camtools.base.text import emit_json
 from camtools.forecast.cuts import CutOutcome, Store, cut_all
 from camtools.forecast.job import ForecastPlan, plan_of
 from camtools.forecast.result import (
-    Progress,
     evaluate,
     forecast_summary,
     forecast_text,
@@ -106,6 +106,51 @@ def _positive(option: str, value: float | None) -> list[str]:
     if not (math.isfinite(value) and value > 0):
         raise CamtoolsError([f"{option} {value}: must be a finite number above 0; give one"])
     return [option.replace("--turns", "--turns-limit"), repr(value)]
+
+
+_LINES = 10  # where there is no terminal
+
+
+class Progress:
+    """Counts cuts; `n_done` of them were there before; the clock returns seconds."""
+
+    def __init__(self, n_all: int, n_done: int, stream: TextIO, clock: Callable[[], float]) -> None:
+        self._n_all, self._n_before, self._n_done = n_all, n_done, n_done
+        self._n_failed = 0
+        self._stream, self._clock = stream, clock
+        self._begin_s = clock()
+        self._is_open = False
+        self._reported = n_done * _LINES // max(n_all, 1)
+        if n_done:
+            stream.write(f"forecast: {n_done} of {n_all} cuts are already done\n")
+
+    def add(self, n_cuts: int, n_failed: int) -> None:
+        """Count cuts that have been made."""
+        self._n_done += n_cuts
+        self._n_failed += n_failed
+        if self._stream.isatty():
+            self._stream.write(f"\r{self._text()}\033[K")
+            self._is_open = True
+        elif self._n_done * _LINES // self._n_all > self._reported:
+            self._reported = self._n_done * _LINES // self._n_all
+            self._stream.write(f"{self._text()}\n")
+        self._stream.flush()
+
+    def _text(self) -> str:
+        words = [f"forecast: {self._n_done} of {self._n_all} cuts"]
+        if self._n_failed:
+            words.append(f"{self._n_failed} without a result")
+        since_s, n_here = self._clock() - self._begin_s, self._n_done - self._n_before
+        left_s = since_s / n_here * (self._n_all - self._n_done)
+        if left_s >= 1:
+            words.append(f"{left_s:.0f} s left")
+        return ", ".join(words)
+
+    def end(self) -> None:
+        """Begin a new line on a terminal."""
+        if self._is_open:
+            self._stream.write("\n")
+            self._stream.flush()
 
 
 def forecast(options: Options) -> int:

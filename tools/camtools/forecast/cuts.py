@@ -42,6 +42,8 @@ if TYPE_CHECKING:
     from distributed import Client, LocalCluster
 
 TABLE, DESIGN = "part.camtab", "part.json"
+_BATCH = 8  # cuts; a worker that dies loses one batch, a second or two of work
+_CONNECT_S = 10.0
 
 
 class Task(NamedTuple):
@@ -133,10 +135,6 @@ def cut_batch(task: Task, machines: Sequence[str]) -> list[CutOutcome]:
         problem = f"a worker has another simulator ({here}, not {task.build})"
         raise CamtoolsError([f"{problem}; build the same version on every computer"])
     return [cut_one(task, machine) for machine in machines]
-
-
-_BATCH = 8  # cuts; a worker that dies loses one batch, a second or two of work
-_CONNECT_S = 10.0
 
 
 def _local(n_workers: int, folder: str) -> "LocalCluster":

@@ -5,9 +5,9 @@
 """
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from statistics import NormalDist
-from typing import Any, NamedTuple, TextIO
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -172,51 +172,6 @@ def runs_parquet(plan: ForecastPlan, outcomes: Sequence[CutOutcome], about: Json
     columns |= {key: plan.inputs[:, place] for place, key in enumerate(plan.names)}
     columns |= {name: [getattr(outcome, name) for outcome in outcomes] for name in names}
     return parquet_bytes(columns, schema, {"camturn.forecast": emit_json(about)})
-
-
-_LINES = 10  # where there is no terminal
-
-
-class Progress:
-    """Counts cuts; `n_done` of them were there before; the clock returns seconds."""
-
-    def __init__(self, n_all: int, n_done: int, stream: TextIO, clock: Callable[[], float]) -> None:
-        self._n_all, self._n_before, self._n_done = n_all, n_done, n_done
-        self._n_failed = 0
-        self._stream, self._clock = stream, clock
-        self._begin_s = clock()
-        self._is_open = False
-        self._reported = n_done * _LINES // max(n_all, 1)
-        if n_done:
-            stream.write(f"forecast: {n_done} of {n_all} cuts are already done\n")
-
-    def add(self, n_cuts: int, n_failed: int) -> None:
-        """Count cuts that have been made."""
-        self._n_done += n_cuts
-        self._n_failed += n_failed
-        if self._stream.isatty():
-            self._stream.write(f"\r{self._text()}\033[K")
-            self._is_open = True
-        elif self._n_done * _LINES // self._n_all > self._reported:
-            self._reported = self._n_done * _LINES // self._n_all
-            self._stream.write(f"{self._text()}\n")
-        self._stream.flush()
-
-    def _text(self) -> str:
-        words = [f"forecast: {self._n_done} of {self._n_all} cuts"]
-        if self._n_failed:
-            words.append(f"{self._n_failed} without a result")
-        since_s, n_here = self._clock() - self._begin_s, self._n_done - self._n_before
-        left_s = since_s / n_here * (self._n_all - self._n_done)
-        if left_s >= 1:
-            words.append(f"{left_s:.0f} s left")
-        return ", ".join(words)
-
-    def end(self) -> None:
-        """Begin a new line on a terminal."""
-        if self._is_open:
-            self._stream.write("\n")
-            self._stream.flush()
 
 
 _SHOWN = 5
