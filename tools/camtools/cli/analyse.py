@@ -30,7 +30,7 @@ _DRAWN_DEG = 0.25  # step of the curves of a cam
 def _files(found: Analysis, nose_mm: float, *, with_pictures: bool) -> dict[str, bytes]:
     texts = section.table_files(found) | {"notes.md": section.notes(found)}
     texts["analysis.json"] = emit_json(section.figures(found))
-    ends = found.geometry.z_first_mm, found.geometry.z_last_mm
+    ends = found.geometry.ends_mm
     limits = found.part.machine.limits
     study = paths.make_study(*ends, found.feed_mm, found.rpm, nose_mm, limits)
     slope = np.abs(found.geometry.radius_mm(np.linspace(*ends, 2001), 1)).max()

@@ -97,7 +97,7 @@ def make_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
     drawing = make_geometry(part)
     check_heel(drawing, part.tool, part.process.direction)
     geometry = with_run(drawing, part.process.run_in_mm, part.process.run_out_mm)
-    low, high = geometry.z_first_mm, geometry.z_last_mm
+    low, high = geometry.ends_mm
     first = low if wishes.from_mm is None else wishes.from_mm
     last = high if wishes.to_mm is None else wishes.to_mm
     for option, value in (("--from-mm", first), ("--to-mm", last)):

@@ -349,7 +349,7 @@ def choose_channel(
 ) -> tuple[Channel, Accuracy]:
     """Return the smallest u channel within a tolerance: over height a polygon is straight."""
     n_slices = int(slice_counts(geometry)[0])
-    z_nm = np.linspace(geometry.z_first_mm, geometry.z_last_mm, 3) * NM_PER_MM
+    z_nm = np.linspace(*geometry.ends_mm, 3) * NM_PER_MM
     best: Accuracy | None = None
     for log2_knots in range(MIN_LOG2_KNOTS, MAX_LOG2_KNOTS + 1):
         if (n_slices << log2_knots) * KNOT_SIZE > MAX_CHANNEL_BYTES:

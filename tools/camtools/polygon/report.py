@@ -237,10 +237,7 @@ _VIEWS: tuple[views.View[PolygonCut], ...] = (
 REPORT = KindReport(
     what="shaft",
     angle=ANGLE,
-    heights_mm=lambda cut: (
-        cut.generated.geometry.z_first_mm,
-        cut.generated.geometry.z_last_mm,
-    ),
+    heights_mm=lambda cut: cut.generated.geometry.ends_mm,
     rows=ROWS,
     views=_VIEWS,
     subject=_subject,

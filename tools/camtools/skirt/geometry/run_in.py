@@ -146,7 +146,7 @@ def with_run(geometry: Geometry, run_in_mm: float, run_out_mm: float) -> Geometr
         own = geometry.surface
         found = with_run(replace(geometry, surface=own.inner), run_in_mm, run_out_mm)
         return replace(found, surface=replace(own, inner=found.surface))
-    ends, runs = (geometry.z_first_mm, geometry.z_last_mm), (run_in_mm, run_out_mm)
+    ends, runs = geometry.ends_mm, (run_in_mm, run_out_mm)
     radius = continued(geometry.radius, ends, runs)
     ovality = continued(geometry.ovality, ends, runs, is_ovality=True)
     surface: SkirtSurface = HeldSurface(geometry.surface, *ends)

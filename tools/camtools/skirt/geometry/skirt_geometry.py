@@ -228,9 +228,14 @@ class Geometry:
     correction: Correction | None = None  # by a gauged part; in radius and surface already
 
     @property
+    def ends_mm(self) -> tuple[float, float]:
+        """Return the first and the last height [mm], with run-in and run-out."""
+        return self.z_first_mm, self.z_last_mm
+
+    @property
     def skirt_mm(self) -> tuple[float, float]:
         """Return the ends of the skirt [mm], without run-in and run-out."""
-        return self.gauge_mm or (self.z_first_mm, self.z_last_mm)
+        return self.gauge_mm or self.ends_mm
 
     @property
     def drawing(self) -> SkirtSurface:

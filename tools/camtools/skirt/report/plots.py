@@ -39,7 +39,7 @@ def _title(result: GeneratedSkirt, what: str) -> str:
 
 
 def _heights_mm(geometry: Geometry) -> Floats:
-    return np.linspace(geometry.z_first_mm, geometry.z_last_mm, _N_SECTIONS)
+    return np.linspace(*geometry.ends_mm, _N_SECTIONS)
 
 
 def _colour(i: int) -> tuple[float, float, float, float]:

@@ -60,7 +60,7 @@ def draw_own(outcome: SkirtOutcome) -> Figure:
     """Return the error of the cut against what the table plays, over angle and height."""
     geometry, played = outcome.generated.geometry, outcome.control
     assert played is not None
-    heights_mm = geometry.z_first_mm, geometry.z_last_mm
+    heights_mm = geometry.ends_mm
     n_rows = map_rows(heights_mm[1] - heights_mm[0], outcome.summary["cut"]["feed_mm"])
     limit_um = nice_limit(float(np.abs(played.error_um).max(initial=0.0)))
     factor, unit = length_unit(limit_um)
@@ -404,10 +404,7 @@ _VIEWS: tuple[views.View[SkirtOutcome], ...] = (
 REPORT = KindReport(
     what="skirt",
     angle="spindle angle from the long axis",
-    heights_mm=lambda cut: (
-        cut.generated.geometry.z_first_mm,
-        cut.generated.geometry.z_last_mm,
-    ),
+    heights_mm=lambda cut: cut.generated.geometry.ends_mm,
     rows=ROWS,
     views=_VIEWS,
     subject=_subject,
