@@ -246,6 +246,7 @@ static void go_on(void)
     case cam_state_off:
         mend();
         hal_host.in.axis_nm[hal_axis_u] = 0; // outside of its stroke it is pushed back by hand
+        fuzz_rig.lathe.u_nm = 0.0;
         press();
         if (any(12) == 0u) {
             by_hand();
@@ -275,14 +276,40 @@ static void go_on(void)
     }
 }
 
-static void session(uint32_t hz, uint32_t part, uint64_t seed)
+/// A voice coil with a moving mass, whose force acts without a delay but the hold of a tick; the
+/// loop's corners are those of 20 kHz, in proportion.
+static void take_forces(uint32_t hz)
 {
-    (void)printf("session %" PRIu64 ": %u Hz, part %u, seed %" PRIu64 "\n", sum.n_sessions,
-                 (unsigned)hz, (unsigned)part, seed);
+    const struct {
+        cam_param_id_t id;
+        int32_t value;
+    } loop[] = {{cam_param_servo_runaway_nm, 0},
+                {cam_param_servo_force_delay_ns, (int32_t)(500000000u / hz)},
+                {cam_param_servo_pole_hz, (int32_t)(hz / 5u)},
+                {cam_param_servo_crossover_hz, (int32_t)(hz / 47u)},
+                {cam_param_servo_integral_mHz, (int32_t)(hz * 2u)}};
+    for (size_t i = 0; i < sizeof loop / sizeof loop[0]; i++) {
+        const cam_err_t err = cam_machine_set_param(&fuzz_rig.machine, loop[i].id, loop[i].value);
+        FUZZ_EXPECT(err == cam_ok, "%s: %s", cam_param_info(loop[i].id)->name, cam_err_text(err));
+        pass_ms(1);
+    }
+    fuzz_rig.lathe.mass_kg = fuzz_rig.machine.params.servo_mass_g / 1e3;
+}
+
+static void session(uint32_t hz, uint32_t part, bool takes_force, uint64_t seed)
+{
+    (void)printf("session %" PRIu64 ": %u Hz, part %u, seed %" PRIu64 "%s\n", sum.n_sessions,
+                 (unsigned)hz, (unsigned)part, seed, takes_force ? ", forces" : "");
     (void)fflush(stdout);
     dice = sim_random_seeded(seed);
-    fuzz_rig_start(
-        (fuzz_start_t){.tick_hz = hz, .part = part, .has_button = true, .state = cam_state_off});
+    fuzz_rig_start((fuzz_start_t){.tick_hz = hz,
+                                  .part = part,
+                                  .has_button = true,
+                                  .takes_force = takes_force,
+                                  .state = cam_state_off});
+    if (takes_force) {
+        take_forces(hz);
+    }
     if (part != 1u) { // what the default machine's spindle can do
         fuzz_rig.lathe.ramp_rpm = 4000.0 / hz;
     }
@@ -331,7 +358,8 @@ int main(int argc, char **argv)
     }
     const uint64_t n_ticks = (uint64_t)(hours * 3600.0 * hz);
     for (uint32_t i = first; sum.n_ticks < n_ticks; i++) {
-        session(hz, i % (uint32_t)fuzz_rig_n_parts, seed * 1000u + i);
+        const bool takes_force = hz >= 5000u && i / (uint32_t)fuzz_rig_n_parts % 2u == 1u;
+        session(hz, i % (uint32_t)fuzz_rig_n_parts, takes_force, seed * 1000u + i);
     }
     report(hz);
     return 0;

@@ -298,6 +298,7 @@ static void test_a_feed_that_changes_begins_the_steps_anew(void)
     how.z_begin_nm = -99 - 105;
     play();
     TEST_ASSERT_EQUAL_UINT8(1, t.n_steps);
+    TEST_ASSERT_EQUAL_INT32(6400, t.z_nm); // where the depth of the next turn is looked up
 }
 
 /// The correction turns with the shape that the operator turns, by 2^-12 turn at least.

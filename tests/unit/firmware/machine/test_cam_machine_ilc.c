@@ -401,6 +401,23 @@ static void test_mean_force_of_the_chip_has_the_whole_depth(void)
     }
 }
 
+/// Lobes are ground: their depth is not known, and nothing is learned of a chip.
+static void test_lobes_have_no_chip(void)
+{
+    begin();
+    play_turns(2, cam_state_cutting);
+    m->table.n_lobes = 2;
+    m->table.depth_nm = 1000000;
+    m->ilc.drive.chip_q32 = m->ilc.chip_mean_q32 = 1 << 30;
+    for (int k = 0; k < 400; k++) {
+        m->core->bins.z_vel_q10 = (int32_t)(250000.0 * 1024.0 * 10737418.0 / 4294967296.0);
+        m->ilc.blending = cam_ilc_blend_drive;
+        poll(cam_state_cutting);
+        fixture_rig_ticks(&rig, 2);
+    }
+    TEST_ASSERT_EQUAL_INT32(0, offered()->chip_q6);
+}
+
 /// While U plays the table, learned constants and corrections shrink until its command is within
 /// the stroke; out of the work they stay.
 static void test_what_is_learned_fits_into_the_stroke(void)

@@ -211,6 +211,8 @@ static void test_frozen_scale_is_found_when_the_force_must_move_u(void)
     for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         setUp();
         let_settle();
+        pos_nm = 100.0; // it has moved since the force was switched on
+        (void)tick(0);
         const double nm_per_s2 = cases[i].force_n / MASS_KG * 1e9;
         m.axis[hal_axis_u].acc_q10 = (int32_t)(nm_per_s2 * TICK_S * TICK_S * 1024.0);
         is_blocked = true;
