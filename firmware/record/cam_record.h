@@ -5,7 +5,7 @@
 ///
 /// The guard accepts the last two, or replaces U in them.
 ///
-/// Inputs, results and axis commands form the record of a tick, from which it can be replayed.
+/// Inputs, results and axis commands form the record of a tick.
 /// cam_motion_t holds set-points and increments: the plan writes them, play advances them in every
 /// tick. The controller owns all of them (cam_tick.h).
 ///
@@ -26,8 +26,7 @@
 /// bits. A position beyond that is limited, and the drive counts as not ready.
 enum { cam_sense_most_nm = 1 << 30 };
 
-/// All inputs of a tick. The stages after sense see only these and their state, so a recorded tick
-/// replays bit for bit.
+/// All inputs of a tick. The stages after sense see only these and their state.
 typedef struct {
     uint32_t clock;                ///< [1 / hal_clock_hz()] at the start of the tick
     hal_encoder_t encoder;         ///< spindle

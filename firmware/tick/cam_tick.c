@@ -115,18 +115,6 @@ static void publish_isr(cam_t *c, cam_tick_record_t *r)
     cam_trace_commit_isr(&c->trace, r);
 }
 
-void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
-{
-    if (cfg->force.is_used) {
-        force_u(c, cfg, r);
-        c->motion.faults |= cam_force_watch_isr(&c->force, &cfg->force, r, &c->motion);
-    }
-    decide_isr(c, cfg, r);
-    if (--c->until_plan <= 0) {
-        plan_isr(c, cfg, r);
-    }
-}
-
 void cam_tick_isr(cam_t *c)
 {
     const cam_config_t *cfg = cam_config_take_isr(&c->config);

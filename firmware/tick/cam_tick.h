@@ -121,12 +121,6 @@ extern cam_t g_cam;
 /// One tick. Context: ISR; constant time with and without plan, bounded loops, no division or lock.
 void cam_tick_isr(cam_t *c);
 
-/// The stages between sense and actuate, and the plan, without the HAL: replays a recorded tick.
-/// @param cfg  configuration of the tick
-/// @param r    tick number and inputs; everything else is written
-/// Context: a replay of a trace.
-void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r);
-
 /// @return the record of the newest complete tick; before the first one, of a tick in state off.
 ///         Context: slow side
 static inline const cam_tick_record_t *cam_trace_newest(const cam_trace_t *trace)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_tick_inner: the stages of a tick in their order, private to this room.
 ///
-/// Each stage sees its arguments and its state only (cam_tick.h), so a recorded tick replays bit
-/// for bit. Context of all functions: ISR, constant time, unless noted.
+/// Each stage sees its arguments and its state only (cam_tick.h). Context of all functions: ISR,
+/// constant time, unless noted.
 #ifndef CAM_TICK_INNER_H
 #define CAM_TICK_INNER_H
 

@@ -3,7 +3,7 @@
 /// sim_tables.c.
 ///
 /// **trace**: one row per tick, or per several. The first columns are for people; the others hold
-/// the firmware's whole record, so that a tick can be replayed. `turn` is the master position as
+/// the firmware's whole record. `turn` is the master position as
 /// the drawing's angle (whole turns since the index was found; falls with M4), `faults` the latched
 /// faults as a mask in the order of CAM_FAULTS in cam_state.h; true_turn .. error_nm are the
 /// lathe's truth at the instant of sensing; the rest is named as in cam_tick.h, with in_ and out_

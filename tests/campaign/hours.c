@@ -2,8 +2,10 @@
 // Hours of machine time: an operator cuts part after part, bad luck disturbs him at random, and the
 // judge of the fuzzing looks at every tick. Whatever happened, the next part must be possible.
 //
-//     hours TICK_HZ HOURS SEED [FIRST]   prints one JSON object; ends by abort() with what was
-//     broken.
+//     hours TICK_HZ HOURS SEED [FIRST]       prints one JSON object; ends by abort() with what was
+//                                            broken
+//     hours TICK_HZ HOURS SEED RECORD NAME   short sessions, whose summed digest is compared with
+//                                            the line NAME of a record
 // Sessions are numbered; with FIRST they begin there, so that one that broke is played again alone.
 #include "cam_machine.h" // cam_machine_manual, cam_machine_hold
 #include "fuzz_expect.h" // FUZZ_EXPECT
@@ -14,7 +16,7 @@
 #include <inttypes.h> // PRIu64
 #include <stdio.h>    // printf
 
-enum { session_s = 900, patience_s = 60, poll_hz = 125 };
+enum { patience_s = 60, poll_hz = 125 };
 /// Bad luck that lasts until it is mended, or comes once with a number; and that of the axes.
 enum { n_until_off = 7, n_of_fuzz = 9, n_bad_luck = 12 };
 
@@ -26,7 +28,9 @@ static const char *const bad_luck_names[n_bad_luck] = {
 };
 
 static sim_random_t dice;
+static uint32_t session_s = 900;
 static uint64_t n_left; // [ticks] of this session
+static uint64_t digests;
 static struct {
     uint64_t n_ticks, n_sessions, n_parts, n_stopped, n_manual, n_faults;
     uint64_t n_injected[n_bad_luck];
@@ -103,9 +107,11 @@ static const uint8_t disturbances[n_of_fuzz] = {
     fuzz_disturb_held,  fuzz_disturb_counts, fuzz_disturb_speed,
 };
 
+/// A U that takes forces has half of the bad luck.
 static void strike(void)
 {
-    const uint32_t what = any(n_bad_luck);
+    const bool is_of_u = fuzz_rig.lathe.mass_kg > 0.0 && any(2) == 0u;
+    const uint32_t what = is_of_u ? n_of_fuzz + any(2) : any(n_bad_luck);
     sum.n_injected[what]++;
     if (what < (uint32_t)n_until_off) {
         fuzz_disturb(disturbances[what], (uint16_t)(0x8000u + any(0x8000u)));
@@ -296,19 +302,81 @@ static void take_forces(uint32_t hz)
     fuzz_rig.lathe.mass_kg = fuzz_rig.machine.params.servo_mass_g / 1e3;
 }
 
-static void session(uint32_t hz, uint32_t part, bool takes_force, uint64_t seed)
+/// A drive of U that lags otherwise than the parameters state, of which a rehearsal learns.
+static void learn(void)
 {
+    static cam_params_t drive;
+    const struct {
+        cam_param_id_t id;
+        int32_t value;
+    } how[] = {{cam_param_learn_harmonics, 1 + (int32_t)any(12)},
+               {cam_param_ripple_turns, (int32_t)any(6)},
+               {cam_param_rehearse_turns, 2 + (int32_t)any(40)}};
+    hal_host.slow.measures_u = true;
+    for (size_t i = 0; i < sizeof how / sizeof how[0]; i++) {
+        fuzz_try(cam_machine_set_param(&fuzz_rig.machine, how[i].id, how[i].value));
+        pass_ms(1);
+    }
+    drive = fuzz_rig.machine.params;
+    drive.k1_ns += (int32_t)any(100000);
+    drive.k2_us2 += (int32_t)any(2000);
+    fuzz_rig.lathe.lags_as = &drive;
+    fuzz_rig.judge.is_wild = true;
+}
+
+/// What differs from builder to builder; what cannot be cut stays as it was.
+static void set_up(void)
+{
+    static const struct {
+        cam_param_id_t id;
+        int32_t least, most;
+    } ranges[] = {{cam_param_engage_turns, 1, 9},
+                  {cam_param_disengage_turns, 1, 9},
+                  {cam_param_feed_ramp_turns, 1, 9},
+                  {cam_param_x_clearance_nm, 200000, 2000000},
+                  {cam_param_observer_bandwidth_mHz, 40000, 400000},
+                  {cam_param_phase_rate_udeg_per_s, 100000, 9000000},
+                  {cam_param_amplitude_rate_ppm_per_s, 20000, 900000},
+                  {cam_param_x_trim_rate_nm_per_s, 10000, 900000},
+                  {cam_param_feed_nm, 80000, 160000}};
+    cam_machine_t *m = &fuzz_rig.machine;
+    for (uint32_t n = any(4); n > 0u; n--) {
+        const uint32_t i = any(sizeof ranges / sizeof ranges[0]);
+        const int32_t before = cam_param_get(&m->params, ranges[i].id);
+        const int32_t value =
+            ranges[i].least + (int32_t)any((uint32_t)(ranges[i].most - ranges[i].least));
+        fuzz_try(cam_machine_set_param(m, ranges[i].id, value));
+        pass_ms(1);
+        if (cam_machine_feasibility(m).err != cam_ok) {
+            fuzz_try(cam_machine_set_param(m, ranges[i].id, before));
+            pass_ms(1);
+        }
+    }
+}
+
+/// Kinds of sessions; forces only where a loop is fast enough for the cut.
+enum { as_configured, learning, by_force, n_kinds };
+static const char *const kinds[n_kinds] = {"", ", learning", ", forces"};
+
+static void session(uint32_t hz, uint32_t number, uint64_t seed)
+{
+    const uint32_t part = number % (uint32_t)fuzz_rig_n_parts;
+    const uint32_t drawn = number / (uint32_t)fuzz_rig_n_parts % (uint32_t)n_kinds;
+    const uint32_t kind = drawn == (uint32_t)by_force && hz < 5000u ? as_configured : drawn;
     (void)printf("session %" PRIu64 ": %u Hz, part %u, seed %" PRIu64 "%s\n", sum.n_sessions,
-                 (unsigned)hz, (unsigned)part, seed, takes_force ? ", forces" : "");
+                 (unsigned)hz, (unsigned)part, seed, kinds[kind]);
     (void)fflush(stdout);
     dice = sim_random_seeded(seed);
     fuzz_rig_start((fuzz_start_t){.tick_hz = hz,
                                   .part = part,
                                   .has_button = true,
-                                  .takes_force = takes_force,
+                                  .takes_force = kind == (uint32_t)by_force,
                                   .state = cam_state_off});
-    if (takes_force) {
+    set_up();
+    if (kind == (uint32_t)by_force) {
         take_forces(hz);
+    } else if (kind == (uint32_t)learning) {
+        learn();
     }
     if (part != 1u) { // what the default machine's spindle can do
         fuzz_rig.lathe.ramp_rpm = 4000.0 / hz;
@@ -322,7 +390,12 @@ static void session(uint32_t hz, uint32_t part, bool takes_force, uint64_t seed)
             pass();
         }
     }
-    FUZZ_EXPECT(sum.n_parts > parts_before, "no part was cut in %d s", (int)session_s);
+    FUZZ_EXPECT(session_s < patience_s || sum.n_parts > parts_before, "no part was cut in %u s",
+                (unsigned)session_s);
+    for (uint32_t k = 0; k < cam_ilc_n_values; k++) {
+        fuzz_note(cam_ilc_get(&fuzz_rig.machine.ilc, k));
+    }
+    digests += fuzz_digest();
     sum.n_sessions++;
 }
 
@@ -345,22 +418,25 @@ static void report(uint32_t hz)
 
 int main(int argc, char **argv)
 {
+    enum { recorded_session_s = 8 };
     unsigned hz;
     double hours;
     uint64_t seed;
     uint32_t first = 0;
-    if ((argc != 4 && (argc != 5 || sscanf(argv[4], "%" SCNu32, &first) != 1)) ||
+    const bool is_recorded = argc == 6;
+    if ((argc != 4 && !is_recorded && (argc != 5 || sscanf(argv[4], "%" SCNu32, &first) != 1)) ||
         sscanf(argv[1], "%u", &hz) != 1 || sscanf(argv[2], "%lf", &hours) != 1 ||
         sscanf(argv[3], "%" SCNu64, &seed) != 1 ||
         (hz != 1000u && hz != 2000u && hz != 5000u && hz != 20000u)) {
-        (void)fprintf(stderr, "usage: hours 1000|2000|5000|20000 HOURS SEED [FIRST SESSION]\n");
+        (void)fprintf(stderr, "usage: hours 1000|2000|5000|20000 HOURS SEED [FIRST SESSION, or "
+                              "RECORD NAME]\n");
         return 2;
     }
+    session_s = is_recorded ? recorded_session_s : session_s;
     const uint64_t n_ticks = (uint64_t)(hours * 3600.0 * hz);
     for (uint32_t i = first; sum.n_ticks < n_ticks; i++) {
-        const bool takes_force = hz >= 5000u && i / (uint32_t)fuzz_rig_n_parts % 2u == 1u;
-        session(hz, i % (uint32_t)fuzz_rig_n_parts, takes_force, seed * 1000u + i);
+        session(hz, i, seed * 1000u + i);
     }
     report(hz);
-    return 0;
+    return !is_recorded || fuzz_digest_is_recorded(argv[4], argv[5], digests) ? 0 : 1;
 }

@@ -428,10 +428,12 @@ static void test_what_is_forgotten_is_walked_away_from(void)
     for (size_t i = 0; i <= 12u; i++) { // each of the six above and below 0
         const bool is_none = i == 12u;
         *values[i % 6u] = is_none ? 0 : i < 6u ? 1 : -1;
+        t.correction.c_q6[3].re = 64;
         t.blending = 0;
         cam_ilc_forget(&t);
         TEST_ASSERT_EQUAL_HEX8(is_none ? 0 : cam_ilc_blend_drive | cam_ilc_blend_correction,
                                t.blending);
         TEST_ASSERT_EQUAL_INT32(0, *values[i % 6u]);
+        TEST_ASSERT_EQUAL_INT32(0, t.correction.c_q6[3].re);
     }
 }

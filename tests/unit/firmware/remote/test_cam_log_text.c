@@ -268,7 +268,10 @@ static void test_command_has_a_line_once(void)
         r->n_losses = steps[i].n_losses;
         expect_once(steps[i].line);
     }
-    r->n_losses++; // and another takes command at once
+    r->n_losses++; // and the same takes command at once
+    TEST_ASSERT_EQUAL_STRING("command: lost, nothing was heard of 9", changed());
+    expect_once("command: taken by 9");
+    r->n_losses++; // or another does
     r->commander = 10;
     TEST_ASSERT_EQUAL_STRING("command: lost, nothing was heard of 9", changed());
     expect_once("command: taken by 10");
