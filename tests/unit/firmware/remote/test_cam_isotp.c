@@ -207,6 +207,7 @@ static void test_frames_without_a_place_are_passed_over(void)
         {8, {0x40}},
         {8, {0xF0}},
         {12, {0x05, 1, 2, 3, 4, 5}},
+        {12, {0x10, 20, 1, 2, 3, 4}}, // first frame of CAN FD
     };
     for (uint32_t i = 0; i < sizeof frames / sizeof frames[0]; i++) {
         TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give(frames[i].n, frames[i].data));
