@@ -40,9 +40,9 @@ static void force_u(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
     cam_force_step_isr(&c->force, &cfg->force, r, is_on, &c->motion);
 }
 
-/// The force of U leaves before anything else is calculated; the faults of its supervision take
-/// effect in this tick. Not inlined, so that a tick of a U that takes positions does not save the
-/// registers.
+/// The force of U leaves before anything else is calculated. A fault of its supervision takes
+/// effect in this tick, on the force in the next. Not inlined: a tick without it saves no registers
+/// for it.
 static __attribute__((noinline)) void servo_isr(cam_t *c, const cam_config_t *cfg,
                                                 cam_tick_record_t *r)
 {
@@ -66,7 +66,7 @@ static void actuate_isr(cam_t *c, const cam_tick_record_t *r)
     hal_axis_write_isr(hal_axis_u, &r->out[hal_axis_u]);
     hal_axis_write_isr(hal_axis_x, &r->out[hal_axis_x]);
     hal_axis_write_isr(hal_axis_z, &r->out[hal_axis_z]);
-    if (c->motion.swing.is_new) {
+    if (c->motion.swing.is_new) { // of the last plan
         c->motion.swing.is_new = false;
         hal_swing_write_isr(&c->motion.swing.set);
     }
@@ -84,8 +84,8 @@ static void plan_by_state(cam_t *c, const cam_config_t *cfg, const cam_tick_reco
     }
 }
 
-/// Run the plan. Its faults take effect in the next tick. Not inlined, so that a tick without it
-/// does not save its registers.
+/// Run the plan. Its faults take effect in the next tick. Not inlined: a tick without it saves no
+/// registers for it.
 static __attribute__((noinline)) void plan_isr(cam_t *c, const cam_config_t *cfg,
                                                const cam_tick_record_t *r)
 {
@@ -99,7 +99,7 @@ static __attribute__((noinline)) void plan_isr(cam_t *c, const cam_config_t *cfg
     } else {
         faults = cam_spindle_check_index_isr(&c->spindle, &cfg->spindle, &r->in.encoder);
     }
-    plan_by_state(c, cfg, r);
+    plan_by_state(c, cfg, r); // replaces m->faults
     m->was_off = false;
     faults |= cam_axis_command_plan_isr(&cfg->command, m, before);
     faults |= cam_guard_plan_isr(&c->guard, &cfg->guard, &cfg->play, r);
@@ -117,11 +117,11 @@ static void publish_isr(cam_t *c, cam_tick_record_t *r)
 
 void cam_tick_isr(cam_t *c)
 {
-    const cam_config_t *cfg = cam_config_take_isr(&c->config);
+    const cam_config_t *cfg = cam_config_take_isr(&c->config); // the same for the whole tick
     cam_tick_record_t *r = cam_trace_begin_isr(&c->trace);
     sense_isr(c, &r->in); // the only reads from the machine
     if (cfg->force.is_used) {
-        servo_isr(c, cfg, r); // the position loop of U, on the last tick's command
+        servo_isr(c, cfg, r); // position loop of U and its supervision, on the last command
     }
     decide_isr(c, cfg, r); // observe -> play -> command -> guard
     actuate_isr(c, r);     // all other writes to the machine
