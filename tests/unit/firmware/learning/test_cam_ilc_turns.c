@@ -66,6 +66,9 @@ static void test_error_is_reported_as_rms(void)
     TEST_ASSERT_UINT32_WITHIN(2, 354, t.error_nm);
     TEST_ASSERT_UINT32_WITHIN(2, 707, t.begun_nm);
     TEST_ASSERT_UINT32_WITHIN(1000, 64 * usual_set_nm, t.largest);
+    set_nm = usual_set_nm / 2.0;
+    play();
+    TEST_ASSERT_UINT32_WITHIN(1000, 32 * usual_set_nm, t.largest);
 }
 
 /// An error of a hundredth, behind by a quarter turn, is k1 w = 1 / 100; of it a step removes the

@@ -133,6 +133,9 @@ static void test_save_is_refused_when_the_port_does_not_return_the_text(void)
     expect_kept(cam_kept_none);
     hal_host.slow.forgets_params = false;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_save_params(m));
+    hal_host.slow.n_store = 0; // the text is there already, but the port says that it failed
+    TEST_ASSERT_EQUAL_INT(cam_err_params_keep, cam_machine_save_params(m));
+    hal_host.slow.n_store = UINT32_MAX;
     hal_host.slow.forgets_params = true;
     // Most of the texts are as long as the kept one: that depends on the digits of the CRC.
     for (int32_t lead_ns = 101000; lead_ns <= 108000; lead_ns += 1000) {
