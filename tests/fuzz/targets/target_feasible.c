@@ -66,6 +66,14 @@ static cam_params_t drawn(fuzz_bytes_t *b, bool takes_force)
     return params;
 }
 
+/// A slow drive of U in a short stroke: only there the knots are read for the command.
+static void draw_slow_drive(fuzz_bytes_t *b, cam_params_t *params)
+{
+    fuzz_try(cam_param_set(params, cam_param_k1_ns, 50 * fuzz_u16(b)));
+    fuzz_try(cam_param_set(params, cam_param_k2_us2, 16 * fuzz_u16(b)));
+    fuzz_try(cam_param_set(params, cam_param_u_stroke_nm, 1000 + 10 * fuzz_u16(b)));
+}
+
 static void note_refusal(cam_refusal_t r)
 {
     fuzz_note(r.err);
@@ -109,9 +117,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const uint32_t mrpm =
         (uint32_t)((uint64_t)table->spindle_mrpm * (fuzz_u8(&b) + 1u) / 128u + 1u);
     hal_host_reset(hz);
-    const bool takes_force = (fuzz_u8(&b) & 1u) != 0u;
+    const uint8_t how = fuzz_u8(&b);
+    const bool takes_force = (how & 1u) != 0u;
     hal_host.slow.force.quantum_un = takes_force ? 20000 : 0;
-    const cam_params_t params = drawn(&b, takes_force);
+    cam_params_t params = drawn(&b, takes_force);
+    if ((how & 2u) != 0u) {
+        draw_slow_drive(&b, &params);
+    }
     note_refusal(cam_gains_check(&params, hz));
     note_refusal(cam_derived_limits_check(&params, hz));
     note_cut(table, &params, mrpm, hz);
