@@ -168,6 +168,8 @@ REFUSED = [
     (f"{HEADER}\n0,nan\n", "line 2 = '0,nan': cell 2 (lift_mm) is no finite number; write"),
     (f"{HEADER}\n-inf,1\n", "line 2 = '-inf,1': cell 1 (angle_deg) is no finite number"),
     (f"{HEADER}\n0,\n", "line 2 = '0,': cell 2 (lift_mm) is no finite number"),
+    (f'{HEADER}\n"0","0,5"\n', 'line 2 = \'"0","0,5"\': cell 2 (lift_mm) is no finite number'),
+    ("angle_deg,lift_um\n0,1e308\n1,1e309\n", "line 3 = '1,1e309': cell 2 (lift_um) is no"),
     (f"{HEADER}\n0,1.2.3\n", "a number there, decimals with a point"),
     ("angle_deg lift_mm\n0 1.2.3\n", "a number there, decimals with a point or a comma"),
     (f"{HEADER}\n0,word\n", "line 2: cell 2 (lift_mm) is no finite number"),

@@ -166,12 +166,14 @@ class NumberTable:
                 rows.append([float(cells[place]) for place in places])
             except ValueError:
                 rows.append([_number_or_nan(cells[place]) for place in places])
-        found = np.array(rows, dtype=np.float64).reshape(-1, len(places))
+        with np.errstate(over="ignore"):
+            units = np.array([column.per_unit for column in columns])
+            found: Floats = np.array(rows, dtype=np.float64).reshape(-1, len(places)) * units
         wrong = np.argwhere(~np.isfinite(found))
         if wrong.size:
             row, column = (int(k) for k in wrong[0])
             raise self._no_number(row, columns[column])
-        return np.asarray(found.T * [[column.per_unit] for column in columns], dtype=np.float64)
+        return found.T
 
     def _checked(self, row: int, line: str) -> list[str]:
         """Return as many cells of a line as there are columns, or refuse it."""
