@@ -15,7 +15,7 @@ from camtools.link.kept_values import parse as parse_parameters
 from camtools.measured.points import HEADER as GAUGED
 from camtools.measured.points import parse_points as parse_gauged
 from camtools.part.model import read_tree
-from camtools.sim.machine_file import read_machine
+from camtools.sim.machine_file import machine_bytes, read_machine
 from camtools.skirt.geometry.scan import HEADER as SCAN
 from camtools.skirt.geometry.scan import parse_sections
 from camtools.table.points import parse_points
@@ -235,6 +235,7 @@ def test_marks_of_windows_are_no_matter(tmp_path: Path) -> None:
     path.write_text(text, "utf-8-sig")
     assert parameters.read_tree(path) == {"spindle_mrpm": 1}
     assert read_whole_table(path, 100) == text
+    assert machine_bytes(str(path)) == text.encode()
     for encoding in ("utf-16", "utf-16-le", "utf-16-be"):
         path.write_text(text, encoding)
         for refused in (

@@ -80,15 +80,6 @@ def _points_of_file(text: str, file: str, lobe: Lobe) -> PointedTurn:
     return turn if found.has_motion else turn._replace(v=turn.v[:0], a=turn.a[:0])
 
 
-def _check_crank(points: PointedTurn, turns: int, field: str) -> None:
-    """Refuse one turn of the crank, which has two: its points are a turn of the cam."""
-    span_deg = float(points.x_deg[-1] - points.x_deg[0]) * turns
-    if turns > 1 and abs(span_deg - 360) <= 360 / points.x_deg.size:
-        problem = f"the points span {span_deg:g} degrees of the crank: the turn is not closed"
-        remedy = f'list {360 * turns} degrees, or remove degrees_of = "crank"'
-        raise GeometryError(field, problem, remedy)
-
-
 def opened(points: PointedTurn) -> PointedTurn:
     """Return points of a turn without a repeated end."""
     n = points.x_deg.size - is_turn(points.x_deg[-1] - points.x_deg[0])
@@ -122,7 +113,7 @@ def points_of(lobe: Lobe, field: str) -> PointedTurn:
     return _on_base(_given_points(lobe, field))
 
 
-def _check_complete(points: PointedTurn, turns: int, field: str) -> None:
+def _check_gaps(points: PointedTurn, turns: int, field: str) -> None:
     """Refuse a gap that is not on the base circle; velocities and accelerations are complete."""
     if points.v.size:
         return
@@ -130,7 +121,6 @@ def _check_complete(points: PointedTurn, turns: int, field: str) -> None:
     is_above = np.maximum(lift_mm, np.roll(lift_mm, -1)) > lift_mm.min() + _BASE_MM
     gaps = [i for i in gaps_after(points.steps_deg) if is_above[i]]
     if not gaps:
-        _check_crank(points, turns, field)
         return
     i = max(gaps, key=lambda gap: float(points.steps_deg[gap]))
     start_deg, end_deg = points.x_deg[i], points.x_deg[i] + points.steps_deg[i]
@@ -140,6 +130,15 @@ def _check_complete(points: PointedTurn, turns: int, field: str) -> None:
     )
     remedy = "list all of the lobe, both flanks; only points of the base circle may be missing"
     raise GeometryError(field, problem, remedy)
+
+
+def _check_crank(points: PointedTurn, turns: int, field: str) -> None:
+    """Refuse one turn of the crank, which has two: its points are a turn of the cam."""
+    span_deg = float(points.x_deg[-1] - points.x_deg[0]) * turns
+    if turns > 1 and abs(span_deg - 360) <= 360 / points.x_deg.size:
+        problem = f"the points span {span_deg:g} degrees of the crank: the turn is not closed"
+        remedy = f'list {360 * turns} degrees, or remove degrees_of = "crank"'
+        raise GeometryError(field, problem, remedy)
 
 
 _PER_STEP = 16  # angles between two points at which peaks are sought
@@ -485,7 +484,8 @@ def _listed(lobe: Lobe, field: str) -> LiftLaw:
         problem = f"first and last point are a turn apart, {lift_mm[0]:g} and {lift_mm[-1]:g} mm"
         raise GeometryError(f"{field}.lift_mm", problem, "leave the last one out")
     place = f"{field}.{'csv' if lobe.csv else 'angle_deg'}"
-    _check_complete(opened(points), lobe.turns_listed, place)
+    _check_gaps(opened(points), lobe.turns_listed, place)
+    _check_crank(points, lobe.turns_listed, place)
     law = _curve_through(opened(points), lobe.smooth_um, field)
     law = replace(law, below_um=max(0.0, -float(given.y_mm.min())) * UM_PER_MM)
     most_mm = float(lift_mm.max())
