@@ -73,35 +73,40 @@ def text_of(lines: Rows, separator: str = ",", end: str = "\n") -> str:
     return "".join(separator.join(cells) + end for cells in lines)
 
 
-def with_commas(lines: Rows) -> Rows:
-    """Return cells with decimal commas."""
-    return [[cell.replace(".", ",") for cell in cells] for cells in lines]
+def each(change: Callable[[str], str], lines: Rows) -> Rows:
+    """Return lines with each of their cells changed."""
+    return [[change(cell) for cell in cells] for cells in lines]
 
 
-def quoted(lines: Rows) -> Rows:
-    """Return cells in quotes."""
-    return [[f'"{cell}"' for cell in cells] for cells in lines]
+def comma(cell: str) -> str:
+    """Return a number with a decimal comma."""
+    return cell.replace(".", ",")
 
 
-def fortran(cells: list[str]) -> list[str]:
-    """Return numbers with an exponent of Fortran."""
-    return [f"{float(cell) * 100:+.6f}D-02" for cell in cells]
+def quoted(cell: str) -> str:
+    """Return a cell in quotes."""
+    return f'"{cell}"'
+
+
+def fortran(cell: str) -> str:
+    """Return a number with an exponent of Fortran."""
+    return f"{float(cell) * 100:+.6f}D-02"
 
 
 WRITERS: dict[str, Callable[[Rows], str]] = {
     "blanks after commas": lambda lines: text_of(lines, ", "),
     "semicolons": lambda lines: text_of(lines, ";"),
-    "semicolons and decimal commas": lambda lines: text_of(with_commas(lines), " ; "),
+    "semicolons and decimal commas": lambda lines: text_of(each(comma, lines), " ; "),
     "tabs": lambda lines: text_of(lines, "\t"),
     "blanks": lambda lines: text_of([["", *cells, ""] for cells in lines], "  "),
-    "blanks and decimal commas": lambda lines: text_of(with_commas(lines), " "),
+    "blanks and decimal commas": lambda lines: text_of(each(comma, lines), " "),
     "Windows": lambda lines: text_of(lines, end="\r\n"),
     "capitals": lambda lines: text_of([[name.upper() for name in lines[0]], *lines[1:]]),
-    "quotes": lambda lines: text_of(quoted(lines)),
-    "quotes and decimal commas": lambda lines: text_of(quoted(with_commas(lines)), "; "),
-    "quotes and tabs": lambda lines: text_of(quoted(lines), "\t"),
+    "quotes": lambda lines: text_of(each(quoted, lines)),
+    "quotes and decimal commas": lambda lines: text_of(each(quoted, each(comma, lines)), "; "),
+    "quotes and tabs": lambda lines: text_of(each(quoted, lines), "\t"),
     "R": lambda lines: text_of(
-        [['""', *quoted(lines[:1])[0]], *([f'"{i}"', *row] for i, row in enumerate(lines[1:]))]
+        [['""', *map(quoted, lines[0])], *([f'"{i}"', *row] for i, row in enumerate(lines[1:]))]
     ),
     "a note in a further column": lambda lines: text_of(
         [[*lines[0], "note"], *([*row, '"dust, wiped off"'] for row in lines[1:])]
@@ -116,7 +121,7 @@ WRITERS: dict[str, Callable[[Rows], str]] = {
     "comments": lambda lines: (
         "# a tester\n//\n" + text_of(lines, end=" // a point\n#\n") + "(* end *)\n# end"
     ),
-    "Fortran": lambda lines: text_of([lines[0], *map(fortran, lines[1:])], "   "),
+    "Fortran": lambda lines: text_of([lines[0], *each(fortran, lines[1:])], "   "),
 }
 
 
