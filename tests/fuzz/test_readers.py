@@ -15,16 +15,16 @@ from hypothesis import strategies as st
 
 from camtools.base.errors import CamtoolsError
 from camtools.forecast.vary import read_vary
+from camtools.identify.foreign_record import MIN_ROWS, parse_record
 from camtools.link.kept_values import INFOS, learned_values
 from camtools.link.kept_values import parse as parse_parameters
-from camtools.lobe.lift import parse_points as parse_listed
 from camtools.measured.points import parse_points as parse_measured
 from camtools.pipeline.load import parse as parse_part
 from camtools.sim.machine_file import read_machine
 from camtools.skirt.geometry.scan import parse_scan, parse_sections
 from camtools.table.channel import ImageError
 from camtools.table.image import unpack
-from camtools.table.points import parse_points as parse_gauged
+from camtools.table.points import parse_points
 from tests.tools.cases.part_cases import ROOT
 
 Reader = Callable[[bytes], object]
@@ -67,6 +67,7 @@ def files(*patterns: str) -> tuple[bytes, ...]:
 
 POINTS = b"angle_deg,radius_mm\n0,45.0\n1.5,45.01\n360,45\n"
 HEIGHTS = b"turn,z_mm,radius_mm\n0,1,45.0\n0.25,1,44.9\n0.5,1,45\n0.75,1,44.9\n"
+RECORD = ("time_s;force_n;position_um\n" + "0,001;1;2\n" * MIN_ROWS).encode()
 PARAMETERS = "".join(f"{name} = {info.low}\n" for name, info in INFOS.items()).encode()
 
 READERS: dict[str, tuple[Reader, tuple[bytes, ...]]] = {
@@ -77,9 +78,9 @@ READERS: dict[str, tuple[Reader, tuple[bytes, ...]]] = {
     "learned": (named(learned_values), (b"k1 = 1\nc = [1, 2]\npart = 'x'\n",)),
     "scan": (text_of(parse_scan), files("tools/parts/scan90.csv")),
     "sections": (text_of(parse_sections), (*files("tools/parts/scan90.csv"), POINTS)),
-    "lift": (text_of(parse_listed), (POINTS, b"0;1\n1;2\n")),
+    "record": (text_of(parse_record), (RECORD,)),
     "measured": (text_of(parse_measured), (HEIGHTS, POINTS)),
-    "gauged": (text_of(parse_gauged), (HEIGHTS, POINTS)),
+    "points": (text_of(parse_points), (HEIGHTS, POINTS, b"0;1\n1;2\n")),
 }
 WORDS = tuple(
     b'nan|-inf|1e308|1e-320|99999999999999999999|\x00|\xff\xfe|[[|]]|"""|=|true|\r|,|;|\xef\xbb\xbf|-0|'

@@ -1,15 +1,15 @@
 """Part files of cams: what is read, and what is refused with field and remedy."""
 
-import os
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from camtools.base.errors import CamtoolsError, GeometryError, InputError
+from camtools.base.errors import CamtoolsError, GeometryError
+from camtools.base.quantities import Floats
 from camtools.lobe.channels import places_of
-from camtools.lobe.lift import Poly345, make_lift, parse_points
-from camtools.lobe.motion import make_lobes
+from camtools.lobe.lift import Poly345, make_lift
+from camtools.lobe.motion import extent_of, extent_texts, make_lobes
 from camtools.lobe.part import MAX_LOBES, LobePart
 from camtools.pipeline.load import load, parse, parse_for
 from camtools.skirt.part.part_file import SkirtPart
@@ -192,14 +192,11 @@ def test_turn_closes_with_decimal_angles(first: float, last: float, tmp_path: Pa
 
 
 @pytest.mark.parametrize("last", [359.995, 360.001])
-def test_end_of_a_turn_is_a_step_away_or_none(last: float, tmp_path: Path) -> None:
-    """What is neither closed nor open is refused in both places."""
+def test_end_of_a_turn_is_a_step_away_or_none(last: float) -> None:
+    """What is neither closed nor open is refused."""
     angles = closing(0.0, last)
     text = f'law = "list"\nangle_deg = {angles}\nlift_mm = {[0] * len(angles)}\n'
     assert any(f"span {last} degrees" in line for line in lines_of(with_law(text)))
-    table = "angle_deg,lift_mm\n" + "".join(f"{angle},0\n" for angle in angles)
-    with pytest.raises(InputError, match=f"line 14 = '{last},0': angles must rise"):
-        parse_points(table, "lift.csv")
 
 
 def test_spline_stays_between_the_given_lifts() -> None:
@@ -238,12 +235,10 @@ def test_points_come_from_a_file_too(tmp_path: Path) -> None:
     assert float(law.evaluate(np.array(np.pi / 6)).lift) == pytest.approx(1 - np.sqrt(0.75))
     for text, problem in (
         ("angle,lift\n", "line 1: no points follow"),
-        ("angle,hub\n0,1\n", "line 1: column 2 of 2 has an unknown name"),
-        ("".join(f"{45 * i} {i % 8 - 1}\n" for i in range(9)), "Y_mm: lifts of -1 .. 6 mm"),
-        ("angle_deg,lift_mm\n0,1\n0,2\n", "line 3 = '0,2': angles must rise"),
-        ("angle_deg,lift_mm\n0,x\n", "line 2: not two numbers"),
-        ("angle_deg,lift_mm\n0,nan\n", "line 2 = '0,nan': angle not"),
-        ("angle_deg,lift_mm\n0,1\n", "has 1 points"),
+        ("angle,hub\n0,1\n", "line 1: no column of Y"),
+        ("".join(f"{45 * i} {i % 8 - 0.0011}\n" for i in range(9)), "lifts of -0.0011 .. 6.9989"),
+        ("angle_deg,lift_mm\n0,1\n0,2\n", "line 3: angle 0 follows 0 degrees"),
+        ("angle_deg,lift_mm\n0,1\n", "line 2: 1 points span 0 degrees"),
     ):
         table.write_text(text)
         line = refused_lift(part)
@@ -252,14 +247,68 @@ def test_points_come_from_a_file_too(tmp_path: Path) -> None:
     assert "No such file" in refused_lift(part)
 
 
-def test_points_come_from_files_only(tmp_path: Path) -> None:
-    """A pipe is not waited for; a spreadsheet's mark is no matter."""
-    table = tmp_path / "lift.csv"
-    part = cam_of(with_law(f'law = "list"\ncsv = "{table}"\n'))
-    os.mkfifo(table)
-    assert refused_lift(part).startswith(f"{LOBE}.csv: lift.csv: cannot be read: not a file; give")
-    table.unlink()
-    rows = "".join(f"{angle},1\n" for angle in range(0, 360, 30))
-    table.write_text("angle_deg,lift_mm\n" + rows, encoding="utf-8-sig")
-    law = make_lift(part.cam, part.cam.lobe[0], LOBE)
-    assert law.evaluate(np.zeros(1)).lift == pytest.approx([1])
+def lobe_mm(degrees: Floats) -> Floats:
+    """Return the lift of a lobe of 6 mm at angles from its nose."""
+    return Poly345(6.0, np.radians(70.0)).evaluate(np.radians(degrees)).lift
+
+
+def law_of(degrees: Floats, lift_mm: Floats, csv: Path | None = None) -> str:
+    """Return a law of these points, in the part file or in another."""
+    if csv is None:
+        return f'law = "list"\nangle_deg = {degrees.tolist()}\nlift_mm = {lift_mm.tolist()}\n'
+    csv.write_text("".join(f"{a},{mm:.9f}\n" for a, mm in zip(degrees, lift_mm, strict=True)))
+    return f'law = "list"\ncsv = "{csv}"\n'
+
+
+WHOLE = np.arange(-90.0, 270)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "problem"),
+    [
+        (np.arange(0.0, 181), "from 180 to 360 degrees, where the lift goes from 0 to 6 mm"),
+        (np.arange(0.0, 91), "from 90 to 360 degrees, where the lift goes from 0 to 6 mm"),
+        (WHOLE[(WHOLE < 20) | (WHOLE > 50)], "from 19 to 51 degrees, where the lift goes from 5"),
+        (
+            WHOLE[abs(WHOLE) > 6],
+            "from -7 to 7 degrees, where the lift goes from 5.94864 to 5.94864",
+        ),
+    ],
+    ids=["half", "quarter", "flank", "nose"],
+)
+def test_part_of_a_lobe_is_no_turn(degrees: Floats, problem: str, tmp_path: Path) -> None:
+    """A gap that is not on the base circle is refused, in the part file and in any other."""
+    for csv, field in ((None, "angle_deg"), (tmp_path / "a.csv", "csv")):
+        line = refused_lift(cam_of(with_law(law_of(degrees, lobe_mm(degrees), csv))))
+        assert line.startswith(f"{LOBE}.{field}: no points {problem}")
+        assert ": the turn is not closed; list all of the lobe, both flanks; only" in line
+    crank = 'degrees_of = "crank"\n' + law_of(2 * degrees, lobe_mm(degrees))
+    assert "the turn is not closed; list all" in refused_lift(cam_of(with_law(crank)))
+
+
+@pytest.mark.parametrize("ends_deg", [(-71, 71), (-90, 90), (-70, 250)])
+def test_base_circle_may_be_left_out(ends_deg: tuple[int, int]) -> None:
+    """The arc without points may be longer than half a turn, and a few micrometres uneven."""
+    degrees = np.arange(*ends_deg, dtype=np.float64)
+    lift_mm = lobe_mm(degrees)
+    lift_mm[-1] += 0.004
+    part = cam_of(with_law(law_of(degrees, lift_mm) + "smooth_um = 8\n"))
+    assert make_lift(part.cam, part.cam.lobe[0], LOBE).evaluate(np.zeros(1)).lift > 5.99
+
+
+@pytest.mark.parametrize(
+    ("base_mm", "expected"),
+    [
+        (0.0, ["list of lifts of 0 .. 6 mm, above 0.1 mm over 122.25 degrees of the cam"]),
+        (-0.0002, ["list of lifts of 0 .. 6 mm", "lifts of down to -0.2 um are taken as 0"]),
+        (5.0, ["list of lifts of 5 .. 11 mm, above 0.1 mm over 360", "caution: the lift is never"]),
+    ],
+)
+def test_extent_of_a_list_is_reported(base_mm: float, expected: list[str], tmp_path: Path) -> None:
+    """Least lift and open angle, lifts below 0, and a lift that never ends."""
+    lift_mm = lobe_mm(WHOLE)
+    lift_mm = np.where(lift_mm == 0, base_mm, lift_mm + max(base_mm, 0))
+    part = cam_of(with_law(law_of(WHOLE, lift_mm, tmp_path / "a.csv")))
+    found = extent_texts(extent_of(make_lift(part.cam, part.cam.lobe[0], LOBE)))
+    assert len(found) == len(expected)
+    assert all(line.startswith(text) for line, text in zip(found, expected, strict=True)), found

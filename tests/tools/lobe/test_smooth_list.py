@@ -286,6 +286,11 @@ def test_motion_of_the_crank_is_that_of_the_cam(tmp_path: Path) -> None:
     assert law.evaluate(np.radians(DEG)).d2 == pytest.approx(bend, abs=1e-6)
     with pytest.raises(GeometryError, match=r"cam\.lobe\.0\.smooth_um: the file has velocities"):
         law_of(part.replace('"crank"\n', '"crank"\nsmooth_um = 1\n'))
+    columns = DEG, lift, slope * np.pi / 180, bend * (np.pi / 180) ** 2
+    rows = zip(*(one.tolist() for one in columns), strict=True)
+    (tmp_path / "xyva.txt").write_text("".join(f"{a} {b} {c} {d}\n" for a, b, c, d in rows))
+    with pytest.raises(GeometryError, match="of the crank: the turn is not closed; list 720 degr"):
+        law_of(part)
 
 
 def test_units_that_contradict_are_refused(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@
 import re
 
 _MAX_VALUE_CHARS = 60
-_ONLY_NUMBERS = re.compile(r"(?:[-+0-9.eE,; \t]|nan|inf)*")
+_ONLY_NUMBERS = re.compile(r"(?:[-+0-9.eE,; \t\"]|nan|inf)*")
 
 
 def shown(value: object) -> str:

@@ -29,6 +29,7 @@ from typing import NamedTuple, TextIO
 
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.signals import signals_held
+from camtools.base.text import utf8_text
 
 
 def read_limited(path: Path, most_bytes: int) -> bytes:
@@ -74,26 +75,12 @@ def read_text(path: Path, most_bytes: int) -> str:
     Raises InputError: it cannot be read, is no file or too large (`read_limited`), or is not UTF-8.
     """
     try:
-        return read_limited(path, most_bytes).decode("utf-8-sig")
-    except (OSError, UnicodeDecodeError, ValueError) as error:  # a path with a NUL is a ValueError
-        reason = getattr(error, "strerror", None) or "not UTF-8 text"
+        data = read_limited(path, most_bytes)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "its path has a NUL"
         remedy = "give a text file, with its path relative to the part file"
         raise InputError(path.name, "", None, f"cannot be read: {reason}", remedy) from error
-
-
-def read_whole_table(path: Path, most_bytes: int) -> str:
-    """Return the text of a table of measured numbers, as `read_text`.
-
-    Raises InputError: its last line does not end: a file that was cut short may stop within a
-    number.
-    """
-    text = read_text(path, most_bytes)
-    if text and not text.endswith(("\n", "\r")):
-        place, last = f"line {len(text.splitlines())}", text.splitlines()[-1]
-        problem = "the file stops within this line, so it may have been cut short"
-        remedy = "copy it again, or end the line if it is complete"
-        raise InputError(path.name, place, last[-40:], problem, remedy)
-    return text
+    return utf8_text(data, path.name)
 
 
 _PREFIX, _SUFFIX = ".run.", ".tmp"

@@ -11,15 +11,6 @@ r"""Numbers and documents as text: CSV, JSON, TOML, times and sizes.
 >>> size_text(3456), size_text(9_900_000)
 ('3.5 kB', '9.9 MB')
 
-The first line names the columns, and shows by its separator how the others are written; with
-semicolons a decimal comma is read as well as a point.
-
->>> columns = NumberLines("angle_deg; height_mm")
->>> columns.names, columns.numbers("0,5;12")
-(['angle_deg', 'height_mm'], [0.5, 12.0])
->>> NumberLines("a b\tc").numbers("1\t2 3")
-[1.0, 2.0, 3.0]
-
 Its time rises with the square of the names of a dotted key: a file of 1 MB could take a day.
 
 >>> toml_tree('[part]\nname = "a"\n')
@@ -33,10 +24,11 @@ ValueError: a key of more than 32 names
 import json
 import re
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from itertools import pairwise
 from typing import Any
 
+from camtools.base.errors import InputError
 from camtools.base.quantities import Floats
 
 Columns = Mapping[str, tuple[Floats | Iterable[Any], int | str]]
@@ -84,23 +76,20 @@ def size_text(n_bytes: float) -> str:
     return f"{n_bytes:.1f} GB"
 
 
-class NumberLines:
-    """How the lines of a file are written: separator (None: blanks and tabs), names of columns."""
+_MARK = "\ufeff"
+_UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
 
-    def __init__(self, header: str) -> None:
-        self.separator = next((sign for sign in (";", ",") if sign in header), None)
-        self.names = [name.strip() for name in header.split(self.separator)]
 
-    def cells(self, line: str) -> list[str]:
-        """Return the cells of a line."""
-        text = line.replace(",", ".") if self.separator == ";" else line
-        return text.split(self.separator)
-
-    def numbers(self, line: str, places: Sequence[int] | None = None) -> list[float]:
-        """Return numbers of a line, of all columns or some (ValueError, IndexError: none there)."""
-        cells = self.cells(line)
-        chosen = cells if places is None else [cells[place] for place in places]
-        return [float(cell) for cell in chosen]
+def utf8_text(data: bytes, file: str) -> str:
+    """Return UTF-8 text without the byte-order mark that Windows writes, or refuse it."""
+    remedy = "save the file as UTF-8"
+    if data.startswith(_UTF16_MARKS) or b"\0" in data[:2]:
+        raise InputError(file, "", None, "not UTF-8 text but UTF-16", remedy)
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        problem = f"not UTF-8 text (byte {error.start} is 0x{data[error.start]:02x})"
+        raise InputError(file, "", None, problem, remedy) from error
 
 
 MOST_NAMES = 32
@@ -117,7 +106,7 @@ _LONG_KEY = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{MOST_NAMES}}}"
 
 
 def toml_tree(text: str) -> dict[str, Any]:
-    """Return the tables of a TOML text.
+    """Return the tables of a TOML text, which may begin with a byte-order mark.
 
     Raises ValueError: it is no TOML (tomllib.TOMLDecodeError), nested too deeply, or has a key of
     more than MOST_NAMES names.
@@ -125,6 +114,6 @@ def toml_tree(text: str) -> dict[str, Any]:
     if _LONG_KEY.search(STRINGS.sub("s", text)):
         raise ValueError(f"a key of more than {MOST_NAMES} names")
     try:
-        return tomllib.loads(text)
+        return tomllib.loads(text.removeprefix(_MARK))
     except RecursionError as error:
         raise ValueError("nested too deeply") from error

@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from camtools.base.arguments import UsageError
-from camtools.base.errors import InputError
+from camtools.base.text import utf8_text
 from camtools.cli.bus import BusOptions
 from camtools.identify.drives import ConnectedU
 from camtools.identify.foreign_record import MAX_BYTES
@@ -52,7 +52,4 @@ def connected_u(options: UOptions) -> Iterator[tuple[ConnectedU, int]]:
 
 def record_text(csv: Path) -> str:
     """Return the text of a recording, which must be UTF-8."""
-    try:
-        return read_given(csv, "--record", MAX_BYTES).decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(str(csv), "", None, "not UTF-8 text", "give a CSV file") from error
+    return utf8_text(read_given(csv, "--record", MAX_BYTES), str(csv))

@@ -11,16 +11,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.base.errors import InputError, numbers_shown
+from camtools.base.errors import InputError
+from camtools.base.number_table import NumberTable, Units
 from camtools.base.quantities import Floats
-from camtools.base.text import NumberLines
 
 TIMES = {"time_s": 1.0, "time_ms": 1e-3, "time_us": 1e-6}  # seconds per unit
 LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}  # metres per unit
 COMMANDS = {f"command_{unit}": metres for unit, metres in LENGTHS.items()} | {"command_v": 1.0}
 FORCES = {"force_n": 1.0, "force_kn": 1e3}  # newtons per unit
 POSITIONS = {f"position_{unit}": metres for unit, metres in LENGTHS.items()}
-Units = Mapping[str, float]
 HEADER = "time_s,command_um,position_um"
 MIN_ROWS, MAX_ROWS = 1024, 2_000_000
 MAX_BYTES = 200 * MAX_ROWS
@@ -36,48 +35,15 @@ class ForeignRecord(NamedTuple):
     command: str  # name of its column
 
 
-def _column(
-    columns: NumberLines, units: Units, what: str, file: str, header: str
-) -> tuple[int, float]:
-    """Return where a quantity is, and what its unit is worth."""
-    names = [name.strip('"').casefold() for name in columns.names]
-    found = [name for name in names if name in units]
-    if len(found) == 1:
-        return names.index(found[0]), units[found[0]]
-    problem = (
-        f"needs one column of the {what}: {', '.join(units)}; has {', '.join(found) or 'none'}"
-    )
-    remedy = "rename all but one of them" if found else f'write a header as "{header}"'
-    raise InputError(file, "line 1", None, problem, remedy)
-
-
-def _rows(lines: list[str], columns: NumberLines, places: list[int], file: str) -> Floats:
-    """Return the numbers of all lines, shape (columns, n)."""
-    rows = []
-    for number, line in enumerate(lines[1:], start=2):
-        try:
-            row = columns.numbers(line, places)
-            if not np.isfinite(row).all():
-                raise ValueError(line)
-        except (ValueError, IndexError) as error:
-            problem = f"not {len(places)} finite numbers where the header names them"
-            remedy = "correct or delete the line and all before it"
-            shown = numbers_shown(line[:60])
-            raise InputError(file, f"line {number}", shown, problem, remedy) from error
-        rows.append(row)
-    return np.array(rows, dtype=np.float64).T
-
-
-def _rate_hz(time_s: Floats, file: str) -> float:
+def _rate_hz(time_s: Floats, table: NumberTable) -> float:
     step_s = float(time_s[-1] - time_s[0]) / (time_s.size - 1)
     even_s = time_s[0] + step_s * np.arange(time_s.size)
     wrong = np.abs(np.diff(time_s) - step_s) > max(_UNEVEN * step_s, 1e-12 * abs(even_s[-1]))
     if step_s > 0 and not wrong.any():
         return 1 / step_s
-    line = int(np.argmax(wrong)) + 3
     problem = f"the step to this time is not the mean one, {step_s:.6g} s"
     remedy = "record at an even rate without gaps, and write more digits of the time"
-    raise InputError(file, f"line {line}", None, problem, remedy)
+    raise table.refusal(int(np.argmax(wrong)) + 1, problem, remedy)
 
 
 class Table(NamedTuple):
@@ -90,23 +56,19 @@ class Table(NamedTuple):
 
 def parse_table(text: str, file: str, quantities: Mapping[str, Units], header: str) -> Table:
     """Return columns, by the names that each may have with their units in SI, or refuse a line."""
-    lines = text.rstrip().splitlines()
-    columns = NumberLines(lines[0] if lines else "")
-    kinds = {"time": TIMES} | dict(quantities)
-    places = [_column(columns, units, name, file, header) for name, units in kinds.items()]
-    if not MIN_ROWS <= len(lines) - 1 <= MAX_ROWS:
-        problem = f"has {max(0, len(lines) - 1)} rows, {MIN_ROWS} .. {MAX_ROWS} are needed"
+    table = NumberTable(text, file, MAX_ROWS)
+    columns = table.columns({"time": TIMES} | dict(quantities), header)
+    if len(table.rows) < MIN_ROWS:
+        problem = f"has {len(table.rows)} rows, {MIN_ROWS} .. {MAX_ROWS} are needed"
         raise InputError(file, "", None, problem, "record for longer, or at another rate")
-    order = [place for place, _ in places]
-    time, *rows = _rows(lines, columns, order, file) * [[unit] for _, unit in places]
+    time_s, *rows = table.values(columns)
     values = dict(zip(quantities, rows, strict=True))
     for name, row in values.items():
         if np.ptp(row) == 0:
             problem, remedy = f"the {name} does not change", "excite the drive, see its connections"
             raise InputError(file, "", None, problem, remedy)
-    found = (columns.names[place].strip('"').casefold() for place in order[1:])
-    names = dict(zip(quantities, found, strict=True))
-    return Table(_rate_hz(time, file), values, names)
+    names = dict(zip(quantities, (column.name for column in columns[1:]), strict=True))
+    return Table(_rate_hz(time_s, table), values, names)
 
 
 def parse_record(text: str, file: str) -> ForeignRecord:

@@ -23,7 +23,7 @@ A list of points is read from the part file or another one, and smoothed within 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple, Protocol
@@ -32,87 +32,45 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from scipy.interpolate import BSpline, PPoly, make_interp_spline
 
-from camtools.base.errors import GeometryError, InputError, numbers_shown
-from camtools.base.files import read_whole_table
+from camtools.base.errors import GeometryError, InputError
+from camtools.base.number_table import read_whole_table
 from camtools.base.quantities import UM_PER_MM, Floats, rounded_up
 from camtools.lobe.part import (
     CRANK_HINT,
     MAX_LIFT_MM,
-    MIN_POINTS,
-    MIN_STEP_DEG,
     RISES,
     Camshaft,
     Lobe,
-    fits_turn,
-    is_step,
     is_turn,
 )
-from camtools.part.model import MAX_FILE_BYTES, SAME_MM
+from camtools.part.model import SAME_MM
 from camtools.part.smoothing import bands_um, first_enough, smoothed
-from camtools.table.points import MM_PER_INCH, PointedTurn, Units, quintics_of
-from camtools.table.points import parse_points as foreign_points
+from camtools.table.points import (
+    MAX_BYTES,
+    MM_PER_INCH,
+    PointedTurn,
+    Units,
+    gaps_after,
+    parse_points,
+    quintics_of,
+)
 
-CSV_HEADER = "angle_deg,lift_mm"
-_MAX_ROWS = 10_000
-
-
-def parse_points(text: str, file: str, turns: int = 1) -> tuple[Floats, Floats]:
-    """Return angles [degrees of the cam] and lifts [mm] of a CSV text.
-
-    Its angle turns once or twice for one of the cam. Raises InputError with the line: wrong header,
-    no two numbers, angles that do not rise, lifts out of range.
-    """
-    lines = text.splitlines()
-    if not lines or lines[0].strip() != CSV_HEADER:
-        raise InputError(file, "line 1", None, "wrong header", f'write "{CSV_HEADER}"')
-    rows: list[tuple[float, float]] = []
-    for number, line in enumerate(lines[1 : _MAX_ROWS + 1], start=2):
-        if line.strip():
-            rows.append(_row(file, number, line, rows, turns))
-    if len(rows) < MIN_POINTS or len(lines) > _MAX_ROWS + 1:
-        problem = f"has {len(lines) - 1} points, must have {MIN_POINTS} .. {_MAX_ROWS}"
-        raise InputError(file, "angle_deg", None, problem, "list one turn of the cam")
-    angle_deg, lift_mm = np.array(rows).T
-    return angle_deg, lift_mm
-
-
-def _row(
-    file: str, number: int, line: str, before: list[tuple[float, float]], turns: int
-) -> tuple[float, float]:
-    place = f"line {number}"
-    try:
-        angle, lift_mm = (float(cell) for cell in line.split(","))
-    except ValueError as error:
-        problem = "not two numbers"
-        shown = numbers_shown(line)
-        raise InputError(file, place, shown, problem, f"write {CSV_HEADER}") from error
-    if not (-360 <= angle <= 720 and 0 <= lift_mm <= MAX_LIFT_MM):
-        problem = f"angle not -360 .. 720 or lift not 0 .. {MAX_LIFT_MM:g}"
-        raise InputError(file, place, line, problem, "give degrees and mm above the base circle")
-    angle /= turns
-    if before and not (is_step(angle - before[-1][0]) and fits_turn(angle - before[0][0])):
-        problem = f"angles must rise by at least {MIN_STEP_DEG} degrees within one turn"
-        is_longer = angle - before[0][0] > 360
-        remedy = "sort the points" + CRANK_HINT[turns] * is_longer
-        raise InputError(file, place, line, problem, remedy)
-    return angle, lift_mm
+_ZERO_MM = 1e-3  # lifts that are less below the base circle are on it
+_BASE_MM = 0.01  # above the least lift: of points that end the base circle
 
 
 def _points_of_file(text: str, file: str, lobe: Lobe) -> PointedTurn:
-    """Return the points of a text: with our own header, or of another system."""
+    """Return the points of a text; lifts may be `_ZERO_MM` below 0."""
     inch_mm = MM_PER_INCH if lobe.lift_unit == "inch" else None
     turns, most_mm = lobe.turns_listed, lobe.largest_lift_mm or MAX_LIFT_MM
-    units = Units(turns, lobe.largest_lift_mm or inch_mm, CRANK_HINT[turns])
-    if text.lstrip()[: len(CSV_HEADER)] == CSV_HEADER and units.value_mm is None:
-        angle_deg, lift_mm = parse_points(text, file, units.turns)
-        return PointedTurn(angle_deg, lift_mm, *np.zeros((2, 0)))
-    found = foreign_points(text, file, units)
+    hint = CRANK_HINT[turns]
+    found = parse_points(text, file, Units(turns, lobe.largest_lift_mm or inch_mm, hint, True))
     turn = found.sections[0]
     if len(found.sections) > 1:
         problem = f"has {len(found.sections)} heights"
         raise InputError(file, "Z_mm", None, problem, "give the points of one lobe")
     low, high = float(turn.y_mm.min()), float(turn.y_mm.max())
-    if low < -SAME_MM or high > most_mm + SAME_MM:
+    if low < -_ZERO_MM or high > most_mm + SAME_MM:
         problem = f"lifts of {low:g} .. {high:g} mm, not 0 .. {most_mm:g}"
         remedy = "give mm above the base circle"
         if lobe.largest_lift_mm:
@@ -128,22 +86,59 @@ def opened(points: PointedTurn) -> PointedTurn:
     return PointedTurn(*(column[:n] for column in points))
 
 
-def points_of(lobe: Lobe, field: str) -> PointedTurn:
-    """Return the points of a listed lobe, from the part file or from its file.
-
-    Without velocity and acceleration those columns are empty. Raises GeometryError, which names the
-    lobe by `field`, where the file is no good.
-    """
+def _given_points(lobe: Lobe, field: str) -> PointedTurn:
+    """Return `points_of`, with lifts that are a little below 0 as they are given."""
     if lobe.csv is None:
         assert lobe.angle_deg is not None
         angle_deg = np.asarray(lobe.angle_deg, dtype=float) / lobe.turns_listed
         return PointedTurn(angle_deg, np.asarray(lobe.lift_mm, dtype=float), *np.zeros((2, 0)))
     path = Path(lobe.csv)
     try:
-        return _points_of_file(read_whole_table(path, MAX_FILE_BYTES), path.name, lobe)
+        return _points_of_file(read_whole_table(path, MAX_BYTES), path.name, lobe)
     except InputError as error:
         problem, _, remedy = error.lines[0].rpartition("; ")
         raise GeometryError(f"{field}.csv", problem, remedy) from error
+
+
+def _on_base(points: PointedTurn) -> PointedTurn:
+    return points._replace(y_mm=points.y_mm.clip(0))
+
+
+def points_of(lobe: Lobe, field: str) -> PointedTurn:
+    """Return the points of a listed lobe, from the part file or from its file.
+
+    Without velocity and acceleration those columns are empty. Raises GeometryError, which names the
+    lobe by `field`, where the file is no good.
+    """
+    return _on_base(_given_points(lobe, field))
+
+
+def _check_gaps(points: PointedTurn, turns: int, field: str) -> None:
+    """Refuse a gap that is not on the base circle; velocities and accelerations are complete."""
+    if points.v.size:
+        return
+    lift_mm = points.y_mm
+    is_above = np.maximum(lift_mm, np.roll(lift_mm, -1)) > lift_mm.min() + _BASE_MM
+    gaps = [i for i in gaps_after(points.steps_deg) if is_above[i]]
+    if not gaps:
+        return
+    i = max(gaps, key=lambda gap: float(points.steps_deg[gap]))
+    start_deg, end_deg = points.x_deg[i], points.x_deg[i] + points.steps_deg[i]
+    problem = (
+        f"no points from {start_deg * turns:g} to {end_deg * turns:g} degrees, where the lift goes "
+        f"from {lift_mm[i]:g} to {np.roll(lift_mm, -1)[i]:g} mm: the turn is not closed"
+    )
+    remedy = "list all of the lobe, both flanks; only points of the base circle may be missing"
+    raise GeometryError(field, problem, remedy)
+
+
+def _check_crank(points: PointedTurn, turns: int, field: str) -> None:
+    """Refuse one turn of the crank, which has two: its points are a turn of the cam."""
+    span_deg = float(points.x_deg[-1] - points.x_deg[0]) * turns
+    if turns > 1 and abs(span_deg - 360) <= 360 / points.x_deg.size:
+        problem = f"the points span {span_deg:g} degrees of the crank: the turn is not closed"
+        remedy = f'list {360 * turns} degrees, or remove degrees_of = "crank"'
+        raise GeometryError(field, problem, remedy)
 
 
 _PER_STEP = 16  # angles between two points at which peaks are sought
@@ -416,6 +411,7 @@ class Listed:
     spline: BSpline | PPoly
     smoothing: Smoothing | None = None  # what the part file had done to the points
     needed: Smoothing | None = None  # what would rid them of much noise about which it did nothing
+    below_um: float = 0.0  # how far points were below the base circle, taken as on it
 
     def evaluate(self, theta_rad: Floats) -> Lift:
         """See `LiftLaw.evaluate`."""
@@ -481,12 +477,17 @@ def _risen(lobe: Lobe, field: str) -> LiftLaw:
 
 
 def _listed(lobe: Lobe, field: str) -> LiftLaw:
-    points = points_of(lobe, field)
+    given = _given_points(lobe, field)
+    points = _on_base(given)
     angle_deg, lift_mm = points.x_deg, points.y_mm
     if is_turn(angle_deg[-1] - angle_deg[0]) and abs(lift_mm[0] - lift_mm[-1]) > SAME_MM:
         problem = f"first and last point are a turn apart, {lift_mm[0]:g} and {lift_mm[-1]:g} mm"
         raise GeometryError(f"{field}.lift_mm", problem, "leave the last one out")
+    place = f"{field}.{'csv' if lobe.csv else 'angle_deg'}"
+    _check_gaps(opened(points), lobe.turns_listed, place)
+    _check_crank(points, lobe.turns_listed, place)
     law = _curve_through(opened(points), lobe.smooth_um, field)
+    law = replace(law, below_um=max(0.0, -float(given.y_mm.min())) * UM_PER_MM)
     most_mm = float(lift_mm.max())
     if law.smoothing is not None:
         most_mm += float(law.smoothing.off_um.max()) / 1000

@@ -40,6 +40,45 @@ from camtools.part.smoothing import (
     smoothed_texts,
 )
 
+_OPEN_MM = 0.1
+_LEAST_MM = 1e-3  # a least lift above it is no base circle
+_PER_DEG = 20  # angles at which a law is looked at
+
+
+def extent_of(law: LiftLaw) -> Json:
+    """Return least and largest lift of a list and over which angle it is open, nothing else's."""
+    if not isinstance(law, Listed):
+        return {}
+    lift_mm = law.evaluate(np.linspace(0, 2 * np.pi, 360 * _PER_DEG, endpoint=False)).lift
+    return {
+        "list": {
+            "least_lift_mm": float(np.round(max(0.0, lift_mm.min()), 6)),
+            "largest_lift_mm": float(np.round(lift_mm.max(), 6)),
+            "open_deg": float(np.count_nonzero(lift_mm > _OPEN_MM)) / _PER_DEG,
+            "below_zero_um": law.below_um,
+        }
+    }
+
+
+def extent_texts(found: Json) -> list[str]:
+    """Return what `extent_of` found as lines for people, none where it found nothing."""
+    if "list" not in found:
+        return []
+    facts = found["list"]
+    least_mm = facts["least_lift_mm"]
+    lines = [
+        f"list of lifts of {least_mm:g} .. {facts['largest_lift_mm']:g} mm, above {_OPEN_MM:g} mm "
+        f"over {facts['open_deg']:g} degrees of the cam"
+    ]
+    if facts["below_zero_um"]:
+        lines.append(f"lifts of down to -{facts['below_zero_um']:g} um are taken as 0")
+    if least_mm > _LEAST_MM:
+        lines.append(
+            f"caution: the lift is never below {least_mm:g} mm, so the cam is larger than "
+            "base_radius_mm all round; subtract what is constant, if the list has radii"
+        )
+    return lines
+
 
 def _facts(smoothing: Smoothing) -> Json:
     before, after = peaks_of(smoothing.before), peaks_of(smoothing.after)

@@ -13,7 +13,14 @@ from camtools.base.text import Json
 from camtools.cut.feasibility import feasibility_of, tenth_below
 from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345, Risen, curve_of
-from camtools.lobe.motion import ShaftLobe, smoothing_of, smoothing_takes_um, smoothing_texts
+from camtools.lobe.motion import (
+    ShaftLobe,
+    extent_of,
+    extent_texts,
+    smoothing_of,
+    smoothing_takes_um,
+    smoothing_texts,
+)
 from camtools.lobe.plunge import left_by_wear_um
 from camtools.part.smoothing import share_text
 from camtools.report.learning_text import learned
@@ -41,6 +48,7 @@ def _lobe(lobe: ShaftLobe) -> Json:
         "least_radius_mm": shape.least_radius_mm,
         "hollow_radius_mm": shape.hollow_radius_mm if is_hollow else None,
         "largest_pressure_angle_deg": shape.largest_swing_deg,
+        **extent_of(lobe.law),
         **smoothing_of(lobe.law),
     }
 
@@ -185,7 +193,7 @@ def emit_lobe_text(summary: Json) -> str:
         lines += _plunge_lines(summary["plunge"])
     allowed_um, taken_um = process["form_error_um"], process["smoothing_takes_um"]
     for i, lobe in enumerate(summary["lobes"]):
-        texts = smoothing_texts(lobe, allowed_um)
+        texts = [*extent_texts(lobe), *smoothing_texts(lobe, allowed_um)]
         lines += [_lobe_text(i, lobe), *(f"    {text}" for text in texts)]
     lines += [f"  {share_text(taken_um, allowed_um)}"] if taken_um else []
     lines.append(

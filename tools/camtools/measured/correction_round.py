@@ -13,10 +13,10 @@ from zlib import crc32
 
 import numpy as np
 
-from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.errors import CamtoolsError
 from camtools.base.files import read_limited
 from camtools.base.quantities import UM_PER_MM
-from camtools.base.text import Json
+from camtools.base.text import Json, utf8_text
 from camtools.cut.correction import MAX_ORDER, Correction, Drawing, correction_of
 from camtools.measured.correction_step import RoundStep, account_of, best_text, judged, take, taper
 from camtools.measured.points import MAX_BYTES, GaugedPoints, parse_points
@@ -254,11 +254,8 @@ def next_round(request: Request, name: str, drawing: Drawing) -> Round:
     previous = find_previous(request.surface, request.previous, name, drawing.document)
     own = crc32(data)
     _check_new(previous, request.surface, own)
-    try:
-        points = parse_points(data.decode("utf-8-sig"), str(request.surface))
-    except UnicodeDecodeError as error:
-        problem = "not UTF-8 text"
-        raise InputError(str(request.surface), "", None, problem, "give a CSV file") from error
+    file = str(request.surface)
+    points = parse_points(utf8_text(data, file), file)
     try:
         _check_place(points, drawing)
         first = 2 if request.is_centred else 0

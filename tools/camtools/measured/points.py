@@ -17,9 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.base.errors import CamtoolsError, InputError, numbers_shown
+from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.number_table import NumberTable, Units
 from camtools.base.quantities import Floats, Ints
-from camtools.base.text import NumberLines
 from camtools.cut.correction import nodes_of
 
 ANGLES = {"turn": 1.0, "angle_turn": 1.0, "angle_deg": 1 / 360}  # turns per unit
@@ -48,80 +48,34 @@ class GaugedPoints(NamedTuple):
     radius_mm: Floats | None = None  # where the file has it
 
 
-class _Place(NamedTuple):
-    """Where a quantity stands, and what its unit is worth."""
-
-    column: int
-    per_unit: float
-
-
-def _find(columns: NumberLines, units: dict[str, float]) -> _Place | None:
-    names = [name.casefold() for name in columns.names]  # instruments write some in capitals
-    found = [name for name in names if name in units]
-    return _Place(names.index(found[0]), units[found[0]]) if len(found) == 1 else None
-
-
-def _places(columns: NumberLines, file: str) -> list[_Place]:
-    """Return where angle, height and deviation stand, and the radius where there is one."""
-    kinds = {"angle": ANGLES, "height": HEIGHTS, "deviation": DEVIATIONS}
-    places = []
-    for what, units in kinds.items():
-        place = _find(columns, units)
-        if place is None:
-            problem = f"needs one column of the {what}: {', '.join(units)}"
-            remedy = f'write a header as "{HEADER}", with , or ; or blanks between'
-            raise InputError(file, "line 1", None, problem, remedy)
-        places.append(place)
-    radius = _find(columns, {RADIUS: 1.0})
-    return places if radius is None else [*places, radius]
-
-
 def parse_points(text: str, file: str) -> GaugedPoints:
     """Return the points of a text, or refuse it with the line."""
-    lines = text.splitlines()
-    header = lines[0].strip() if lines else ""
-    columns = NumberLines(header)
-    places = _places(columns, file)
-    if len(lines) > MAX_POINTS:
-        problem = f"has {len(lines)} lines, at most {MAX_POINTS} are read"
-        raise InputError(file, "", None, problem, "leave out points or heights")
-    order, rows, numbers = [place.column for place in places], [], []
-    for number, line in enumerate(lines[1:], start=2):
-        if not line.strip():
-            continue
-        try:
-            rows.append(columns.numbers(line, order))
-        except (ValueError, IndexError) as error:
-            problem, remedy = "no numbers", "write the line as the header says"
-            shown = numbers_shown(line[:60])
-            raise InputError(file, f"line {number}", shown, problem, remedy) from error
-        numbers.append(number)
-    if not rows:
+    table = NumberTable(text, file, MAX_POINTS)
+    kinds: dict[str, Units] = {"angle": ANGLES, "height": HEIGHTS, "deviation": DEVIATIONS}
+    if RADIUS in table.names:
+        kinds["radius"] = {RADIUS: 1.0}
+    columns = table.columns(kinds, HEADER)
+    if not table.rows:
         raise InputError(file, "", None, "has no point", "gauge the part")
-    values = np.array(rows).T * np.array([[place.per_unit] for place in places])
-    _check_ranges(values, numbers, lines, file)
+    values = table.values(columns)
+    _check_ranges(values, table)
     values[0] = np.mod(values[0], 1.0)
     return GaugedPoints(*values)
 
 
-def _check_ranges(values: Floats, numbers: list[int], lines: list[str], file: str) -> None:
+def _check_ranges(values: Floats, table: NumberTable) -> None:
     """Refuse the first point that is no place of a part or no deviation."""
     turn, z_mm, deviation_um = values[:3]
-    with np.errstate(invalid="ignore"):
-        is_good = (turn >= 0) & (turn <= 1) & (np.abs(z_mm) <= MAX_HEIGHT_MM)
-        is_good &= (np.abs(deviation_um) <= MAX_DEVIATION_UM) & np.isfinite(values).all(axis=0)
+    is_good = (turn >= 0) & (turn <= 1) & (np.abs(z_mm) <= MAX_HEIGHT_MM)
+    is_good &= np.abs(deviation_um) <= MAX_DEVIATION_UM
     if is_good.all():
         return
-    worst = int(np.argmin(is_good))
-    line = numbers[worst]
     problem = (
         f"beyond one turn, a height of {MAX_HEIGHT_MM:g} mm or a deviation of "
         f"{MAX_DEVIATION_UM / 1000:g} mm"
     )
-    if not np.isfinite(values[:, worst]).all():
-        problem = "no finite numbers"
     remedy = "give the drawing's angle and the deviation from the drawing in the header's units"
-    raise InputError(file, f"line {line}", lines[line - 1][:60], problem, remedy)
+    raise table.refusal(int(np.argmin(is_good)), problem, remedy)
 
 
 DEFAULT_ORDER = 16

@@ -25,7 +25,7 @@ from pydantic_core import ErrorDetails, PydanticCustomError, core_schema
 
 from camtools.base.errors import CamtoolsError, InputError, one_line
 from camtools.base.files import read_limited
-from camtools.base.text import toml_tree
+from camtools.base.text import toml_tree, utf8_text
 
 MIN_SPAN_MM = 1.0
 MIN_STEP_MM = 0.01
@@ -202,10 +202,7 @@ MAX_FILE_BYTES = 1_000_000
 def read_tree(data: bytes, file: str) -> dict[str, Any]:
     """Return the tables of a TOML file, or refuse what is no UTF-8 or no TOML."""
     try:
-        return toml_tree(data.decode("utf-8"))
-    except UnicodeDecodeError as error:
-        problem = f"not UTF-8 text (byte {error.start} is 0x{data[error.start]:02x})"
-        raise InputError(file, "", None, problem, "save the file as UTF-8") from error
+        return toml_tree(utf8_text(data, file))
     except ValueError as error:
         problem, remedy = f"not TOML: {error}", "correct it; see tools/docs/PARTFILE.md"
         raise InputError(file, "", None, problem, remedy) from error

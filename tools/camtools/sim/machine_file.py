@@ -23,6 +23,7 @@ import copy
 import json
 import math
 import re
+from codecs import BOM_UTF8
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
@@ -68,10 +69,10 @@ def machine_path(word: str) -> Path:
 
 
 def machine_bytes(word: str) -> bytes:
-    """Return what the file of a machine holds, for `machine_path`'s word."""
+    """Return what the file of a machine holds, without a byte-order mark; see `machine_path`."""
     path = machine_path(word)
     try:
-        return path.read_bytes()
+        return path.read_bytes().removeprefix(BOM_UTF8)
     except OSError as error:
         problem = f"--machine {word}: cannot be read: {error.strerror}"
         raise CamtoolsError([f"{problem}; give a readable file"]) from error

@@ -1,9 +1,7 @@
 r"""Points of one turn as text: value over angle, with velocity and acceleration or without them.
 
-Files of other systems differ in separators, units and headers. Cells are separated by semicolons,
-tabs, blanks or commas; where it is none of the commas, a comma is a decimal point. A header names
-columns and units; two or four columns of numbers without one are angle, value and angle, value,
-velocity, acceleration in degrees and mm.
+A header names columns and units; two or four columns of numbers without one are angle, value and
+angle, value, velocity, acceleration in degrees and mm.
 
 >>> text = "X_deg;Y_mm\n" + "".join(f"{45 * i};{i % 8},5\n" for i in range(9))
 >>> found = parse_points(text, "a.txt")
@@ -17,9 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.base.errors import InputError, numbers_shown
-from camtools.base.files import read_whole_table
-from camtools.base.quantities import Floats
+from camtools.base.errors import InputError
+from camtools.base.number_table import Column, NumberTable, read_whole_table
+from camtools.base.quantities import Floats, Ints
 from camtools.table.channel import segment_coefficients
 
 MAX_POINTS = 100_000
@@ -58,6 +56,16 @@ class PointedTurn(NamedTuple):
         return np.diff(np.append(self.x_deg, self.x_deg[0] + 360))
 
 
+_GAP_STEPS = 4.0  # a gap: so many mean steps without a point ..
+_GAP_DEG = (10.0, 45.0)  # .. but not less than the first and not more than the second
+
+
+def gaps_after(steps_deg: Floats) -> Ints:
+    """Return after which points of a turn there is a gap, by the distances to the next points."""
+    least_deg = np.clip(_GAP_STEPS * 360 / steps_deg.size, *_GAP_DEG)
+    return np.flatnonzero(steps_deg > least_deg)
+
+
 class PointFile(NamedTuple):
     """What a file of points holds."""
 
@@ -72,6 +80,7 @@ class Units(NamedTuple):
     turns: int = 1  # of the file's angle for one turn of the part
     value_mm: float | None = None  # of 1 in the columns Y, V and A; mm where it is not given
     if_longer: str = ""  # what else to do about points that span more than a turn
+    is_lift: bool = False  # an arc without points may be the base circle, however long it is
 
 
 DEGREES_AND_MM = Units()
@@ -80,72 +89,44 @@ DEGREES_AND_MM = Units()
 class _Column(NamedTuple):
     key: str
     scale: float
+    place: int
     has_unit: bool = False
 
 
-def _cells(line: str) -> list[str]:
-    """Return the cells of a line: semicolon, tab or blank go before the comma."""
-    if ";" in line:
-        return [cell.strip().replace(",", ".") for cell in line.split(";")]
-    words = line.split("//")[0].split()
-    if len(words) > 1:
-        return [word.rstrip(",").replace(",", ".") for word in words]
-    return [cell.strip() for cell in line.split(",")]
-
-
-def _column(name: str) -> _Column | None:
+def _column(name: str, place: int) -> _Column | None:
     for key, pattern in _COLUMNS.items():
-        found = pattern.fullmatch(name.strip().lower())
+        found = pattern.fullmatch(name)
         if found is None:
             continue
         units = [unit for unit in found.groups() if unit]
         scale = _ANGLES.get(units[0], _LENGTHS.get(units[0], 1.0)) if units else 1.0
         if len(units) == 2:
             scale /= _ANGLES[units[1]] ** (1 if key == "v" else 2)
-        return _Column(key, scale, bool(units))
+        return _Column(key, scale, place, bool(units))
     return None
 
 
-def _header_of(line: str, file: str, number: int) -> list[_Column] | None:
-    """Return the columns that a header names, nothing where the line holds numbers."""
-    cells = _cells(line)
-    if all(_number(cell) is not None for cell in cells):
-        if len(cells) not in _WITHOUT_HEADER:
-            problem = f"has {len(cells)} columns and no header"
-            raise InputError(file, f"line {number}", None, problem, _USE)
-        return None
-    columns = [_column(cell) for cell in cells]
-    if None in columns:
-        problem = f"column {columns.index(None) + 1} of {len(columns)} has an unknown name"
-        raise InputError(file, f"line {number}", None, problem, _USE)
-    keys = [column.key for column in columns if column is not None]
+def _columns_of(table: NumberTable) -> list[_Column]:
+    """Return the columns of points by a header, or by their number without one."""
+    if not table.names:
+        if table.n_columns not in _WITHOUT_HEADER:
+            problem = f"has {table.n_columns} columns and no header"
+            raise InputError(table.file, table.place, None, problem, _USE)
+        keys = list(_WITHOUT_HEADER[table.n_columns])
+        return [_Column(key, 1.0, place) for place, key in enumerate(keys)]
+    columns = [
+        found
+        for place, name in enumerate(table.names)
+        if (found := _column(name, place)) is not None
+    ]
+    keys = [column.key for column in columns]
     missing = [key for key in ("x", "y") if key not in keys]
     if ("v" in keys) != ("a" in keys):
         missing.append("a" if "v" in keys else "v")
     if missing or len(set(keys)) != len(keys):
         what = f"no column of {missing[0].upper()}" if missing else "a column appears twice"
-        raise InputError(file, f"line {number}", None, what, _USE)
-    return [column for column in columns if column is not None]
-
-
-def _number(cell: str) -> float | None:
-    try:
-        value = float(cell)
-    except ValueError:
-        return None
-    return value if np.isfinite(value) else None
-
-
-def _rows(lines: list[tuple[int, str]], columns: list[_Column], file: str) -> Floats:
-    found = np.empty((len(lines), len(columns)))
-    for i, (number, line) in enumerate(lines):
-        values = [_number(cell) for cell in _cells(line)]
-        if len(values) != len(columns) or None in values:
-            problem = f"not {len(columns)} numbers"
-            remedy = "give as many in every line, decimals with a point"
-            raise InputError(file, f"line {number}", numbers_shown(line), problem, remedy)
-        found[i] = values
-    return found * [column.scale for column in columns]
+        raise InputError(table.file, table.place, None, what, _USE)
+    return columns
 
 
 def _in_units(columns: list[_Column], units: Units, file: str, place: str) -> list[_Column]:
@@ -165,30 +146,16 @@ def _in_units(columns: list[_Column], units: Units, file: str, place: str) -> li
 
 def parse_points(text: str, file: str, units: Units = DEGREES_AND_MM) -> PointFile:
     """Return the points of a text, or refuse it by the line that is wrong, with a remedy."""
-    lines = [
-        (i, line.strip())
-        for i, line in enumerate(text.splitlines(), start=1)
-        if line.strip() and not line.lstrip().startswith(("#", "//", "(*"))
-    ]
-    if not lines or len(lines) > MAX_POINTS:
-        problem = f"has {len(lines)} lines, must have 4 .. {MAX_POINTS}"
-        raise InputError(file, "", None, problem, "give the points of one turn")
-    first, line = lines[0]
-    columns = _header_of(line, file, first)
-    if columns is None:
-        keys = _WITHOUT_HEADER[len(_cells(line))]
-        columns = [_Column(key, 1.0) for key in keys]
-    else:
-        lines = lines[1:]
-    columns = _in_units(columns, units, file, f"line {first}")
-    if not lines:
-        raise InputError(file, f"line {first}", None, "no points follow", "give those of one turn")
-    rows = dict(zip((column.key for column in columns), _rows(lines, columns, file).T, strict=True))
-    numbers = np.array([number for number, _ in lines])
-    return _sections(rows, numbers, file, units)
+    table = NumberTable(text, file, MAX_POINTS)
+    columns = _in_units(_columns_of(table), units, file, table.place)
+    if not table.rows:
+        raise InputError(file, table.place, None, "no points follow", "give those of one turn")
+    values = table.values([Column(column.place, column.scale) for column in columns])
+    rows = dict(zip((column.key for column in columns), values, strict=True))
+    return _sections(rows, table.lines, file, units)
 
 
-def _sections(rows: dict[str, Floats], numbers: Floats, file: str, units: Units) -> PointFile:
+def _sections(rows: dict[str, Floats], numbers: Ints, file: str, units: Units) -> PointFile:
     has_motion = "v" in rows
     zero = np.zeros(numbers.size)
     columns = np.stack([rows["x"], rows["y"], rows.get("v", zero), rows.get("a", zero)])
@@ -212,7 +179,7 @@ def _sections(rows: dict[str, Floats], numbers: Floats, file: str, units: Units)
 
 
 def _turn(
-    columns: Floats, numbers: Floats, file: str, units: Units, *, has_motion: bool
+    columns: Floats, numbers: Ints, file: str, units: Units, *, has_motion: bool
 ) -> PointedTurn:
     """Return the points of a turn, its end left out, or refuse them."""
     x = columns[0]
@@ -237,7 +204,7 @@ def _turn(
     turn = PointedTurn(*columns)
     widest = float(turn.steps_deg.max())
     fewest = _FEWEST if has_motion else _FEWEST_ALONE
-    if turn.x_deg.size < fewest or widest >= 180:
+    if turn.x_deg.size < fewest or (widest >= 180 and not units.is_lift):
         problem = f"{turn.x_deg.size} points span {span:.9g} degrees: the turn is not closed"
         raise InputError(file, last, None, problem, f"give at least {fewest} points all around")
     if has_motion:
@@ -245,7 +212,7 @@ def _turn(
     return turn
 
 
-def _check_motion(turn: PointedTurn, numbers: Floats, file: str) -> None:
+def _check_motion(turn: PointedTurn, numbers: Ints, file: str) -> None:
     h, y, v, a = turn.steps_deg, turn.y_mm, turn.v, turn.a
     y1, v1, a1 = (np.roll(values, -1) for values in (y, v, a))
     rough, fine = h * (v + v1) / 2, h * (v + v1) / 2 - h**2 * (a1 - a) / 12

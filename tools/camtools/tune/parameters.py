@@ -21,6 +21,7 @@ from pydantic import Field, ValidationError
 
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.files import read_limited
+from camtools.base.text import utf8_text
 from camtools.link.kept_values import INFOS
 from camtools.part.model import TomlTable, describe_all
 from camtools.sim.machine_file import read_machine
@@ -88,11 +89,11 @@ class Drive(TomlTable):
 def read_tree(path: Path) -> dict[str, Any]:
     """Return the tables of a TOML file, or refuse what cannot be read or is no TOML."""
     try:
-        text = read_limited(path, _MOST_BYTES).decode("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        problem = f"cannot be read: {getattr(error, 'strerror', None) or 'not UTF-8 text'}"
+        data = read_limited(path, _MOST_BYTES)
+    except OSError as error:
+        problem = f"cannot be read: {error.strerror}"
         raise InputError(str(path), "", None, problem, "give a TOML file") from error
-    return read_machine(text, str(path))
+    return read_machine(utf8_text(data, str(path)), str(path))
 
 
 def drive_of(tree: dict[str, Any], file: str) -> Drive:

@@ -14,6 +14,7 @@ from pathlib import Path
 from camtools.base.errors import CamtoolsError
 from camtools.base.files import read_limited, write_all
 from camtools.base.project import ROOT
+from camtools.base.text import utf8_text
 from camtools.part.model import MAX_FILE_BYTES
 
 EXAMPLES = ROOT / "tools" / "parts"
@@ -66,10 +67,11 @@ class PartLibrary:
         try:
             if path.is_symlink():
                 raise OSError(0, "is a link")
-            return read_limited(path, MAX_FILE_BYTES).decode("utf-8")
-        except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or "not UTF-8 text"
-            raise CamtoolsError([f"{name}: cannot be read: {reason}; choose another"]) from error
+            data = read_limited(path, MAX_FILE_BYTES)
+        except OSError as error:
+            problem = f"{name}: cannot be read: {error.strerror}"
+            raise CamtoolsError([f"{problem}; choose another"]) from error
+        return utf8_text(data, name)
 
     def save(self, name: str, text: str, *, replaces: bool) -> None:
         """Write a part of one's own; a part of that name is replaced only where it shall be."""

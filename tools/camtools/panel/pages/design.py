@@ -8,6 +8,7 @@ from typing import Any
 from nicegui import background_tasks, events, ui
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.text import utf8_text
 from camtools.panel.context import AppContext
 from camtools.panel.design.part_library import EXAMPLE, OWN, Draft
 from camtools.panel.design_service import DesignService, design_service_of
@@ -230,7 +231,7 @@ class DesignPage:
         if is_csv:
             library.save_csv(file, data, replaces=is_there)
         else:
-            library.save(name, data.decode("utf-8"), replaces=is_there)
+            library.save(name, utf8_text(data, file), replaces=is_there)
         return True
 
     def _show_kept(self, file: str) -> None:

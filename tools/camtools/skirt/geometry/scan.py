@@ -1,7 +1,6 @@
 r"""Measured sections of a part file: read, checked between their heights, made a surface.
 
-The header of a file names the unit, and shows by its separator how the lines are written: with
-commas, with semicolons (then a decimal comma is read as well as a point), or with blanks or tabs.
+The header of a file names the unit.
 
 Over the angle a periodic quintic spline runs through the values of each height; over the height
 each angle's values are joined as `curves.through` joins points. Every piece follows from knots:
@@ -26,19 +25,21 @@ from scipy.interpolate import (
     make_interp_spline,
 )
 
-from camtools.base.errors import CamtoolsError, GeometryError, InputError, numbers_shown
-from camtools.base.files import read_whole_table
+from camtools.base.errors import CamtoolsError, GeometryError, InputError
+from camtools.base.number_table import NumberTable, read_whole_table
 from camtools.base.quantities import UM_PER_MM, Floats, rounded_up
-from camtools.base.text import Json, NumberLines
+from camtools.base.text import Json
 from camtools.skirt.geometry.poly_surface import N_ANGLE, N_HEIGHT, Knots, PolySurface
 from camtools.skirt.geometry.profile import constant_spline
 from camtools.skirt.part.curves import Overshoot, through
 from camtools.skirt.part.keys import SectionShape
+from camtools.table.points import gaps_after
 
 HEADER = "angle_deg,z_mm,reduction_um"
 MIN_ANGLES, MAX_POINTS = 12, 200_000
 MAX_REDUCTION_MM = 15.0
 MAX_RADIUS_MM = 2000.0
+MAX_HEIGHT_MM = 1000.0
 _RADIUS = "radius_mm"
 _MM_PER_UNIT = {"reduction_um": 1e-3, "reduction_mm": 1.0, _RADIUS: 1.0}
 _SAME_MM = 1e-6  # at 0 and at 360 degrees
@@ -54,60 +55,40 @@ class Sections(NamedTuple):
     is_radius: bool = False  # values are radii; else reductions of the profile's radius
 
 
-def _wrong(file: str, line: int, value: str | None, problem: str, remedy: str) -> InputError:
-    return InputError(file, f"line {line}", value, problem, remedy)
-
-
-def _columns(file: str, line: str) -> NumberLines:
-    columns = NumberLines(line)
-    names = columns.names
-    if len(names) != 3 or names[:2] != ["angle_deg", "z_mm"] or names[2] not in _MM_PER_UNIT:
-        others = ", ".join(list(_MM_PER_UNIT)[1:])
-        remedy = f'write "{HEADER}", or {others} as the third name, with , or ; or blanks between'
-        raise _wrong(file, 1, None, "wrong header", remedy)
-    return columns
-
-
-def _row(file: str, number: int, line: str, columns: NumberLines) -> tuple[float, float, float]:
-    try:
-        angle, z_mm, value = columns.numbers(line)
-    except ValueError as error:
-        shown, remedy = numbers_shown(line), "write as the header says"
-        raise _wrong(file, number, shown, "not three numbers", remedy) from error
-    if not np.isfinite([angle, z_mm, value]).all() or not 0 <= angle <= 360:
-        raise _wrong(file, number, line, "no angle of 0 .. 360", "give degrees from the long axis")
-    unit = columns.names[2]
-    value_mm = value * _MM_PER_UNIT[unit]
-    is_radius = unit == _RADIUS
-    least_mm, most_mm = (0.0, MAX_RADIUS_MM) if is_radius else (-MAX_REDUCTION_MM, MAX_REDUCTION_MM)
-    if not least_mm <= value_mm <= most_mm or abs(z_mm) > 1000:
-        problem = f"beyond {least_mm:g} .. {most_mm:g} mm or a height of 1000 mm"
-        raise _wrong(file, number, line, problem, "give what the header names, the height in mm")
-    return angle, z_mm, value_mm
-
-
 def parse_sections(text: str, file: str) -> Sections:
     """Return the sections of a text.
 
     Raises InputError: with the line: wrong header, no numbers, a point twice, too few at a height.
     """
-    lines = text.splitlines()
-    columns = _columns(file, lines[0].strip() if lines else "")
-    if len(lines) > MAX_POINTS:
-        problem = f"more than {MAX_POINTS} points"
-        raise _wrong(file, MAX_POINTS, None, problem, "leave out points or heights")
+    table = NumberTable(text, file, MAX_POINTS)
+    kinds = {"angle": {"angle_deg": 1.0}, "height": {"z_mm": 1.0}, "value": _MM_PER_UNIT}
+    columns = table.columns(kinds, HEADER)
+    is_radius = columns[2].name == _RADIUS
+    values = table.values(columns)
+    _check_ranges(values, table, is_radius=is_radius)
     points: dict[float, dict[float, float]] = {}
-    for number, line in enumerate(lines[1:], start=2):
-        if not line.strip():
-            continue
-        angle, z_mm, value_mm = _row(file, number, line, columns)
+    for row, (angle, z_mm, value_mm) in enumerate(values.T.tolist()):
         section = points.setdefault(z_mm, {})
         if angle in section:
-            raise _wrong(file, number, line, "this point appears twice", "remove one of them")
+            raise table.refusal(row, "this point appears twice", "remove one of them")
         section[angle] = value_mm
     for z_mm, section in points.items():
         _close(file, z_mm, section)
-    return _sections(file, points, is_radius=columns.names[2] == _RADIUS)
+    return _sections(file, points, is_radius=is_radius)
+
+
+def _check_ranges(values: Floats, table: NumberTable, *, is_radius: bool) -> None:
+    angle_deg, z_mm, value_mm = values
+    is_wrong = (angle_deg < 0) | (angle_deg > 360)
+    if is_wrong.any():
+        problem, remedy = "no angle of 0 .. 360", "give degrees from the long axis"
+        raise table.refusal(int(is_wrong.argmax()), problem, remedy)
+    least_mm, most_mm = (0.0, MAX_RADIUS_MM) if is_radius else (-MAX_REDUCTION_MM, MAX_REDUCTION_MM)
+    is_wrong = (value_mm < least_mm) | (value_mm > most_mm) | (np.abs(z_mm) > MAX_HEIGHT_MM)
+    if is_wrong.any():
+        problem = f"beyond {least_mm:g} .. {most_mm:g} mm or a height of {MAX_HEIGHT_MM:g} mm"
+        remedy = "give what the header names, the height in mm"
+        raise table.refusal(int(is_wrong.argmax()), problem, remedy)
 
 
 def _close(file: str, z_mm: float, section: dict[float, float]) -> None:
@@ -401,8 +382,6 @@ def ovality_of(scan: Scan) -> PPoly:
     return through(scan.z_mm, oval, "linear")
 
 
-_GAP_STEPS = 4.0  # a gap: so many mean steps without a point ..
-_GAP_DEG = (10.0, 45.0)  # .. but not less than the first and not more than the second
 _PER_GAP = 256  # places at which a gap is looked at
 
 
@@ -483,9 +462,8 @@ def coverage(sections: Sections) -> Json:
 def gaps_of(z_mm: float, angle_deg: Floats, values_mm: Floats) -> Iterator[Gap]:
     """Find the gaps of a section, and how far its curve leaves the points at their ends."""
     steps = np.diff(angle_deg, append=angle_deg[0] + 360)
-    wide = steps > np.clip(_GAP_STEPS * 360 / angle_deg.size, *_GAP_DEG)
     curve, after = Periodic(angle_deg, values_mm), np.roll(values_mm, -1)
-    for i in np.flatnonzero(wide):
+    for i in gaps_after(steps):
         at = angle_deg[i] + steps[i] * (np.arange(_PER_GAP) + 0.5) / _PER_GAP
         between, ends = curve(at), (values_mm[i], after[i])
         beyond = max(between.max() - max(ends), min(ends) - between.min(), 0.0)

@@ -1,0 +1,199 @@
+r"""Tables of numbers that people hand over as text: the same rules for every kind of table.
+
+Cells are separated by semicolons, commas, or blanks and tabs. The first line with numbers or names
+shows which; with semicolons, or blanks and tabs, a decimal comma is read as well as a point. Names
+are compared without regard to case, further columns are ignored. Blank lines and lines that begin
+with `#`, `//` or `(*` may be anywhere, and `//` begins a note. Names and numbers may be in quotes,
+exponents may be written with D, and cells that follow the last column may be there if empty.
+
+>>> table = NumberTable('# a tester\n"Angle_deg";Note;Lift_um\n0,5;a;1,5D3\n', "a.csv", 100)
+>>> table.names, table.lines.tolist()
+(['angle_deg', 'note', 'lift_um'], [3])
+>>> kinds = {"angle": {"angle_deg": 1.0}, "lift": {"lift_mm": 1.0, "lift_um": 1e-3}}
+>>> table.values(table.columns(kinds, "angle_deg,lift_mm")).tolist()
+[[0.5], [1.5]]
+
+Each line has as many cells as the header names, or as the first line of numbers.
+
+>>> table = NumberTable("angle_deg,lift_mm\n0,1,5\n", "a.csv", 100)
+>>> try:
+...     table.values(table.columns({"lift": {"lift_mm": 1.0}}, "angle_deg,lift_mm"))
+... except InputError as error:
+...     str(error).split("; ")[0]
+"a.csv: line 2 = '0,1,5': has 3 cells, the header names 2"
+"""
+
+import csv
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from camtools.base.errors import InputError, numbers_shown
+from camtools.base.files import read_text
+from camtools.base.quantities import Floats
+
+Units = Mapping[str, float]
+"""What a unit is worth, by the name of a column in this unit."""
+
+_COMMENTS = ("#", "//", "(*")
+_NOTE = "//"
+_NOTHING = ' \t,;"'  # a line of nothing else is blank: a spreadsheet's empty row
+_MOST_SHOWN = 60
+
+
+def read_whole_table(path: Path, most_bytes: int) -> str:
+    """Return the text of a table that a part file names, as `read_text`.
+
+    Raises InputError: its last line does not end: a file that was cut short may stop within a
+    number.
+    """
+    text = read_text(path, most_bytes)
+    last = text.splitlines()[-1] if text else ""
+    if last and not text.endswith(("\n", "\r")) and not last.lstrip().startswith(_COMMENTS):
+        problem = "the file stops within this line, so it may have been cut short"
+        remedy = "copy it again, or end the line if it is complete"
+        place, shown = f"line {len(text.splitlines())}", numbers_shown(last[-_MOST_SHOWN:])
+        raise InputError(path.name, place, shown, problem, remedy)
+    return text
+
+
+class Column(NamedTuple):
+    """Where a quantity is in each line, and what its unit is worth."""
+
+    place: int
+    per_unit: float = 1.0
+    name: str = ""
+
+
+def _number_or_nan(cell: str) -> float:
+    """Return a number, which may have an exponent of Fortran."""
+    try:
+        return float(cell.upper().replace("D", "E"))
+    except ValueError:
+        return np.nan
+
+
+def _is_number(cell: str) -> bool:
+    return bool(np.isfinite(_number_or_nan(cell)))
+
+
+def _cells(line: str, separator: str | None) -> list[str]:
+    """Return the cells of a line; without a separator blanks and tabs separate."""
+    if separator is None:
+        return [word.strip('"').rstrip(",").replace(",", ".") for word in line.split()]
+    if '"' in line:
+        try:
+            [quoted] = csv.reader([line], delimiter=separator, skipinitialspace=True)
+        except csv.Error:  # a cell of more than 131 072 characters
+            quoted = []
+    else:
+        quoted = line.split(separator)
+    return [cell.replace(",", ".") for cell in quoted] if separator == ";" else quoted
+
+
+def _separator_of(line: str) -> str | None:
+    """Return what separates the cells of the first line; numbers between blanks have commas."""
+    if ";" in line:
+        return ";"
+    words = _cells(line, None)
+    is_spaced = len(words) > 1 and all(map(_is_number, words))
+    return "," if "," in line and not is_spaced else None
+
+
+def _written(text: str) -> list[tuple[int, str]]:
+    """Return the lines that are neither blank nor comments, by number, without their notes."""
+    lines = ((i, line.strip()) for i, line in enumerate(text.splitlines(), start=1))
+    return [
+        (i, line.split(_NOTE)[0].rstrip() if _NOTE in line else line)
+        for i, line in lines
+        if line.strip(_NOTHING) and not line.startswith(_COMMENTS)
+    ]
+
+
+class NumberTable:
+    """The lines of a table of at most so many rows; its numbers are read when asked for."""
+
+    def __init__(self, text: str, file: str, most_rows: int) -> None:
+        """Raise InputError: it has more rows."""
+        self.file = file
+        written = _written(text)
+        number, first = written[0] if written else (1, "")
+        self.place = f"line {number}"  # of the header, or of the first row
+        self._separator = _separator_of(first)
+        cells = [cell.strip() for cell in _cells(first, self._separator)]
+        while cells and not cells[-1]:
+            cells.pop()
+        self.n_columns = len(cells)
+        is_header = not all(map(_is_number, cells))
+        self.names = [cell.casefold() for cell in cells] if is_header else []
+        rows = written[1:] if is_header else written
+        if len(rows) > most_rows:
+            problem = f"has {len(rows)} rows, at most {most_rows} are read"
+            raise InputError(file, "", None, problem, "leave out rows")
+        self.rows = [line for _, line in rows]
+        self.lines = np.array([i for i, _ in rows], dtype=np.int64)  # number of each row's line
+
+    def columns(self, kinds: Mapping[str, Units], header: str) -> list[Column]:
+        """Return the column of each quantity, by the names that it may have.
+
+        `header` is an example. Raises InputError: a quantity has no column, or several.
+        """
+        return [self._column(what, units, header) for what, units in kinds.items()]
+
+    def _column(self, what: str, units: Units, header: str) -> Column:
+        found = [name for name in self.names if name in units]
+        if len(found) == 1:
+            return Column(self.names.index(found[0]), units[found[0]], found[0])
+        has = ", ".join(found) or "none"
+        problem = f"needs one column of the {what}: {', '.join(units)}; has {has}"
+        remedy = f'write a header as "{header}", separated by , or ; or blanks'
+        if found:
+            remedy = "rename all but one of them"
+        raise InputError(self.file, self.place, None, problem, remedy)
+
+    def values(self, columns: Sequence[Column]) -> Floats:
+        """Return numbers in the units of the reader, shape (columns, rows).
+
+        Raises InputError with the line: too many or too few cells, or a number is not finite.
+        """
+        places = [column.place for column in columns]
+        rows: list[list[float]] = []
+        for line in self.rows:
+            cells = self._checked(len(rows), line)
+            try:
+                rows.append([float(cells[place]) for place in places])
+            except ValueError:
+                rows.append([_number_or_nan(cells[place]) for place in places])
+        with np.errstate(over="ignore"):
+            units = np.array([column.per_unit for column in columns])
+            found: Floats = np.array(rows, dtype=np.float64).reshape(-1, len(places)) * units
+        wrong = np.argwhere(~np.isfinite(found))
+        if wrong.size:
+            row, column = (int(k) for k in wrong[0])
+            raise self._no_number(row, columns[column])
+        return found.T
+
+    def _checked(self, row: int, line: str) -> list[str]:
+        """Return as many cells of a line as there are columns, or refuse it."""
+        cells = _cells(line, self._separator)
+        n = self.n_columns
+        if len(cells) == n or (len(cells) > n and not any(map(str.strip, cells[n:]))):
+            return cells
+        expected = f"the header names {n}" if self.names else f"{self.place} has {n}"
+        remedy = "write a cell for each column"
+        if self._separator == ",":
+            remedy = f"separate by semicolons if the comma is the decimal sign, or {remedy}"
+        raise self.refusal(row, f"has {len(cells)} cells, {expected}", remedy)
+
+    def _no_number(self, row: int, column: Column) -> InputError:
+        name = f" ({self.names[column.place]})" if self.names else ""
+        sign = "a point" if self._separator == "," else "a point or a comma"
+        problem = f"cell {column.place + 1}{name} is no finite number"
+        return self.refusal(row, problem, f"write a number there, decimals with {sign}")
+
+    def refusal(self, row: int, problem: str, remedy: str) -> InputError:
+        """Return the error of a row; its text is shown if nothing but numbers is in it."""
+        shown = numbers_shown(self.rows[row][:_MOST_SHOWN])
+        return InputError(self.file, f"line {self.lines[row]}", shown, problem, remedy)
