@@ -39,11 +39,18 @@ from camtools.link.controller import Link, Status
 from camtools.link.download import check_image, download, select_table
 from camtools.link.messages import NUMBERS, Refused
 from camtools.link.operator import AXES, set_quick
-from camtools.link.status_text import COLUMNS, Dashboard, line, report, row, table_report
+from camtools.link.status_text import (
+    COLUMNS,
+    IN_CUT,
+    Dashboard,
+    line,
+    report,
+    row,
+    table_report,
+)
 
 REFUSED = 1
 HOME_S = 60.0
-IN_WORK = ("rehearsing", "engaging", "cutting", "holding", "disengaging")
 _PLAIN = {
     "enable": "Enable the drives and home.",
     "disable": "Switch the drives off.",
@@ -211,7 +218,7 @@ def record(
 
     with path_errors(file), growing(file) as stream:
         writer = csv.writer(stream, lineterminator="\n")
-        control.follow(seconds, write, lambda now: cut and now.state not in IN_WORK)
+        control.follow(seconds, write, lambda now: cut and now.state not in IN_CUT)
     control.say(f"{file}: {n} rows" if n else f"{file}: no rows, not written")
     if cut and control.link.status.faults:
         raise Refused(f"the cut ended in a fault: {', '.join(control.link.status.faults)}")

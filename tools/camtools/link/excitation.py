@@ -35,8 +35,8 @@ from camtools.link.scope import (
 )
 
 Unit = Literal["nm", "mN"]
-UNITS: tuple[Unit, ...] = ("nm", "mN")  # as the controller numbers them
-HEADINGS: dict[Unit, str] = {"nm": "u_nm", "mN": "force_mn"}  # of files of waves
+# Headings of files of waves, in the order in which the controller numbers the units.
+HEADINGS: dict[Unit, str] = {"nm": "u_nm", "mN": "force_mn"}
 
 
 def check_excitation(periods: int, fade_ticks: int, place_nm: int) -> None:
@@ -117,7 +117,7 @@ def excite(
     mask_of(signals)
     n = download_wave(link, samples)
     if unit != "nm":
-        put(link, "wave_unit", UNITS.index(unit))
+        put(link, "wave_unit", [*HEADINGS].index(unit))
     configure(link, signals)
     put(link, "place_nm", place_nm)
     seconds = (n * periods + 2 * fade_ticks) / get(link, "tick_hz")

@@ -41,7 +41,7 @@ from camtools.table.channel import (
     Channel,
     in_sense,
 )
-from camtools.table.image import Table, pack
+from camtools.table.image import pack
 from camtools.table.summary import describe_channel
 
 N_ANGLES = 1440
@@ -108,8 +108,7 @@ def curves_of(exact: Exact, rpm: float, z_mm: float | None, speed: Channel | Non
     }
 
 
-def limits_of(limits: MachineLimits) -> Shown:
-    """Return the limits that lines of the pictures stand for."""
+def _limits_of(limits: MachineLimits) -> Shown:
     return {
         "velocity_mm_s": limits.u_speed_mm_s,
         "acceleration_m_s2": limits.u_acceleration_mm_s2 / MM_PER_M,
@@ -150,21 +149,19 @@ class Judged:
         return self.table.spindle_mrpm / 1000
 
 
-def table_facts(table: Table) -> Shown:
-    """Return bytes, knots and slices of a table and of its channels."""
-    channels = []
-    for channel in table.channels:
-        about = describe_channel(channel)
-        keys = ("bytes", "n_slices", "knots_per_pattern", "patterns_per_turn")
-        channels.append({"name": _CHANNELS[channel.kind]} | {key: about[key] for key in keys})
-    return {"bytes": len(pack(table)), "channels": channels}
-
-
 def verdict_of_table(judged: Judged, limits: MachineLimits) -> Shown:
-    """Return size, margins and verdict of a table."""
-    margins = margins_of(judged.table, limits)
+    """Return size, margins and verdict of a table, with knots and slices of its channels."""
+    table, margins = judged.table, margins_of(judged.table, limits)
+    channels = [(_CHANNELS[one.kind], describe_channel(one)) for one in table.channels]
     return {
-        "table": table_facts(judged.table) | {"tolerance_nm": judged.tolerance_nm},
+        "table": {
+            "bytes": len(pack(table)),
+            "channels": [
+                {"name": name} | {key: about[key] for key in _CHANNEL_KEYS}
+                for name, about in channels
+            ],
+            "tolerance_nm": judged.tolerance_nm,
+        },
         "is_feasible": not judged.lines,
         "highest_rpm": judged.best.rpm,
         "decided_by": judged.best.decides,
@@ -174,6 +171,7 @@ def verdict_of_table(judged: Judged, limits: MachineLimits) -> Shown:
     }
 
 
+_CHANNEL_KEYS = ("bytes", "n_slices", "knots_per_pattern", "patterns_per_turn")
 _MARGIN_KEYS = ("name", "field", "needed", "limit", "unit", "left_percent")
 FILE = "part.toml"  # what messages call the text; it is left out where they are shown
 _REMEMBERED = 64
@@ -214,7 +212,7 @@ def _preview(request: Shown) -> Iterator[Shown]:
         exact = loaded.kind.exact(loaded.part)
         limits = loaded.part.machine.limits
         asked_rpm = loaded.part.process.spindle_rpm
-        drawn = {"stage": "curves", "limits": limits_of(limits), "kind": loaded.kind.name}
+        drawn = {"stage": "curves", "limits": _limits_of(limits), "kind": loaded.kind.name}
         yield drawn | curves_of(exact, asked_rpm, z_mm)
         judged = recall(("judged", key), lambda: Judged(loaded))
         if judged.speed is not None or judged.rpm != asked_rpm:

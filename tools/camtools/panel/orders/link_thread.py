@@ -24,7 +24,7 @@ from typing import Any
 from camtools.base.errors import CamtoolsError
 from camtools.link.controller import SILENT_S, Link, Status
 from camtools.link.kept_values import INFOS
-from camtools.link.lessons import Convergence, Lessons
+from camtools.link.lessons import Convergence
 from camtools.link.messages import NUMBERS, Refused
 from camtools.link.refusal_text import ask_done
 from camtools.link.rights import CommandHeld, May, sender_of
@@ -96,6 +96,7 @@ class LinkThread:
         self._running: Job | None = None
         self._shown_s = 0.0
         self._convergence = Convergence()
+        self.lessons = self._convergence.lessons  # how the error fell, as far as the status showed
         self._parameters_asked_s = -1e9
         self._parameters: ParameterSet | None = None
         self._partial: dict[str, int] = {}
@@ -112,10 +113,6 @@ class LinkThread:
             problem = f"{newest.where}: the controller does not answer; check its power and the bus"
             return replace(newest, is_connected=False, state="unknown", problem=problem)
         return replace(newest, work=self._work, has_command=self._has_command)
-
-    def lessons(self) -> Lessons:
-        """Return how the error fell while the controller learned, as far as the status showed."""
-        return self._convergence.lessons()
 
     def parameters(self) -> ParameterSet | None:
         """Return all parameters; while this is called they are read, anew when one changes."""

@@ -147,7 +147,6 @@ LOOKS = {
 _LOST = "The controller does not answer: all values here are old."
 SILENT = Look("NO CONNECTION", "silent", "link_off", _LOST)
 UNKNOWN = Look("WAITING", "silent", "hourglass_empty", "No status received yet.")
-IN_WORK = ("rehearsing", "engaging", "cutting", "holding", "disengaging")
 
 
 def look(state: str, *, is_connected: bool) -> Look:
