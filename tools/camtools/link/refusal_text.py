@@ -175,7 +175,6 @@ def state_remedy(command: str, state: str) -> str:
 
 
 def _cut_remedy(command: str, state: str) -> str:
-    """Return why stop, hold or resume is refused."""
     if state in (_OFF, _MANUAL, *_TO_OFF):
         return f"nothing is being cut{_NO_CUT[command]}"
     if state == "disengaging":
@@ -187,8 +186,7 @@ def _cut_remedy(command: str, state: str) -> str:
 
 def state_of(link: Link) -> str:
     """Return the state of a status message that is yet to come."""
-    link.status.signals.pop("state", None)
-    link.wait(lambda: "state" in link.status.signals, _STATE_S)
+    link.await_anew("state", _STATE_S)
     return link.status.state
 
 

@@ -278,13 +278,9 @@ def _lines(
     )
 
 
-def over_height(names: Sequence[str], curves: Sequence[ErrorCurves | None]) -> Options:
-    """Return the largest form error of each band of the height."""
-    named = [
-        (name, _points(curve.z_mm, curve.worst_um))
-        for name, curve in zip(names, curves, strict=True)
-        if curve is not None
-    ]
+def over_height(curves: Sequence[tuple[str, ErrorCurves]]) -> Options:
+    """Return the largest form error of each band of the height, of runs by their names."""
+    named = [(name, _points(curve.z_mm, curve.worst_um)) for name, curve in curves]
     axes = axis("height / mm", 28), axis("largest |form error| / µm", 52, scale=False)
     return _lines("form error over the height", axes, named)
 
@@ -293,25 +289,19 @@ def _around(y_name: str) -> tuple[Options, Options]:
     return axis("drawing's angle / °", 28, **TURN), axis(y_name, 52)
 
 
-def over_angle(names: Sequence[str], curves: Sequence[ErrorCurves | None]) -> Options:
+def over_angle(curves: Sequence[tuple[str, ErrorCurves]]) -> Options:
     """Return the mean following error while cutting, over the drawing's angle."""
     named = [
         (name, _points(curve.angle_deg, curve.following_um))
-        for name, curve in zip(names, curves, strict=True)
-        if curve is not None and curve.following_um is not None
+        for name, curve in curves
+        if curve.following_um is not None
     ]
     return _lines("following error over the angle", _around("mean following error / µm"), named)
 
 
-def sections(
-    names: Sequence[str], found: Sequence[tuple[Floats, Floats] | None], z_mm: float
-) -> Options:
+def sections(found: Sequence[tuple[str, tuple[Floats, Floats]]], z_mm: float) -> Options:
     """Return the form error of one band of the height, over the drawing's angle."""
-    named = [
-        (name, _points(*section))
-        for name, section in zip(names, found, strict=True)
-        if section is not None
-    ]
+    named = [(name, _points(*section)) for name, section in found]
     text = f"form error of the section at {z_mm:.4g} mm"
     return _lines(text, _around("form error / µm"), named)
 
