@@ -8,9 +8,8 @@ from camtools.link.controller import Link
 from camtools.panel.orders.commander import Visitor
 from camtools.panel.orders.link_thread import Job, LinkThread
 from camtools.panel.orders.snapshot import Snapshot
-from checks.patience import limit_s
+from checks.patience import limit_s, until
 from tests.tools.cases.camctl_bench import Bench
-from tests.tools.cases.controller_cases import until
 
 
 @pytest.mark.parametrize("is_urgent", [False, True])
