@@ -83,8 +83,8 @@ class LinkThread:
     def __init__(
         self,
         open_link: OpenLink,
-        wants_command: Callable[[], bool] = lambda: False,
-        on_lost: Callable[[str, int], None] = lambda text, holder: None,
+        wants_command: Callable[[], bool],
+        on_lost: Callable[[str, int], None],
     ) -> None:
         self._open_link = open_link
         self._wants_command, self._on_lost = wants_command, on_lost

@@ -11,6 +11,7 @@ from nicegui import ui
 from nicegui.events import ValueChangeEventArguments
 
 from camtools.base.quantities import Floats
+from camtools.panel.pieces import columns_of, redraw
 from camtools.panel.runs import compare as charts
 from camtools.panel.runs.compare import (
     DiffLine,
@@ -108,9 +109,7 @@ class ComparisonView:
         async def moved() -> None:
             z_mm = float(slider.value)
             await background.io_bound(self._read_sections, z_mm)
-            chart.options.clear()
-            chart.options.update(charts.sections(self._sections, z_mm))
-            chart.update()
+            redraw(chart, charts.sections(self._sections, z_mm))
 
         slider.on("change", moved, args=[])
 
@@ -146,10 +145,7 @@ def _table(
     title: str, names: Sequence[str], rows: list[dict[str, str]], more: list[tuple[str, str]]
 ) -> ui.table:
     labels = [("what", ""), *((f"r{i}", name) for i, name in enumerate(names)), *more]
-    columns = [
-        {"name": key, "field": key, "label": label, "align": "left"} for key, label in labels
-    ]
-    table = ui.table(columns=columns, rows=rows, row_key="what", title=title)
+    table = ui.table(columns=columns_of(labels), rows=rows, row_key="what", title=title)
     return table.props("dense flat wrap-cells hide-pagination :rows-per-page-options='[0]'")
 
 
