@@ -8,6 +8,7 @@ from typing import cast
 import can
 import pytest
 
+from camtools.identify.drives import ConnectedU
 from camtools.link.controller import Link
 from camtools.link.kept_values import INFOS
 from camtools.link.messages import Refused
@@ -86,7 +87,7 @@ def test_a_pulse_is_shown_and_set_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(loop_tuner, "measure_pulse", lambda u, force_n: found)
     monkeypatch.setattr(loop_tuner, "pulse_lines", lambda one: ["first", "second"])
     monkeypatch.setattr(loop_tuner, "pulse_settings", lambda one: {"servo_mass_g": 1500})
-    monkeypatch.setattr(loop_tuner.ConnectedU, "apply", lambda u, settings: given.append(settings))
+    monkeypatch.setattr(ConnectedU, "apply", lambda u, settings: given.append(settings))
     link, tuner = cast(Link, SimpleNamespace(where="here")), LoopTuner()
     tuner.push(link, 15.0, print)
     assert tuner.newest == Tuned("first\nsecond", b"", {"servo_mass_g": 1500})
