@@ -93,11 +93,12 @@ def test_a_pulse_is_shown_and_set_once(monkeypatch: pytest.MonkeyPatch) -> None:
     assert tuner.newest == Tuned("first\nsecond", b"", {"servo_mass_g": 1500})
     assert tuner.apply(link, print).startswith("1 parameters are set, the drives are off")
     assert given == [{"servo_mass_g": 1500}]
+    with pytest.raises(Refused, match="nothing is proposed"):
+        tuner.apply(link, print)
     found.sign = -1
     with pytest.raises(Refused, match="first"):
         tuner.push(link, 15.0, print)
-    with pytest.raises(Refused, match="nothing is proposed"):
-        tuner.apply(link, print)
+    assert tuner.newest == Tuned("first\nsecond", b"", {}, "first")
 
 
 def test_a_loop_without_the_margins_is_shown_and_not_applied(
