@@ -37,7 +37,6 @@ def refused(capsys: Capture, folder: Path, *words: str | Path) -> str:
         (["--proxy-host", "*"], "*: give a name such as lathe.example, without port"),
         (["--proxy-host", "lathe.example:80"], "lathe.example:80: give a name such as"),
         (["--port", "70000"], "70000: give 0 .. 65535"),
-        (["-i", "slcn"], "interface slcn: unknown to python-can; did you mean slcan?"),
         (["-i", "socketcand"], "socketcand: needs channel, host, port"),
         (["--live", "a", "-i", "virtual"], "--live a: has its own bus; leave out interface"),
         (["--log", "/proc/nosuch/a"], "/proc/nosuch/a: No such file or directory; give another"),
