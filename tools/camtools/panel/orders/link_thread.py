@@ -155,7 +155,13 @@ class LinkThread:
             self._is_over.wait(AGAIN_S)
 
     def _end(self, link: Link) -> None:
-        self._give_back(link)
+        """Give command back, as far as that is heard, and close the bus."""
+        link.rights.on_lost = lambda text, holder: None
+        if time.monotonic() - link.status.at_s < SILENT_S:
+            link.on_wait = lambda: None
+            with suppress(Exception):  # the bus may be gone
+                link.rights.release()
+        self._has_command = False
         self._work, self._parameters = "", None
         self._partial.clear()
         link.on_wait = lambda: None
@@ -276,15 +282,6 @@ class LinkThread:
             self._take_again_s = now_s + TAKE_S
             with suppress(CommandHeld):
                 link.rights.take()
-
-    def _give_back(self, link: Link) -> None:
-        """Give command back at the end of a connection, as far as that is heard."""
-        link.rights.on_lost = lambda text, holder: None
-        if time.monotonic() - link.status.at_s < SILENT_S:
-            link.on_wait = lambda: None
-            with suppress(Exception):  # the bus may be gone
-                link.rights.release()
-        self._has_command = False
 
     def _look_after(self, link: Link) -> None:
         """Do what pages that look want to see, a little at a time."""

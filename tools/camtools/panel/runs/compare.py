@@ -88,14 +88,12 @@ def differing(first: str | None, second: str | None) -> list[DiffLine]:
 def settings_rows(runs: Sequence[Run]) -> list[tuple[str, list[str]]]:
     """Return what runs were cut with: a row for each setting, a text for each run."""
     summaries = [summary_of(run.folder) or {} for run in runs]
+    cuts = [summary.get("cut", {}) for summary in summaries]
     return [
         ("part", [run.part for run in runs]),
         ("machine", [run.machine or run.options.machine or "of the part" for run in runs]),
-        (
-            "speed / r/min",
-            [_text(summary.get("cut", {}).get("spindle_rpm")) for summary in summaries],
-        ),
-        ("feed / mm", [_text(summary.get("cut", {}).get("feed_mm")) for summary in summaries]),
+        ("speed / r/min", [_text(cut.get("spindle_rpm")) for cut in cuts]),
+        ("feed / mm", [_text(cut.get("feed_mm")) for cut in cuts]),
         ("learning", [_learning(summary) for summary in summaries]),
         ("seed", [_text(summary.get("seed")) for summary in summaries]),
         ("table", [_text(summary.get("table_bytes")) + " bytes" for summary in summaries]),
