@@ -1,5 +1,6 @@
 """What the tests of the tools share."""
 
+import os
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -103,6 +104,18 @@ def linuxcnc() -> Interpreter:
         return interpreter()
     except NotHereError as error:
         pytest.skip(f"LinuxCNC's interpreter: {error}")
+
+
+@pytest.fixture
+def no_bus(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Name no bus, and return a runtime folder of the test's own, where no lathe lives."""
+    runtime = tmp_path / "runtime"
+    runtime.mkdir()
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(runtime))
+    monkeypatch.setenv("HOME", str(runtime))
+    for name in [name for name in os.environ if name.startswith("CAN_")]:
+        monkeypatch.delenv(name)
+    return runtime
 
 
 @pytest.fixture

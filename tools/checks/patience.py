@@ -41,7 +41,9 @@ def limit_s(seconds: float = _LIMIT_S) -> float:
     return seconds * slowness()
 
 
-def until(condition: Callable[[], T], what: str, seconds: float = _LIMIT_S) -> T:
+def until(
+    condition: Callable[[], T], what: str = "the condition below", seconds: float = _LIMIT_S
+) -> T:
     """Wait until a condition holds; return its value. An assertion names what did not come."""
     end_s = time.monotonic() + limit_s(seconds)
     while not (found := condition()):

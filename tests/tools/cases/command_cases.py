@@ -1,7 +1,4 @@
-"""Commands of camtools, called in this process as a shell would start them, or in one of their own.
-
-What may depend on how a process begins, as the order of sets does, takes `fresh_command`.
-"""
+"""Commands of camtools, called in this process as a shell would start them."""
 
 import importlib
 import os
@@ -25,7 +22,7 @@ from camtools.plots.style import png_of
 from camtools.report import sheet_page
 from camtools.report.views import View
 from tests.tools.cases.camsim_cases import BUILD
-from tests.tools.cases.part_cases import Capture, environment
+from tests.tools.cases.part_cases import Capture
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -64,20 +61,6 @@ def job_of(*words: str) -> RunJob:
     given = read_arguments(make_parser("tools/run", run), run, words)
     job: RunJob = given["job"]
     return job.with_words(given["extra"])
-
-
-def fresh_command(
-    module: str, *words: str | Path, cwd: Path | None = None, **settings: str
-) -> subprocess.CompletedProcess[str]:
-    """Run it in a new interpreter."""
-    return subprocess.run(
-        [sys.executable, "-m", module, *map(str, words)],
-        cwd=cwd,
-        env=environment() | settings,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
 
 
 def complaint(main: Callable[[list[str]], int], words: list[str], capture: Capture) -> str:

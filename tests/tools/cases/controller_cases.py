@@ -1,7 +1,6 @@
 """A service of the panel with visitors, over a bus within this process."""
 
 import asyncio
-from collections.abc import Callable
 from typing import Any
 
 import can
@@ -11,12 +10,7 @@ from camtools.link.controller import Link
 from camtools.panel.orders.commander import Commander, CommandLog, Visitor
 from camtools.panel.orders.controller_service import ControllerService
 from camtools.panel.orders.order import Order, Outcome
-from checks import patience
-
-
-def until(is_true: Callable[[], object], what: str = "the condition in the traceback") -> None:
-    """Wait for a condition."""
-    patience.until(is_true, what)
+from checks.patience import until
 
 
 class Seat:

@@ -13,17 +13,17 @@ from checks.patience import limit_s
 from tests.tools.cases.background import Background, background, python
 
 
-class LiveCase:
-    """A live lathe, to which faults are typed, and a link to its controller."""
+class LinkCase:
+    """A link to a controller, by which orders are given."""
 
-    def __init__(self, lathe: Background, link: Link) -> None:
-        self.lathe, self.link = lathe, link
+    def __init__(self, link: Link) -> None:
+        self.link = link
 
     def until(self, *states: str) -> None:
         """Wait for one of some states."""
         status = self.link.status
         is_there = self.link.wait(lambda: status.state in states, limit_s())
-        assert is_there, f"{status.state} {status.faults}\n{self.lathe.text()}"
+        assert is_there, f"{status.state} {status.faults}"
 
     def order(self, command: str, *states: str) -> None:
         """Give an order and wait for a state that it leads to."""
@@ -34,6 +34,14 @@ class LiveCase:
         """Set parameters."""
         for name, value in values.items():
             ask_done(self.link, "set_parameter", NUMBERS["parameter"][name], value=value)
+
+
+class LiveCase(LinkCase):
+    """A live lathe, to which faults are typed, and a link to its controller."""
+
+    def __init__(self, lathe: Background, link: Link) -> None:
+        super().__init__(link)
+        self.lathe = lathe
 
     @property
     def now_s(self) -> float:

@@ -13,7 +13,7 @@ import pytest
 from pytest import MonkeyPatch
 
 from camtools.cli.camctl import main
-from camtools.link.messages import COMMAND, NAMES
+from camtools.link.messages import NAMES
 from camtools.link.status_text import COLUMNS
 from checks.patience import limit_s, until
 from tests.tools.cases.camctl_bench import Act, Bench, Refusal
@@ -223,17 +223,9 @@ def test_no_controller_is_told_with_what_to_check(tmp_path: Path, capsys: Captur
     assert list(tmp_path.iterdir()) == [file]
 
 
-def test_an_answer_that_does_not_come_is_told_from_silence(bench: Bench, refusal: Refusal) -> None:
-    """Status comes, the command gets lost."""
-    bench.drop = lambda frame: frame.arbitration_id == COMMAND.frame_id
-    assert "no answer, though status comes" in refusal(bench, 1, "stop")
-
-
-def test_a_bus_that_cannot_open(capsys: Capture, monkeypatch: MonkeyPatch, tmp_path: Path) -> None:
+@pytest.mark.usefixtures("no_bus")
+def test_a_bus_that_cannot_open(capsys: Capture, monkeypatch: MonkeyPatch) -> None:
     """Unknown interface, none at all: status 2 and the remedy; the environment gives defaults."""
-    monkeypatch.setenv("HOME", str(tmp_path))
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    monkeypatch.delenv("CAN_INTERFACE", raising=False)
     for words, remedy in (
         (["-i", "slcn"], "did you mean slcan?"),
         ([], "set CAN_INTERFACE and CAN_CHANNEL, or start tools/live\n"),

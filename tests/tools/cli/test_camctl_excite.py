@@ -2,7 +2,6 @@
 
 import signal
 import threading
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -104,34 +103,25 @@ def test_excitation_needs_ready(bench: Bench, wave: Path, tmp_path: Path, refusa
     assert not record.exists()
 
 
-def excite_until(link: Link, bench: Bench, act: Callable[[], object]) -> str:
-    """Begin a long excitation, act in its middle; return what ended it for the tool."""
+@pytest.mark.parametrize("is_heard", [True, False])
+def test_what_ends_an_excitation(bench: Bench, link: Link, *, is_heard: bool) -> None:
+    """The stop of another program, and a tool that is not heard; U rests without a fault."""
+
+    def act() -> None:
+        if is_heard:
+            order(bench, "stop")
+        else:
+            bench.drop = lambda frame: frame.arbitration_id == COMMAND.frame_id
+
+    bench.do("home")
+    link.rights.on_lost = lambda text, holder: None
     thread = act_when(bench, lambda status: status.state == "identifying", act)
-    with pytest.raises(Refused) as refused:
+    with pytest.raises(Refused, match="cut short: stopped" if is_heard else None):
         excitation.excite(link, tone(HEIGHT_NM), 300, place_nm=-300_000)
     thread.join()
     bench.drop = lambda frame: False
-    return str(refused.value)
-
-
-def lose_commands(bench: Bench, _link: Link) -> None:
-    """Lose every command on the bus from now on."""
-    bench.drop = lambda frame: frame.arbitration_id == COMMAND.frame_id
-
-
-@pytest.mark.parametrize(
-    ("act", "said"),
-    [(lambda bench, _: order(bench, "stop"), "cut short: stopped"), (lose_commands, "")],
-)
-def test_what_ends_an_excitation(
-    bench: Bench, link: Link, act: Callable[[Bench, Link], None], said: str
-) -> None:
-    """The stop of another program, and a tool that is not heard; U rests without a fault."""
-    bench.do("home")
-    link.rights.on_lost = lambda text, holder: None
-    assert said in excite_until(link, bench, lambda: act(bench, link))
     until(lambda: "state             ready" in bench.do("status"), "ready")
-    if not said:
+    if not is_heard:
         assert scope.EXCITED[scope.get(link, "excited")] == "silent"
     assert "faults            none" in bench.do("status")
 

@@ -1,25 +1,23 @@
 """Who commands, the level and acknowledge: tools/camctl against the firmware."""
 
 import re
-import signal
 import threading
 from collections.abc import Iterator
 from pathlib import Path
 
+import can
 import pytest
 from pytest import MonkeyPatch
 
 from camtools.cli import camctl_control
-from camtools.cli.camctl import main as camctl_main
 from camtools.cli.drive_options import UOptions, connected_u
 from camtools.link.controller import Link
-from camtools.link.messages import NUMBERS, Refused
+from camtools.link.messages import COMMAND, NAMES, NUMBERS, Refused
 from camtools.link.refusal_text import ask_done
 from camtools.link.rights import CommandHeld, CommandLost, May, SharedSession, sender_of
-from checks.patience import limit_s
-from tests.tools.cases.background import background, python
+from checks.patience import limit_s, until
 from tests.tools.cases.camctl_bench import Bench, Refusal, keeping, linked, order
-from tests.tools.cases.live_cases import LiveCase, live_case
+from tests.tools.cases.live_cases import live_case
 
 
 @pytest.fixture
@@ -30,12 +28,6 @@ def other(bench: Bench) -> Iterator[Link]:
         yield one
 
 
-def wait_for_press(case: LiveCase) -> None:
-    """Wait until somebody at the live lathe has pressed the button."""
-    signals, given = case.link.status.signals, NUMBERS["acknowledge"]["given"]
-    assert case.link.wait(lambda: signals.get("acknowledge") == given, limit_s())
-
-
 def commander(bench: Bench) -> str:
     """Return who commands by the newest page of the status."""
     return bench.do("who").splitlines()[0].removeprefix("command").strip()
@@ -44,7 +36,15 @@ def commander(bench: Bench) -> str:
 def test_reading_needs_no_command_and_orders_give_it_back(bench: Bench, other: Link) -> None:
     """While another commands everything can be read; an order that is over leaves nothing."""
     assert commander(bench) == "nobody commands"
+    given: list[str] = []
+
+    def look(frame: can.Message) -> bool:
+        given.append(NAMES["command"][frame.data[0]])
+        return False
+
+    bench.drop = look
     bench.do("home")
+    assert [name for name in given if name in ("take_command", "home")] == ["take_command", "home"]
     assert commander(bench) == "nobody commands"
     other.rights.take()
     with keeping(other):
@@ -160,31 +160,16 @@ def test_enable_waits_for_the_button(strict: Bench, refusal: Refusal) -> None:
     assert strict.do("home") == "home: ready\n"
 
 
-@pytest.mark.long
-def test_a_camctl_that_is_stopped_loses_the_cut(tmp_path: Path, monkeypatch: MonkeyPatch) -> None:
-    """As by SIGSTOP of its process: the cut ends as by stop, and it says so when it goes on.
-
-    Before, orders of a program are not refused first: the controller reports who takes and gives
-    back command.
-    """
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    start = python("camtools.cli.camctl", "start")
-    with live_case(tmp_path, "--operator", "present") as case:
-        wait_for_press(case)
-        for word in ("home", "disable"):
-            assert camctl_main([word]) == 0
-        case.lathe.wait_for("command: given up")
-        assert "refused" not in case.lathe.text()
-        case.order("home", "ready")
-        case.link.rights.release()
-        with background(*start, XDG_RUNTIME_DIR=str(tmp_path)) as camctl:
-            case.until("cutting")
-            camctl.process.send_signal(signal.SIGSTOP)
-            case.until("disengaging")
-            case.until("ready")
-            camctl.process.send_signal(signal.SIGCONT)
-            camctl.wait_for("command is lost")
-        assert not case.link.status.faults
+def test_a_camctl_that_is_not_heard_loses_the_cut(bench: Bench) -> None:
+    """As one that is stopped: the cut ends as by stop, and it says so when it is heard again."""
+    bench.do("home")
+    bench.do("set", "engage_turns", "100")
+    with bench.cutting("engaging") as cut:
+        bench.drop = lambda frame: frame.arbitration_id == COMMAND.frame_id
+        until(lambda: cut.status.state == "ready", "the end of the cut")
+        bench.drop = lambda frame: False
+    assert "nobody has it now, so a running cut ends" in str(bench.ended[0])
+    assert "faults            none" in bench.do("status")
 
 
 @pytest.mark.long
@@ -200,5 +185,6 @@ def test_nothing_moves_before_somebody_presses_the_button(tmp_path: Path) -> Non
         assert case.link.wait(lambda: signals.get("level") == unlocked, limit_s())
         case.set(u_stroke_nm=1_100_000)
         case.lathe.type("acknowledge:0.5")
-        wait_for_press(case)
+        given = NUMBERS["acknowledge"]["given"]
+        assert case.link.wait(lambda: signals.get("acknowledge") == given, limit_s())
         case.order("home", "ready")

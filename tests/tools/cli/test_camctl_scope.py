@@ -13,9 +13,8 @@ from pytest import MonkeyPatch
 from camtools.cli.camctl_files import ABOUT
 from camtools.link import scope
 from camtools.link.controller import FD_PART_ID, PART_ID, Link
-from camtools.link.messages import Refused
 from checks.patience import limit_s
-from tests.tools.cases.camctl_bench import Bench, Refusal, columns, linked, order, pass_time
+from tests.tools.cases.camctl_bench import Bench, Refusal, columns, order, pass_time
 
 
 def test_signals_of_ticks_are_recorded(bench: Bench, tmp_path: Path) -> None:
@@ -198,26 +197,3 @@ def test_lost_and_damaged_messages_are_asked_for_again(bench: Bench, link: Link)
     link._take = spoil  # type: ignore[method-assign]
     assert np.array_equal(scope.read(link).rows, sound.rows)
     assert n_parts > 600 * 8 / 7 + 100
-
-
-@pytest.mark.long
-def test_a_reader_goes_on_where_the_bus_was_lost(bench: Bench, link: Link) -> None:
-    """The bus dies in the middle: what is there stays, another link brings the rest."""
-    sound = record_some(link)
-    reader, seen = scope.Reader(), 0
-
-    def progress(there: int, _in_all: int) -> None:
-        nonlocal seen
-        seen = there
-        if there >= 2000:
-            bench.drop = lambda frame: True
-
-    with pytest.raises(Refused, match="the recording is kept"):
-        reader.read(link, progress)
-    bench.drop = lambda frame: False
-    assert 2000 <= seen < 4800
-    begun: list[int] = []
-    with linked(bench) as again:
-        whole = reader.read(again, lambda there, _: begun.append(there))
-    assert begun[0] > 2000
-    assert np.array_equal(whole.rows, sound.rows)

@@ -6,27 +6,17 @@ from pathlib import Path
 import can
 import pytest
 
-from camtools.cli.mktables import main as mktables
 from camtools.link.controller import BLOCK_ID
 from camtools.link.download import BLOCK_BYTES
 from tests.tools.cases.camctl_bench import Bench, Refusal, named
-from tests.tools.cases.camsim_cases import ROOT
-
-
-@pytest.fixture(scope="module")
-def fine_table(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Make a table that is finer than it need be."""
-    folder = tmp_path_factory.mktemp("fine")
-    part = ROOT / "tools" / "parts" / "perkins240.toml"
-    assert mktables([str(part), "-o", str(folder), "--tolerance-nm", "0.03"]) == 0
-    return folder / "perkins240.camtab"
+from tests.tools.cases.part_cases import TableOf
 
 
 @pytest.fixture
-def other(fine_table: Path, tmp_path: Path) -> Path:
+def other(table_of: TableOf, tmp_path: Path) -> Path:
     """Return the table of a real part, of more than one block."""
     file = tmp_path / "other.camtab"
-    file.write_bytes(named(fine_table.read_bytes(), "other part"))
+    file.write_bytes(named(table_of("weichai3a").read_bytes(), "other part"))
     assert file.stat().st_size > BLOCK_BYTES
     return file
 

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from io import StringIO
 from pathlib import Path
 from typing import NoReturn
@@ -28,12 +29,6 @@ def _reads() -> int:
     return 0
 
 
-def test_a_signal_within_numpy_is_a_signal(capsys: Capture) -> None:
-    """One line and 128 + 15, no trace back."""
-    assert run_command("demo", _reads) == 128 + signal.SIGTERM
-    assert capsys.readouterr().err == "demo: interrupted; nothing was written\n"
-
-
 class _Finalised:
     """Python swallows whatever is raised while it removes one."""
 
@@ -47,9 +42,12 @@ def _removes_one() -> int:
     return 0
 
 
-def test_a_signal_within_a_finaliser_is_a_signal(capsys: Capture) -> None:
-    """It comes again, a moment later."""
-    assert run_command("demo", _removes_one) == 128 + signal.SIGINT
+@pytest.mark.parametrize(
+    ("act", "number"), [(_reads, signal.SIGTERM), (_removes_one, signal.SIGINT)]
+)
+def test_a_signal_is_a_signal(act: Callable[[], int], number: int, capsys: Capture) -> None:
+    """One line and 128 + its number, no trace back; from a finaliser it comes a moment later."""
+    assert run_command("demo", act) == 128 + number
     assert capsys.readouterr().err == "demo: interrupted; nothing was written\n"
 
 

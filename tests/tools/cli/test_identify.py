@@ -223,20 +223,6 @@ def test_state_must_be_ready(bench: Bench, capsys: Capture) -> None:
     assert "the state is off, U is excited in ready only; enable and home" in said
 
 
-@pytest.mark.long
-@pytest.mark.usefixtures("undrawn")
-def test_excitation_over_the_bus(bench: Bench, capsys: Capture) -> None:
-    """U of the bench does at once what it is told: excited and recorded, but no drive to be set."""
-    ready(bench)
-    before = bench.do("get", "k1_ns", "k2_us2", "lead_ns")
-    status, text = run(*bus_words(bench), "--apply", "--periods", "3")
-    assert status == 1
-    assert bench.do("get", "k1_ns", "k2_us2", "lead_ns") == before
-    assert "excited: 25 um rms" in text
-    assert "nothing was applied: no drive of second order" in capsys.readouterr().err
-    assert "ready" in bench.do("status").splitlines()[0]
-
-
 def test_interrupt_lets_u_rest(bench: Bench, monkeypatch: MonkeyPatch, capsys: Capture) -> None:
     """Ctrl-C while U is excited: the state goes back to ready, nothing is set."""
     ready(bench)

@@ -53,13 +53,10 @@ def living(*words: str) -> Iterator[Live]:
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """Give each test a runtime folder of its own, and no other bus; it must be empty at the end."""
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    for name in [name for name in os.environ if name.startswith("CAN_")]:
-        monkeypatch.delenv(name)
-    yield tmp_path / "camturn"
-    assert not list(tmp_path.glob("camturn/*"))
+def folder(no_bus: Path) -> Iterator[Path]:
+    """Return the folder of announcements, which must be empty at the end."""
+    yield no_bus / "camturn"
+    assert not list(no_bus.glob("camturn/*"))
 
 
 @pytest.fixture

@@ -70,11 +70,8 @@ def bad_parts() -> dict[str, tuple[bytes, str]]:
     """Return bad part files and the words that stderr must contain."""
     good = PERKINS.read_bytes()
     return {
-        "empty": (b"", "part: is missing"),
         "binary": (b"\xff\x00", "not UTF-8"),
-        "text": (b"hello\n", "not TOML"),
         "unknown": (good + b"[extra]\n", "extra = {}"),
-        "nan": (good.replace(b"91.940", b"nan"), "piston.profile.diameter_mm.0 = nan"),
         "slow": (good.replace(b"= 400", b"= 10"), "machine.limits.u_speed_mm_s = 10 mm/s"),
         "short": (good.replace(b"= 1.2", b"= 0.1"), "machine.limits.u_stroke_mm = 0.1 mm"),
         "fast": (good.replace(b"= 2500", b"= 3001"), "machine.limits.spindle_rpm = 3000 r/min"),

@@ -194,14 +194,6 @@ def test_drive_that_cannot_follow(first: Path, tmp_path: Path, refusal: Refusal)
     assert line.endswith("or leave the high waves of the correction out by --keep-harmonics")
 
 
-def test_other_kinds_are_refused(first: Path, tmp_path: Path, capsys: Capture) -> None:
-    """A cam has no correction, whatever its surface."""
-    cam = PERKINS.with_name("cam-disc.toml")
-    words = ["-o", str(tmp_path / "x"), "--measured", str(first / "surface.csv")]
-    assert main([str(cam), *words]) == 2
-    assert "tables of cams are not corrected by gauged parts" in capsys.readouterr().err
-
-
 def test_run_takes_the_same_options(first: Path, capsys: Capture) -> None:
     """A round of tools/run has a folder of its own, and may not take that of the one before."""
     words = [str(PERKINS), "--measured", str(first / "surface.csv")]

@@ -288,15 +288,6 @@ def test_interrupted_run_leaves_nothing(
     assert listing(tmp_path) == []
 
 
-def test_without_a_build_it_is_one_line(run: Command, tmp_path: Path) -> None:
-    """The line says who builds the library."""
-    done = run("-o", "out", CAMTURN_BUILD=str(tmp_path / "build"))
-    assert done.returncode == 2
-    (line,) = complaints(done.stderr)
-    assert line.endswith("libcamsim.so: cannot be loaded; start tools/run, which builds it")
-    assert listing(tmp_path) == []
-
-
 def test_stated_roundness_decides(run: Command, tmp_path: Path) -> None:
     """Beyond it the part is not good, in every place that tells, though its form error is."""
     part = tmp_path / "part.toml"

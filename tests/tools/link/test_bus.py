@@ -1,7 +1,6 @@
 """Every interface of python-can opens, or one line says what is missing."""
 
 import io
-from pathlib import Path
 
 import can
 import pytest
@@ -11,16 +10,10 @@ from camtools.cli.camctl import main
 from camtools.link import bus as module
 from camtools.link.bus import open_bus
 
+pytestmark = pytest.mark.usefixtures("no_bus")
+
 OPENS = {"virtual", "udp_multicast"}
 UNKNOWN = "see its options in the manual"
-
-
-@pytest.fixture(autouse=True)
-def nothing_else(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """No bus of the environment, no live lathe of the user."""
-    for name in ("CAN_INTERFACE", "CAN_CHANNEL", "CAN_BITRATE", "CAN_CONFIG"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
 
 
 @pytest.mark.parametrize("interface", sorted(can.VALID_INTERFACES - OPENS - {"socketcan"}))

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import cantools
 import pytest
-from cantools.database.can import Database, Message
+from cantools.database.can import Database
 
 from camtools.link.kept_values import LAYOUT
-from camtools.link.messages import FAULT_TEXTS
+from camtools.link.messages import FAULT_TEXTS, choices_of
 from camtools.link.refusal_text import FAULTS
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -24,13 +24,6 @@ def database() -> Database:
     loaded = cantools.database.load_file(DBC, strict=True)
     assert isinstance(loaded, Database)
     return loaded
-
-
-def choices(message: Message, signal: str) -> dict[int, str]:
-    """Return a value table as plain names."""
-    table = message.get_signal_by_name(signal).choices
-    assert table is not None
-    return {int(number): str(name) for number, name in table.items()}
 
 
 def test_every_fault_is_explained() -> None:
@@ -65,8 +58,8 @@ def test_commands_and_answers_agree(database: Database) -> None:
     """Both messages number the commands alike, and every command with a value has its signal."""
     command = database.get_message_by_name("Command")
     answer = database.get_message_by_name("Answer")
-    assert choices(command, "command") == choices(answer, "command")
-    numbers = set(choices(command, "command"))
+    assert choices_of(command, "command") == choices_of(answer, "command")
+    numbers = set(choices_of(command, "command"))
     for message in (command, answer):
         for signal in message.signals:
             assert set(signal.multiplexer_ids or []) <= numbers

@@ -43,8 +43,6 @@ def test_a_cut_is_seen_as_it_is(tmp_path: Path) -> None:
     is_cut = fraction > 0.5
     assert np.abs(at_s + left_s - end_s)[is_cut].max() < 0.4
     assert np.all(np.diff(fraction) >= -1e-9) and fraction[0] < 0.2 and fraction[-1] > 0.9
-    lessons = seen.lessons()
-    assert np.all(np.diff(lessons.turn) > 0) and len(lessons.turn) >= 5
-    assert lessons.begin_error_um is not None
-    learned = np.array(lessons.phase) == "shape"
-    assert lessons.error_um[learned].min() < 0.2 * lessons.begin_error_um
+    turn, error_um = np.array(seen.lessons()).T
+    assert np.all(np.diff(turn) > 0) and len(turn) >= 5
+    assert error_um.min() < 0.2 * case.link.status.signals["learn_begin_error"]

@@ -71,16 +71,12 @@ def test_lessons_are_bounded_and_begin_anew() -> None:
     """A new rehearsal counts from the beginning; the newest pair of a turn stands."""
     seen = Convergence(most=3)
     seen.add({"learn_turns": 5.0})
-    assert len(seen.lessons().turn) == 0
+    assert seen.lessons() == []
     for turn, more in itertools.product(range(6), (0.5, 0.0)):
-        told = {"learn_turns": turn, "learn_error": 10.0 - turn + more, "learn_begin_error": 11.0}
-        seen.add(told)
-    assert seen.lessons().turn.tolist() == [3, 4, 5]
-    assert seen.lessons().error_um.tolist() == [7, 6, 5]
-    assert seen.lessons().begin_error_um == 11.0
-    seen.add({"learn_turns": 1.0, "learn_error": 9.0, "learn_phase": 5.0})
-    lessons = seen.lessons()
-    assert lessons.turn.tolist() == [1] and lessons.phase == ("shape",)
+        seen.add({"learn_turns": turn, "learn_error": 10.0 - turn + more})
+    assert seen.lessons() == [(3, 7.0), (4, 6.0), (5, 5.0)]
+    seen.add({"learn_turns": 1.0, "learn_error": 9.0})
+    assert seen.lessons() == [(1, 9.0)]
 
 
 def test_the_controller_tells_all_of_it(link: Link) -> None:

@@ -12,9 +12,9 @@ from camtools.link.refusal_text import ask_done
 from camtools.link.rights import sender_of, sender_text
 from camtools.panel.views.availability import next_steps
 from camtools.panel.views.wording import held_text, other_sender
-from checks.patience import limit_s
+from checks.patience import limit_s, until
 from tests.tools.cases.camctl_bench import Bench
-from tests.tools.cases.controller_cases import Seat, until
+from tests.tools.cases.controller_cases import Seat
 
 PANEL = sender_of("panel")
 

@@ -15,8 +15,9 @@ from camtools.link.kept_values import INFOS
 from camtools.link.messages import COMMAND, Answer, Refused
 from camtools.link.refusal_text import ask_done
 from camtools.panel.orders.snapshot import ParameterSet
+from checks.patience import until
 from tests.tools.cases.camctl_bench import Bench, named
-from tests.tools.cases.controller_cases import Seat, until
+from tests.tools.cases.controller_cases import Seat
 
 LEAD = "lead_ns"
 

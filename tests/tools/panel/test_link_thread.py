@@ -8,9 +8,8 @@ from camtools.link.controller import Link
 from camtools.panel.orders.commander import Visitor
 from camtools.panel.orders.link_thread import Job, LinkThread
 from camtools.panel.orders.snapshot import Snapshot
-from checks.patience import limit_s
+from checks.patience import limit_s, until
 from tests.tools.cases.camctl_bench import Bench
-from tests.tools.cases.controller_cases import until
 
 
 @pytest.mark.parametrize("is_urgent", [False, True])
@@ -25,7 +24,10 @@ def test_what_was_given_as_a_connection_broke_is_not_carried_out_on_the_next(
             raise CamtoolsError(["no bus"])
         return Link(can.Bus(interface="virtual", channel=request.node.name), "the bench")
 
-    bench, thread = Bench(request.node.name), LinkThread(open_link)
+    bench, thread = (
+        Bench(request.node.name),
+        LinkThread(open_link, lambda: False, lambda text, holder: None),
+    )
     try:
         until(lambda: thread.snapshot().problem == "no bus")
         job = Job("enable", {}, Visitor("v1"), is_urgent)
@@ -52,7 +54,7 @@ def test_the_end_of_the_panel_while_nobody_answers_is_no_mistake(
         is_opened.append(True)
         return Link(can.Bus(interface="virtual", channel=request.node.name), "nobody")
 
-    thread = LinkThread(open_link)
+    thread = LinkThread(open_link, lambda: False, lambda text, holder: None)
     until(lambda: bool(is_opened))
     thread.close()
     assert capsys.readouterr().err == ""

@@ -5,7 +5,8 @@ import time
 
 import pytest
 
-from tests.tools.cases.controller_cases import Seat, until
+from checks.patience import until
+from tests.tools.cases.controller_cases import Seat
 
 
 async def hold(seat: Seat, press: int, seconds: float) -> None:

@@ -21,11 +21,6 @@ INPUTS = {
 GOOD = {name: values[-1] for name, values in INPUTS.items()} | {"is_estop": 0.0, "is_bus_lost": 0.0}
 
 
-def missing(state: str, values: dict[str, int] | None = None, **changed: float) -> list[str]:
-    """Return the names of what is missing when all is well but for some signals."""
-    return [item.key for item in next_steps(state, GOOD | changed, values or {}).missing]
-
-
 def test_every_state_has_a_look_of_its_own() -> None:
     """Word and shape of two states are never the same: colour is never needed alone."""
     assert set(LOOKS) == set(STATES)
@@ -56,43 +51,35 @@ def test_nothing_is_missing_where_all_is_well(state: str) -> None:
         assert why_not(steps.order, state, signals) == ""
 
 
-def test_what_is_missing_is_told_in_the_order_of_doing() -> None:
+BAD = {"is_estop": 1.0, "is_drive_ready": 0.0, "is_bus_lost": 1.0, "table_size": 0.0}
+HOMES = {"homing_required": 1, "x_home": 2, "z_home": 2, "u_stroke_nm": 1_000_000}
+# State, changed signals, parameters; what is missing, and the order that is offered.
+MISSING = [
+    (
+        *("off", BAD | {"u_actual": -0.6}, HOMES),
+        *("estop drive bus table u_place home_x home_z", "enable"),
+    ),
+    # A Z that another controller moves needs no home, as cam_machine_jog.c has it.
+    ("off", {}, {"homing_required": 1, "z_home": 2, "z_is_measured": 1}, "", "enable"),
+    ("homing", {"speed": 0.0}, {}, "turn", ""),
+    ("homing", {"speed": -100.0}, {}, "sense", ""),
+    ("homing", {"is_synced": 0.0}, {}, "index", ""),
+    ("rehearsing", {"start_wait": 1.0}, {}, "steady", ""),
+    ("engaging", {"start_wait": 1.0}, {}, "steady", ""),
+    ("ready", {"start_wait": 2.0}, {}, "unsteady", "start"),
+    # Resume would be refused: the override is to be raised.
+    ("holding", {"is_held": 0.0, "override_of_feed": 0.0}, {}, "feed", ""),
+]
+
+
+@pytest.mark.parametrize(("state", "changed", "values", "missing", "order"), MISSING)
+def test_what_is_missing_is_told_in_the_order_of_doing(
+    state: str, changed: dict[str, float], values: dict[str, int], missing: str, order: str
+) -> None:
     """People and power come first, then the table, then the places of the axes."""
-    values = {"homing_required": 1, "x_home": 2, "z_home": 2, "u_stroke_nm": 1_000_000}
-    bad = {"is_estop": 1.0, "is_drive_ready": 0.0, "is_bus_lost": 1.0, "table_size": 0.0}
-    steps = next_steps("off", bad | {"u_actual": -0.6}, values)
-    keys = [item.key for item in steps.missing]
-    assert keys == ["estop", "drive", "bus", "table", "u_place", "home_x", "home_z"]
-    assert steps.order == "enable" and steps.sentence == "Release the emergency stop."
-
-
-def test_a_z_that_others_lead_needs_no_home() -> None:
-    """As cam_machine_jog.c has it."""
-    values = {"homing_required": 1, "z_home": 2, "z_is_measured": 1}
-    assert missing("off", values) == []
-
-
-def test_homing_waits_for_the_spindle_and_its_index() -> None:
-    """A spindle that stands, one that turns the other way, one without an index."""
-    assert missing("homing", speed=0.0) == ["turn"]
-    assert missing("homing", speed=-100.0) == ["sense"]
-    assert missing("homing", is_synced=0.0) == ["index"]
-
-
-def test_the_wait_for_a_steady_spindle_is_told() -> None:
-    """While it lasts, and after it ended the start; Start is offered again."""
-    for state in ("rehearsing", "engaging"):
-        steps = next_steps(state, GOOD | {"start_wait": 1.0}, {})
-        assert steps.sentence == "Wait until the spindle turns steadily."
-    steps = next_steps("ready", GOOD | {"start_wait": 2.0}, {})
-    assert "did not turn steadily" in steps.sentence and steps.order == "start"
-    assert why_not("start", "ready", GOOD | {"start_wait": 2.0}) == ""
-
-
-def test_a_feed_of_nothing_holds_without_a_hold() -> None:
-    """Resume would be refused there: the override is to be raised."""
-    steps = next_steps("holding", GOOD | {"is_held": 0.0, "override_of_feed": 0.0}, {})
-    assert [item.key for item in steps.missing] == ["feed"] and steps.order == ""
+    steps = next_steps(state, GOOD | changed, values)
+    assert [item.key for item in steps.missing] == missing.split()
+    assert steps.order == order and steps.sentence == steps.sentences[0]
 
 
 @pytest.mark.parametrize("state", STATES)

@@ -8,22 +8,23 @@ import pytest
 
 from camtools.link.controller import Link
 from camtools.link.kept_values import get_all
-from camtools.link.messages import NUMBERS
 from camtools.link.operator import AXES, carry_out
 from camtools.link.refusal_text import ask_done
 from camtools.panel.views.availability import NextSteps, next_steps
 from checks.patience import limit_s
 from tests.tools.cases.camctl_bench import FAULTS, Bench
+from tests.tools.cases.live_cases import LinkCase
 
 # By switch, as they stand, by switch: each axis has its place, and the part stays where it was.
 HOMES = {"u_home": 2, "z_home": 1, "x_home": 2, "x_home_nm": 61_000_000, "homing_required": 1}
 
 
-class Operator:
+class Operator(LinkCase):
     """Gives the orders that lead on, with the parameters of the controller."""
 
     def __init__(self, link: Link) -> None:
-        self.link, self.values = link, get_all(link)
+        super().__init__(link)
+        self.values = get_all(link)
 
     def steps(self) -> NextSteps:
         """Return what is missing by a status that is yet to come."""
@@ -37,14 +38,8 @@ class Operator:
 
     def set(self, **values: int) -> None:
         """Set parameters and read them all."""
-        for name, value in values.items():
-            ask_done(self.link, "set_parameter", NUMBERS["parameter"][name], value=value)
+        super().set(**values)
         self.values = get_all(self.link)
-
-    def until(self, state: str) -> None:
-        """Wait for a state."""
-        status = self.link.status
-        assert self.link.wait(lambda: status.state == state, limit_s()), status.state
 
     def refused(self, result: str) -> None:
         """Give the order that leads on; it must be refused for a reason, and something missing."""
@@ -56,13 +51,11 @@ class Operator:
         """Give the order that leads on, with nothing missing; it must be accepted."""
         steps = self.steps()
         assert not steps.missing, steps
-        ask_done(self.link, steps.order)
-        self.until(state)
+        self.order(steps.order, state)
 
     def home(self, axis: str) -> None:
         """Home an axis by hand."""
-        ask_done(self.link, "manual")
-        self.until("manual")
+        self.order("manual", "manual")
         assert carry_out(self.link, "home_axis", axis) == "done"
         ask_done(self.link, "disable", AXES[axis])
         self.until("off")

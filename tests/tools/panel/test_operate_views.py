@@ -10,7 +10,7 @@ from camtools.link.messages import DATABASE, NAMES
 from camtools.panel.views import wording
 from camtools.panel.views.convergence_chart import MOST_POINTS, points_of, words
 from camtools.panel.views.parameter_rows import judged, rows, unit_of
-from camtools.panel.views.wording import Field, clock, plain, share_of, signed
+from camtools.panel.views.wording import Field, clock, plain, share_of
 
 FIELDS = [one for one in vars(wording).values() if isinstance(one, Field)]
 DEFAULTS = {name: info.default for name, info in INFOS.items()}
@@ -19,8 +19,8 @@ DEFAULTS = {name: info.default for name, info in INFOS.items()}
 @given(st.floats(-1e6, 1e6), st.integers(0, 4))
 def test_a_sign_never_stands_before_zeros(value: float, decimals: int) -> None:
     """Numbers of one magnitude are equally wide, whatever their sign."""
-    text = signed(value, decimals)
-    assert len(text) == len(signed(-value, decimals))
+    text = plain(value, decimals, "+")
+    assert len(text) == len(plain(-value, decimals, "+"))
     assert not re.fullmatch(r"\N{MINUS SIGN}[0.]+", text)
     assert not re.fullmatch(r"\N{MINUS SIGN}[0.]+", plain(value, decimals))
 
@@ -30,7 +30,7 @@ def test_what_is_not_known_is_no_zero() -> None:
     assert len(FIELDS) >= 10
     for one in FIELDS:
         assert one.text({}) == wording.NOTHING
-    assert clock(None) == clock(float("inf")) == signed(float("nan"), 2) == wording.NOTHING
+    assert clock(None) == clock(float("inf")) == plain(float("nan"), 2) == wording.NOTHING
 
 
 def test_every_number_is_a_signal_of_the_status_with_a_unit() -> None:
@@ -71,9 +71,9 @@ def test_a_value_is_judged_before_it_is_sent() -> None:
 def test_the_course_of_learning_stays_small_and_keeps_its_newest() -> None:
     """However long it learns."""
     n = 5 * MOST_POINTS + 1
-    told = points_of(list(range(1, n + 1)), [1.0] * n)
+    told = points_of([(turn, 1.0) for turn in range(1, n + 1)])
     assert len(told) <= MOST_POINTS + 1 and told[-1] == [n, 1.0]
-    assert points_of([1], [0.0]) == [] and "nothing learned yet" in words({})
+    assert points_of([(1, 0.0)]) == [] and "nothing learned yet" in words({})
 
 
 def test_how_far_a_download_is() -> None:

@@ -32,18 +32,25 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.files import growing, path_errors
 from camtools.cli import camctl_control, camctl_operate, camctl_values
 from camtools.cli.bus import BusOptions
-from camtools.cli.camctl_control import SECONDS_HELP, Control, RightsOptions
+from camtools.cli.camctl_control import Control, RightsOptions, Seconds, refuse_fault
 from camtools.cli.camctl_scope import blackbox, scope
 from camtools.cli.camctl_values import excite, learned
 from camtools.link.controller import Link, Status
 from camtools.link.download import check_image, download, select_table
 from camtools.link.messages import NUMBERS, Refused
 from camtools.link.operator import AXES, set_quick
-from camtools.link.status_text import COLUMNS, Dashboard, line, report, row, table_report
+from camtools.link.status_text import (
+    COLUMNS,
+    IN_CUT,
+    Dashboard,
+    line,
+    report,
+    row,
+    table_report,
+)
 
 REFUSED = 1
 HOME_S = 60.0
-IN_WORK = ("rehearsing", "engaging", "cutting", "holding", "disengaging")
 _PLAIN = {
     "enable": "Enable the drives and home.",
     "disable": "Switch the drives off.",
@@ -102,7 +109,11 @@ def home(
         camctl_operate.home_axis(control, axis)
         return
     _order(control, "home")
-    control.say(f"home: {control.wait_state(['ready'], HOME_S)}")
+    link, now = control.link, control.link.listen()
+    if not link.wait(lambda: now.state in ("ready", "fault"), HOME_S):
+        raise Refused(f"{link.where}: still {now.state} after {HOME_S:.0f} s")
+    refuse_fault(link)
+    control.say(f"home: {now.state}")
 
 
 def start(control: Control, *, wait: Annotated[bool, Option(argparse.SUPPRESS)] = False) -> None:
@@ -164,7 +175,7 @@ def status(control: Control) -> None:
 def watch(
     control: Control,
     *,
-    seconds: Annotated[float | None, Option(SECONDS_HELP, read=positive)] = None,
+    seconds: Seconds = None,
     every: Annotated[
         float | None,
         Option(
@@ -195,7 +206,7 @@ def record(
     control: Control,
     file: Annotated[Path, Word("CSV file to write")],
     *,
-    seconds: Annotated[float | None, Option(SECONDS_HELP, read=positive)] = None,
+    seconds: Seconds = None,
     cut: Annotated[bool, Option("stop at the end of the cut in progress")] = False,
 ) -> None:
     """Record the status to a CSV file, one row every 10 ms."""
@@ -211,7 +222,7 @@ def record(
 
     with path_errors(file), growing(file) as stream:
         writer = csv.writer(stream, lineterminator="\n")
-        control.follow(seconds, write, lambda now: cut and now.state not in IN_WORK)
+        control.follow(seconds, write, lambda now: cut and now.state not in IN_CUT)
     control.say(f"{file}: {n} rows" if n else f"{file}: no rows, not written")
     if cut and control.link.status.faults:
         raise Refused(f"the cut ended in a fault: {', '.join(control.link.status.faults)}")

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Annotated, TextIO
 
-from camtools.base.arguments import Option, whole_within
+from camtools.base.arguments import Option, positive, whole_within
 from camtools.base.signals import Interrupted
 from camtools.link.controller import Link, Status
 from camtools.link.messages import Answer, Refused
@@ -23,7 +23,7 @@ from camtools.link.refusal_text import ask_done
 from camtools.link.rights import CommandHeld, May, sender_of
 from camtools.link.status_text import level_text, name_of, rights_report
 
-SECONDS_HELP = "duration (default: until control-C)"
+Seconds = Annotated[float | None, Option("duration (default: until control-C)", read=positive)]
 
 
 class Control:
@@ -41,17 +41,6 @@ class Control:
         """Send a command that must be accepted; return its answer."""
         return ask_done(self.link, command, parameter, **value)
 
-    def wait_state(self, wanted: Sequence[str], timeout_s: float) -> str:
-        """Wait for one of some states; a fault is refused."""
-        status = self.link.status
-        self.link.listen()
-        if not self.link.wait(lambda: status.state in (*wanted, "fault"), timeout_s):
-            raise Refused(f"{self.link.where}: still {status.state} after {timeout_s:.0f} s")
-        if status.state == "fault":
-            self.link.wait(lambda: bool(status.faults), 0.1)
-            raise Refused(f"fault: {', '.join(status.faults)}; see status, then reset")
-        return status.state
-
     def follow(
         self,
         seconds: float | None,
@@ -68,6 +57,13 @@ class Control:
             ):
                 if not self.link.next_row(2.0):
                     raise Refused(f"{self.link.where}: the status stopped; is the controller on?")
+
+
+def refuse_fault(link: Link) -> None:
+    """Raise Refused in the state fault."""
+    if link.status.state == "fault":
+        link.wait(lambda: bool(link.status.faults), 0.1)
+        raise Refused(f"fault: {', '.join(link.status.faults)}; see status, then reset")
 
 
 _MOST_SENDER = 254
@@ -114,9 +110,7 @@ def who(control: Control) -> None:
 
 
 def _level(link: Link) -> str:
-    """Return the level of a page of the status that is yet to come."""
-    link.status.signals.pop("level", None)
-    link.wait(lambda: "level" in link.status.signals, _SETTLE_S)
+    link.await_anew("level", _SETTLE_S)
     return name_of(link.status.signals, "level")
 
 

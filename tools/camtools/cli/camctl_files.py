@@ -29,6 +29,7 @@ Signals = Annotated[
 count = whole_within(1, 1_000_000)
 _SUFFIXES = (".csv", ".parquet")
 ABOUT = "camturn.recording"
+_ABOUT = ("tick_hz", "every", "first_tick", "trigger_tick", "n_before", "end")
 
 
 def names_of(text: str) -> list[str]:
@@ -63,26 +64,6 @@ def _report(path: Path, recording: scope.Recording, say: Say) -> None:
     say(f"{path}: {n} rows of {len(recording.signals)} signals at {recording.tick_hz} Hz")
 
 
-def _columns(recording: scope.Recording, is_raw: bool) -> dict[str, Any]:
-    signals = (
-        {name: recording[name] for name in recording.signals} if is_raw else physical(recording)
-    )
-    return {"t_s": recording.t_s, "tick": recording.tick} | signals
-
-
-def _about(recording: scope.Recording) -> dict[str, str]:
-    about = {
-        "tick_hz": recording.tick_hz,
-        "every": recording.every,
-        "first_tick": recording.first_tick,
-        "trigger_tick": recording.trigger_tick,
-        "n_before": recording.n_before,
-        "end": recording.end,
-        "faults": faults_in(recording.faults),
-    }
-    return {ABOUT: json.dumps(about)}
-
-
 def _csv(columns: dict[str, Any]) -> Iterator[bytes]:
     yield (",".join(columns) + "\n").encode()
     for row in zip(*(column.tolist() for column in columns.values()), strict=True):
@@ -95,12 +76,16 @@ def file_bytes(path: Path, recording: scope.Recording, *, is_raw: bool) -> bytes
     The first column is the time from the trigger on; every column is a number, because PlotJuggler
     before 3.14 opens no Parquet file with text in it.
     """
-    columns = _columns(recording, is_raw)
+    raw = {name: recording[name] for name in recording.signals}
+    signals = raw if is_raw else physical(recording)
+    columns: dict[str, Any] = {"t_s": recording.t_s, "tick": recording.tick} | signals
     if path.suffix == ".csv":
         return b"".join(_csv(columns))
     whole, broken = pa.int64(), pa.float64()
     kinds = [(name, whole if c.dtype.kind == "i" else broken) for name, c in columns.items()]
-    return parquet_bytes(columns, pa.schema(kinds), _about(recording))
+    about = {name: getattr(recording, name) for name in _ABOUT}
+    about["faults"] = faults_in(recording.faults)
+    return parquet_bytes(columns, pa.schema(kinds), {ABOUT: json.dumps(about)})
 
 
 def write(

@@ -14,7 +14,7 @@ from camtools.base.arguments import Option, Word, finite, not_negative, positive
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
 from camtools.base.signals import Interrupted
-from camtools.cli.camctl_control import SECONDS_HELP, Control
+from camtools.cli.camctl_control import Control, Seconds, refuse_fault
 from camtools.link import operator
 from camtools.link.controller import Link, Status
 from camtools.link.messages import Refused
@@ -34,9 +34,7 @@ def _until_over(link: Link) -> None:
         if not link.next_row(_ROW_S) and not link.next_row(_ROW_S):
             raise Refused(f"{link.where}: the status stopped; is the controller on?")
     link.rights.confirm()
-    if status.state == "fault":
-        link.wait(lambda: bool(status.faults), 0.1)
-        raise Refused(f"fault: {', '.join(status.faults)}; see status, then reset")
+    refuse_fault(link)
 
 
 def follow_cut(link: Link, out: TextIO) -> str:
@@ -89,7 +87,6 @@ def follow_cut(link: Link, out: TextIO) -> str:
 
 
 def _reached_text(state: str, signals: Mapping[str, float]) -> str:
-    """Return how far a cut has come."""
     fraction = cut_progress(state, signals).fraction
     if fraction is None:
         return f"while {state}"
@@ -100,7 +97,6 @@ def _reached_text(state: str, signals: Mapping[str, float]) -> str:
 
 
 def _parts(link: Link) -> int:
-    """Return how many complete parts the controller has counted."""
     return int(ask_done(link, "get_parts").value)
 
 
@@ -168,7 +164,7 @@ def jog_axis(
         float | None,
         Option("speed in mm/s (default: 1, or the axis limit if lower)", read=positive),
     ] = None,
-    seconds: Annotated[float | None, Option(SECONDS_HELP, read=positive)] = None,
+    seconds: Seconds = None,
     step: Annotated[
         float | None,
         Option("signed distance in mm, moved at the highest jog speed", "MM", read=finite),

@@ -29,6 +29,10 @@ _PATIENCE_S = 3600.0
 _BARS = 60
 _TENTH = 10  # per cent of what is read, between two lines of progress
 _OF_ANGLE = "angle_q32"
+_PAUSED = (
+    "the black box is paused until --again reads the recording, for 10 minutes at most; "
+    "camctl blackbox --clear ends that"
+)
 
 
 def numbered(path: Path, number: int, n_files: int) -> Path:
@@ -79,7 +83,6 @@ class Recording:
 
 
 def _pictures(wanted: Pictures, recording: recorder.Recording) -> dict[Path, bytes]:
-    """Return the pictures that were asked for, by their files."""
     if not (wanted.plot or wanted.over_angle):
         return {}
     from camtools.plots.recording import angle_picture, time_picture  # takes a second to load
@@ -142,20 +145,7 @@ def _finish(
 # scope
 
 
-def _read_or_pause(link: Link, say: Say) -> recorder.Recording:
-    """Read the recording that is there; a failure names what that means for the black box."""
-    try:
-        return _read(link, say)
-    except Refused as error:
-        paused = (
-            "the black box is paused until --again reads the recording, for 10 minutes at most; "
-            "camctl blackbox --clear ends that"
-        )
-        raise Refused(f"{error}; {paused}") from error
-
-
 def _configure(link: Link, wanted: Recording, *, has_angle: bool) -> None:
-    """Set what the recordings are to be."""
     tick_hz = recorder.get(link, "tick_hz")
     trigger = trigger_of(wanted.trigger, tick_hz)
     per_s = tick_hz / wanted.every
@@ -221,7 +211,10 @@ def scope(
     for number in range(1, wanted.repeat + 1):
         is_whole = wanted.again or _record(link, say)
         path = numbered(file, number, wanted.repeat)
-        recording = _read_or_pause(link, say)
+        try:
+            recording = _read(link, say)
+        except Refused as error:
+            raise Refused(f"{error}; {_PAUSED}") from error
         if not recording.is_whole and not pictures.keep:
             recorder.release(link)
         link.rights.release()  # to write and draw takes longer than command lasts without a word

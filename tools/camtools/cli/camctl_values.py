@@ -21,7 +21,14 @@ from camtools.base.arguments import Commands, Option, Word, whole
 from camtools.base.errors import CamtoolsError
 from camtools.base.files import path_errors, read_limited, write_all
 from camtools.cli.camctl_control import Control
-from camtools.cli.camctl_files import DEFAULT_SIGNALS, Signals, count, names_of, write_raw
+from camtools.cli.camctl_files import (
+    DEFAULT_SIGNALS,
+    Say,
+    Signals,
+    count,
+    names_of,
+    write_raw,
+)
 from camtools.link import excitation, kept_values
 from camtools.link.messages import Refused
 
@@ -105,7 +112,6 @@ def learned(
 
 
 _MOST_BYTES = 1024 * 1024
-Say = Callable[[str], None]
 TomlFile = Annotated[Path, Word("TOML file")]
 
 

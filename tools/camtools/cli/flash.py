@@ -15,9 +15,8 @@ import struct
 import subprocess
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 from camtools.base.arguments import Option, UsageError, command
 from camtools.base.errors import CamtoolsError
@@ -30,8 +29,7 @@ Exit status: 0 written, 1 the programmer failed, 2 wrong usage or bad input."""
 _TCL_SPECIAL = frozenset("{}\\")
 
 
-@dataclass(frozen=True)
-class Region:
+class Region(NamedTuple):
     """A range of the flash memory, as hal/stm32h743/stm32h743.ld divides it."""
 
     name: str
@@ -46,8 +44,7 @@ TABLE = Region("place 0", 0x0810_0000, 6 << 17)  # the parameters follow it
 _DTCM = range(0x2000_0000, 0x2002_0001)
 
 
-@dataclass(frozen=True)
-class Write:
+class Write(NamedTuple):
     """A file and the address of its first byte."""
 
     file: Path

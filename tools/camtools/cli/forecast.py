@@ -7,10 +7,9 @@
 import math
 import sys
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, TextIO
+from typing import Annotated
 
 from camtools.base.arguments import Option, PartFile, command
 from camtools.base.errors import CamtoolsError
@@ -112,35 +111,34 @@ _LINES = 10  # where there is no terminal
 
 
 class Progress:
-    """Counts cuts; `n_done` of them were there before; the clock returns seconds."""
+    """Counts cuts on stderr; `n_done` of them were there before."""
 
-    def __init__(self, n_all: int, n_done: int, stream: TextIO, clock: Callable[[], float]) -> None:
+    def __init__(self, n_all: int, n_done: int) -> None:
         self._n_all, self._n_before, self._n_done = n_all, n_done, n_done
         self._n_failed = 0
-        self._stream, self._clock = stream, clock
-        self._begin_s = clock()
+        self._begin_s = time.monotonic()
         self._is_open = False
         self._reported = n_done * _LINES // max(n_all, 1)
         if n_done:
-            stream.write(f"forecast: {n_done} of {n_all} cuts are already done\n")
+            sys.stderr.write(f"forecast: {n_done} of {n_all} cuts are already done\n")
 
     def add(self, n_cuts: int, n_failed: int) -> None:
         """Count cuts that have been made."""
         self._n_done += n_cuts
         self._n_failed += n_failed
-        if self._stream.isatty():
-            self._stream.write(f"\r{self._text()}\033[K")
+        if sys.stderr.isatty():
+            sys.stderr.write(f"\r{self._text()}\033[K")
             self._is_open = True
         elif self._n_done * _LINES // self._n_all > self._reported:
             self._reported = self._n_done * _LINES // self._n_all
-            self._stream.write(f"{self._text()}\n")
-        self._stream.flush()
+            sys.stderr.write(f"{self._text()}\n")
+        sys.stderr.flush()
 
     def _text(self) -> str:
         words = [f"forecast: {self._n_done} of {self._n_all} cuts"]
         if self._n_failed:
             words.append(f"{self._n_failed} without a result")
-        since_s, n_here = self._clock() - self._begin_s, self._n_done - self._n_before
+        since_s, n_here = time.monotonic() - self._begin_s, self._n_done - self._n_before
         left_s = since_s / n_here * (self._n_all - self._n_done)
         if left_s >= 1:
             words.append(f"{left_s:.0f} s left")
@@ -149,8 +147,8 @@ class Progress:
     def end(self) -> None:
         """Begin a new line on a terminal."""
         if self._is_open:
-            self._stream.write("\n")
-            self._stream.flush()
+            sys.stderr.write("\n")
+            sys.stderr.flush()
 
 
 def forecast(options: Options) -> int:
@@ -164,7 +162,7 @@ def forecast(options: Options) -> int:
     store = Store(folder / "store")
     texts = dict(zip(plan.keys, plan.texts, strict=True))
     missing = [text for key, text in texts.items() if key not in store.found]
-    progress = Progress(len(texts), len(texts) - len(missing), sys.stderr, time.monotonic)
+    progress = Progress(len(texts), len(texts) - len(missing))
 
     def take(outcomes: list[CutOutcome]) -> None:
         store.add(outcomes)

@@ -139,7 +139,6 @@ class _Part:
 def _files(
     name: str, found: Identified, believed: Believed, lines: list[str], part: _Part | None
 ) -> dict[str, bytes]:
-    """Return the results by file name."""
     motion = part.motion if part is not None else None
     results = numbers(found, believed, motion)
     return {
@@ -170,7 +169,6 @@ class _Found(NamedTuple):
 
 
 def _fitted(u: U, arguments: Options, part: _Part | None) -> _Found:
-    """Excite, fit and report."""
     believed = u.believed()
     wishes = Wishes(
         rms_nm=None if arguments.rms_um is None else arguments.rms_um * 1e3,
@@ -244,7 +242,6 @@ def _connect(arguments: Options) -> int:
 
 
 def _recorded(csv: Path, output: Path | None) -> int:
-    """Fit a recording of another instrument."""
     record = parse_record(record_text(csv), str(csv))
     found = identify_record(record)
     text = "\n".join(record_lines(found, record)) + "\n"

@@ -108,19 +108,14 @@ def _say(text: str) -> None:
     sys.stdout.flush()
 
 
-def _own_port() -> int:
-    """Return a port that nobody else on this computer has now."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-        free.bind(("", 0))
-        return int(free.getsockname()[1])
-
-
 def _bus_of(given: Mapping[str, Any]) -> dict[str, Any]:
     """Return the bus that was asked for, or frames that never leave this computer."""
     if given:
         return dict(given)
-    own = {"channel": _GROUP, "port": _own_port(), "hop_limit": 0}
-    return {"interface": "udp_multicast", **own}
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("", 0))  # to a port that nobody else on this computer has now
+        port = int(free.getsockname()[1])
+    return {"interface": "udp_multicast", "channel": _GROUP, "port": port, "hop_limit": 0}
 
 
 def _files(made: Made, machine: str | None) -> dict[str, bytes]:
@@ -199,12 +194,11 @@ class _Session:
 
 
 def _tell(lathe: LiveLathe, arguments: Options, where: str) -> None:
-    """Print how to talk to it."""
     own = arguments.machine
     machine = "a machine with the limits of the part" if own is None else f"the machine {own}"
     pace = "in" if arguments.speed_up == 1.0 else f"at {arguments.speed_up:g} times"
     _say(f"{lathe.facts['part']} on {machine}, {pace} real time")
-    ids = f"lathe {lathe.facts['lathe_pid']}, controller {lathe.facts['controller_pid']}"
+    ids = "lathe {lathe_pid}, controller {controller_pid}".format_map(lathe.facts)
     _say(f"processes: {ids}; bus: {where}")
     others = len(live_lathes()) > 1
     _say(f"talk to it: tools/camctl {f'--live {lathe.name} ' if others else ''}status")

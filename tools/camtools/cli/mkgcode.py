@@ -1,15 +1,13 @@
 """Command line that writes NC programs for existing machines.
 
 >>> from camtools.skirt.part.part_file import example_part
->>> job = make_job(example_part(), ProgramWishes())
->>> b"".join(program(job, "xz")).splitlines()[-1]
-b'M2'
+>>> _skirt_job(example_part(), ProgramWishes(to_mm=30.0)).z_last_mm
+30.0
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
@@ -72,8 +70,7 @@ def _check_chord(chord_um: float) -> None:
         raise CamtoolsError([f"{problem}; give micrometres"])
 
 
-def make_lobe_job(part: LobePart, wishes: ProgramWishes) -> LobeJob:
-    """Return what a program of a cam is made of; a cam takes no heights."""
+def _lobe_job(part: LobePart, wishes: ProgramWishes) -> LobeJob:
     for option, value in (("--from-mm", wishes.from_mm), ("--to-mm", wishes.to_mm)):
         if value is not None:
             problem = f"{option} {value:g}: has no meaning for a cam, whose lobes are cut whole"
@@ -82,17 +79,11 @@ def make_lobe_job(part: LobePart, wishes: ProgramWishes) -> LobeJob:
     return LobeJob(part, wishes.chord_um / UM_PER_MM, wishes.diameter)
 
 
-def _refuse_passes(part: SkirtPart) -> None:
-    """Refuse what a program of one pass with one feed cannot do."""
+def _skirt_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
     for key, given in (("pass", part.process.passes), ("feed_law", part.process.feed_law)):
         if given:
             problem = "is played by the controller alone: a program is one pass with one feed"
             raise CamtoolsError([f"process.{key}: {problem}; give depth_mm and feed_mm of it"])
-
-
-def make_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
-    """Return what a program is made of, with heights, feed and chord error in their ranges."""
-    _refuse_passes(part)
     check_feed(part)
     drawing = make_geometry(part)
     check_heel(drawing, part.tool, part.process.direction)
@@ -112,11 +103,6 @@ def make_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
     return ProgramJob(part, tip, first, last, wishes.chord_um / UM_PER_MM, wishes.diameter)
 
 
-def program(job: ProgramJob, axes: str) -> Iterator[bytes]:
-    """Return the program in pieces; see `profile_program` and `full_program`."""
-    return profile_program(job) if axes == "xz" else full_program(job)
-
-
 def mkgcode(
     part: PartFile,
     output: Annotated[Path, Option("program to write, for example part.ngc", "FILE", "-o")],
@@ -134,10 +120,11 @@ def mkgcode(
         raise CamtoolsError([f"{part}: {problem}"])
     try:
         if isinstance(loaded, LobePart):
-            pieces = lobe_program(make_lobe_job(loaded, wishes))
+            pieces = lobe_program(_lobe_job(loaded, wishes))
         else:
             assert isinstance(loaded, SkirtPart)
-            pieces = program(make_job(loaded, wishes), axes)
+            job = _skirt_job(loaded, wishes)
+            pieces = profile_program(job) if axes == "xz" else full_program(job)
     except CamtoolsError as error:
         raise CamtoolsError([f"{part}: {line}" for line in error.lines]) from error
     write_all(output.parent, {output.name: pieces})

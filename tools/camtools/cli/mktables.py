@@ -85,7 +85,6 @@ def mktables(
 def _exported(
     table: Table, form: str | None, heights_mm: tuple[float, ...], n_points: int | None
 ) -> dict[str, bytes]:
-    """Return the files of --export."""
     if form is None:
         if heights_mm or n_points is not None:
             option = "--export-height" if heights_mm else "--export-points"

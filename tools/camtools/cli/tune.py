@@ -109,7 +109,6 @@ class Options:
         self.u.check(is_bus=self.bus, machine=self.machine)
 
     def _check_pulse(self, pulse_n: float) -> None:
-        """Refuse what does not go with --pulse."""
         for name in ("drive", "loop", "out", "highest_hz"):
             if getattr(self, name) is not None:
                 option = {"drive": "DRIVE.toml", "out": "-o"}.get(name, option_of(name))
@@ -151,7 +150,6 @@ def _tuned(subject: Subject, arguments: Options) -> dict[str, int]:
 
 
 def _described(arguments: Options) -> int:
-    """Tune the drive of a drive file, or of a recording."""
     file, csv, keys = arguments.drive, arguments.record, _keys(arguments)
     if csv is None:
         assert file is not None
@@ -166,7 +164,6 @@ def _described(arguments: Options) -> int:
 
 
 def _simulated(arguments: Options, name: str) -> int:
-    """Tune U of a simulated machine."""
     keys = _keys(arguments)
     machine = machine_bytes(name)
     with excited.simulated_u(machine, name) as u:
@@ -184,7 +181,6 @@ def _simulated(arguments: Options, name: str) -> int:
 
 
 def _connected(arguments: Options) -> int:
-    """Tune U of a controller over CAN."""
     keys = _keys(arguments)
     with connected_u(arguments.u) as (u, node):
         where = u.link.where

@@ -162,6 +162,11 @@ class Link:
             self.pump(min(left_s, 0.1))
         return True
 
+    def await_anew(self, signal: str, timeout_s: float) -> None:
+        """Forget a signal of the status, and wait until it comes."""
+        self.status.signals.pop(signal, None)
+        self.wait(lambda: signal in self.status.signals, timeout_s)
+
     def wait_in_its_time(self, is_done: Callable[[], bool], timeout_s: float) -> bool:
         """Wait by the controller's own time, which may be slower; `PATIENCE_S` more at most."""
         begin_s, rows = time.monotonic(), self.status.n_rows

@@ -35,8 +35,8 @@ from camtools.link.scope import (
 )
 
 Unit = Literal["nm", "mN"]
-UNITS: tuple[Unit, ...] = ("nm", "mN")  # as the controller numbers them
-HEADINGS: dict[Unit, str] = {"nm": "u_nm", "mN": "force_mn"}  # of files of waves
+# Headings of files of waves, in the order in which the controller numbers the units.
+HEADINGS: dict[Unit, str] = {"nm": "u_nm", "mN": "force_mn"}
 
 
 def check_excitation(periods: int, fade_ticks: int, place_nm: int) -> None:
@@ -50,11 +50,7 @@ def check_excitation(periods: int, fade_ticks: int, place_nm: int) -> None:
             raise CamtoolsError([f"{name} {value}: give {low} .. {high}"])
 
 
-def download_wave(
-    link: Link,
-    samples: npt.ArrayLike,
-    progress: Callable[[int, float], None] = lambda stored, seconds: None,
-) -> int:
+def download_wave(link: Link, samples: npt.ArrayLike) -> int:
     """Bring the samples of a period to the controller, one per tick; return how many.
 
     Raises CamtoolsError: they are no whole numbers of 32 bits; Refused: the controller refuses
@@ -71,7 +67,7 @@ def download_wave(
         what = f"{len(rounded)} samples, the controller holds {most}"
         raise Refused(f"wave: refused: {what}; give a shorter period")
     require(link, "wave", begin)
-    bring(link, data, "the controller has no wave; download again", progress)
+    bring(link, data, "the controller has no wave; download again", lambda *_: None)
     require(link, "wave", link.ask("end_wave", crc=zlib.crc32(data)))
     return len(rounded)
 
@@ -117,7 +113,7 @@ def excite(
     mask_of(signals)
     n = download_wave(link, samples)
     if unit != "nm":
-        put(link, "wave_unit", UNITS.index(unit))
+        put(link, "wave_unit", [*HEADINGS].index(unit))
     configure(link, signals)
     put(link, "place_nm", place_nm)
     seconds = (n * periods + 2 * fade_ticks) / get(link, "tick_hz")

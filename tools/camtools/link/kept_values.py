@@ -70,19 +70,12 @@ class Info:
     what: str
 
 
-def infos_of(text: str) -> dict[str, Info]:
-    """Return the parameters of the text of cam_param.h, in their order."""
-    body = text.split("#define CAM_PARAMS(X)")[1].split("\n\n")[0]
-    return {
-        name: Info(
-            int(low), int(default), int(high), tuple(re.findall(r"cam_flag_(\w+)", flags)), what
-        )
-        for name, low, default, high, flags, what in _ROW.findall(body)
-    }
-
-
 _TEXT = _HEADER.read_text("utf-8")
-INFOS = infos_of(_TEXT)
+_BODY = _TEXT.split("#define CAM_PARAMS(X)")[1].split("\n\n")[0]
+INFOS = {  # in the order of the controller
+    name: Info(int(low), int(default), int(high), tuple(re.findall(r"cam_flag_(\w+)", flags)), what)
+    for name, low, default, high, flags, what in _ROW.findall(_BODY)
+}
 _RETIRED = tuple(
     re.findall(r"X\((\w+)\)", _TEXT.split("#define CAM_RETIRED_PARAMS")[1].split("\n")[0])
 )
@@ -228,11 +221,14 @@ def learned_text(values: Sequence[int], part: str) -> str:
 
 def learned_values(data: bytes, name: str) -> list[int]:
     """Return the values of such a file; an error names file, key and remedy."""
+
+    def refused(problem: str) -> CamtoolsError:
+        return CamtoolsError([f"{name}: {problem}; give a file of camctl learned save"])
+
     try:
         tree = toml_tree(data.decode("utf-8"))
     except ValueError as error:
-        text = f"{name}: no learned values: {error}; give a file of camctl learned save"
-        raise CamtoolsError([text]) from error
+        raise refused(f"no learned values: {error}") from error
     for key in ("friction_q6", "chip_q32", "chip_mean_q32"):
         tree.setdefault(key, 0)  # files of version 1.0.0 have none
     values: list[int] = []
@@ -241,14 +237,10 @@ def learned_values(data: bytes, name: str) -> list[int]:
         here = [found] if n == 1 else found
         if not isinstance(here, list) or len(here) != n or not all(map(_is_word, here)):
             what = f"{n} whole numbers" if n > 1 else "a whole number"
-            raise CamtoolsError(
-                [f"{name}: {key}: not {what} of 32 bits; give a file of camctl learned save"]
-            )
+            raise refused(f"{key}: not {what} of 32 bits")
         values += here
     if extra := sorted(tree.keys() - LAYOUT.keys() - {"part"}):
-        raise CamtoolsError(
-            [f"{name}: {extra[0]}: unknown key; give a file of camctl learned save"]
-        )
+        raise refused(f"{extra[0]}: unknown key")
     return values
 
 
@@ -256,22 +248,19 @@ def _is_word(value: object) -> bool:
     return isinstance(value, int) and not isinstance(value, bool) and -(2**31) <= value < 2**31
 
 
-def _refusal(index: int, answer: Answer) -> Refused:
+def _required(index: int, answer: Answer) -> Answer:
+    if answer.result == "done":
+        return answer
     result = answer.result.replace("_", " ")
     otherwise = REMEDIES.get(answer.result, "nothing is changed")
     remedy = "the state must be off or ready" if "state" in answer.result else otherwise
-    return Refused(f"learned value {index}: refused: {result}; {remedy}")
+    raise Refused(f"learned value {index}: refused: {result}; {remedy}")
 
 
 def get_learned(link: Link) -> list[int]:
     """Return all learned values."""
-    values = []
-    for index in range(N_VALUES):
-        answer = link.ask("get_learned", parameter=index)
-        if answer.result != "done":
-            raise _refusal(index, answer)
-        values.append(int(answer.value))
-    return values
+    answers = (_required(i, link.ask("get_learned", parameter=i)) for i in range(N_VALUES))
+    return [int(answer.value) for answer in answers]
 
 
 def set_learned(link: Link, values: Sequence[int]) -> None:
@@ -282,7 +271,7 @@ def set_learned(link: Link, values: Sequence[int]) -> None:
         if answer.result != "done":
             for back in range(index):
                 link.ask("set_learned", parameter=back, value=before[back])
-            raise _refusal(index, answer)
+        _required(index, answer)
 
 
 def learning_report(status: Status) -> list[str]:

@@ -85,14 +85,6 @@ def check_range(name: str, value: float, low: float, high: float, unit: str) -> 
         raise CamtoolsError([f"{name} = {value:.10g}{ending}: out of range; give {span}"])
 
 
-def _check_signal(name: str, value: float) -> None:
-    """Refuse a value outside the range that the DBC gives its signal of the message Command."""
-    signal = COMMAND.get_signal_by_name(name)
-    low, high = signal.minimum, signal.maximum
-    assert low is not None and high is not None
-    check_range(name, value, low, high, signal.unit or "")
-
-
 def command_bytes(
     command: str, parameter: int, value: dict[str, float], *, sender: int = 0, session: int = 0
 ) -> bytes:
@@ -106,7 +98,9 @@ def command_bytes(
     signals |= {"sender": sender, "session": session}
     needed = {s.name for s in COMMAND.signals if number in (s.multiplexer_ids or [])}
     for name, wanted in value.items():
-        _check_signal(name, wanted)
+        signal = COMMAND.get_signal_by_name(name)
+        assert signal.minimum is not None and signal.maximum is not None
+        check_range(name, wanted, signal.minimum, signal.maximum, signal.unit or "")
     return COMMAND.encode(signals | dict.fromkeys(needed, 0.0) | value, strict=True)
 
 

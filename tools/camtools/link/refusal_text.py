@@ -10,7 +10,7 @@ fault's signal in the DBC.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from camtools.base.controller_limits import LIMITS, TEXTS, needs_text
 from camtools.base.project import ROOT
@@ -175,7 +175,6 @@ def state_remedy(command: str, state: str) -> str:
 
 
 def _cut_remedy(command: str, state: str) -> str:
-    """Return why stop, hold or resume is refused."""
     if state in (_OFF, _MANUAL, *_TO_OFF):
         return f"nothing is being cut{_NO_CUT[command]}"
     if state == "disengaging":
@@ -187,8 +186,7 @@ def _cut_remedy(command: str, state: str) -> str:
 
 def state_of(link: Link) -> str:
     """Return the state of a status message that is yet to come."""
-    link.status.signals.pop("state", None)
-    link.wait(lambda: "state" in link.status.signals, _STATE_S)
+    link.await_anew("state", _STATE_S)
     return link.status.state
 
 
@@ -201,19 +199,16 @@ def _datum(link: Link, answer: Answer) -> str:
     return f"refused: {axis}_datum would leave {span}; move {axis} nearer to its home"
 
 
-def _not_commander(holder: int) -> str:
-    """Return why somebody who does not command was refused, and what to do."""
-    if not holder:
-        return "nobody commands; take command first"
-    return f"{sender_text(holder)} commands; wait until he gives it back, or take over"
-
-
 def explain(link: Link, answer: Answer) -> str:
     """Return why a command was refused and what to do."""
     if answer.result == "param_range" and answer.command in ("zero_x", "zero_z"):
         return _datum(link, answer)
     if answer.result == messages.NOT_COMMANDER:
-        return f"refused: {_not_commander(int(answer.value))}"
+        holder = int(answer.value)
+        if not holder:
+            return "refused: nobody commands; take command first"
+        text = f"{sender_text(holder)} commands; wait until he gives it back, or take over"
+        return f"refused: {text}"
     if answer.result == "state":
         state = state_of(link)
         return f"refused: state {state}; {state_remedy(answer.command, state)}"
@@ -251,11 +246,9 @@ _ROW = re.compile(r"\| `(\w+)` \| ([^|]+) \| [^|]+ \| [^|]+ \| ([^|]+) \|")
 _LINK = re.compile(r"\[([^]]*)\]\([^)]*\)")
 
 
-@dataclass(frozen=True)
-class FaultText:
+class FaultText(NamedTuple):
     """A fault for people."""
 
-    name: str
     title: str
     cause: str
     remedy: str
@@ -271,7 +264,6 @@ def texts_of(markdown: str) -> dict[str, FaultText]:
     """Return the faults of the table in FAULTS.md, by their names and in their order."""
     return {
         name: FaultText(
-            name,
             messages.FAULT_TEXTS.get(name, name).rstrip("."),
             _sentence(cause),
             _sentence(remedy),

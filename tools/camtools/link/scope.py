@@ -11,6 +11,7 @@ import time
 import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -50,17 +51,11 @@ _REMEDIES = {
     "wave_none": "download a wave",
     "wave_unit": "U of this machine takes positions: give a wave of nm, with the heading u_nm",
 }
-_UNITS = {
-    "wave_stroke": "nm",
-    "wave_speed": "um/s",
-    "wave_acceleration": "mm/s2",
-    "wave_force": "mN",
-}
-_LIMITS = {
-    "wave_stroke": "u_stroke_nm",
-    "wave_speed": "u_speed_um_per_s",
-    "wave_acceleration": "u_acceleration_mm_per_s2",
-    "wave_force": "servo_force_limit_mn",
+_LIMITS = {  # of a wave: the parameter, and the unit of both
+    "wave_stroke": ("u_stroke_nm", "nm"),
+    "wave_speed": ("u_speed_um_per_s", "um/s"),
+    "wave_acceleration": ("u_acceleration_mm_per_s2", "mm/s2"),
+    "wave_force": ("servo_force_limit_mn", "mN"),
 }
 
 
@@ -120,10 +115,10 @@ def require(link: Link, what: str, answer: Answer) -> Answer:
     if answer.result == NOT_COMMANDER:
         raise Refused(f"{what}: {explain(link, answer)}")
     text = f"{what}: refused: {answer.result.replace('_', ' ')}"
-    if unit := _UNITS.get(answer.result):
-        index = NUMBERS["parameter"][_LIMITS[answer.result]]
-        limit = link.ask("get_parameter", parameter=index).value
-        found = f"it would take {answer.value:.0f} {unit}, {_LIMITS[answer.result]} is {limit:.0f}"
+    if answer.result in _LIMITS:
+        name, unit = _LIMITS[answer.result]
+        limit = link.ask("get_parameter", parameter=NUMBERS["parameter"][name]).value
+        found = f"it would take {answer.value:.0f} {unit}, {name} is {limit:.0f}"
         raise Refused(f"{text}: {found}; make the wave smaller or slower")
     if answer.result == "wave_length" and answer.value:
         raise Refused(f"{text}: fade 16 .. 65535 ticks, in all at most {answer.value:.0f} ticks")
@@ -176,8 +171,7 @@ def phase(link: Link) -> str:
     return PHASES[get(link, "phase")]
 
 
-@dataclass(frozen=True)
-class _Transfer:
+class _Transfer(NamedTuple):
     """How pieces come: by which command, of how many words, in which unit they are counted."""
 
     command: str
@@ -189,41 +183,25 @@ _CLASSIC = _Transfer("read_scope", 252, 1)
 _FD = _Transfer("read_scope_fd", 4032, 16)
 
 
-class Reader:
-    """Reads a recording piece by piece; after a failure read() continues where it stopped.
+def read(link: Link, progress: Callable[[int, int], None] | None = None) -> Recording:
+    """Return the recording that is there.
 
     Over a bus that was opened for CAN FD it asks for long messages, and for classic ones when none
-    of those arrives: the controller's side of the bus may be classic. link: may be another one for
-    the same controller after the bus was lost.
+    of those arrives: the controller's side of the bus may be classic. progress: called with the
+    bytes that are there and those in all. Raises Refused: there is none, it still runs, or the bus
+    loses too much.
     """
-
-    def __init__(self) -> None:
-        self._data = bytearray()
-        self._of: tuple[int, ...] = ()
-
-    def read(self, link: Link, progress: Callable[[int, int], None] | None = None) -> Recording:
-        """Return the recording that is there.
-
-        progress: called with the bytes that are there and those in all. Raises Refused: there is
-        none, it still runs, or the bus loses too much.
-        """
-        if phase(link) != "done":
-            raise Refused(f"{link.where}: the recorder is {phase(link)}: no recording is complete")
-        fields = {name: get(link, name) for name in FIELDS}
-        identity = tuple(fields[name] for name in ("number", "first_tick", "n_rows", "signals"))
-        if identity != self._of:
-            self._of = identity
-            self._data.clear()
-        self._bring(link, 4 * fields["n_rows"] * fields["n_signals"], progress)
-        return _recording(fields, bytes(self._data))
-
-    def _bring(self, link: Link, n_bytes: int, progress: Callable[[int, int], None] | None) -> None:
-        transfer = _FD if link.is_fd and _carries_fd(link) else _CLASSIC
-        while len(self._data) < n_bytes:
-            n_words = min(transfer.n_words, (n_bytes - len(self._data)) // 4)
-            self._data += _piece(link, transfer, len(self._data) // 4, n_words)
-            if progress is not None:
-                progress(len(self._data), n_bytes)
+    if phase(link) != "done":
+        raise Refused(f"{link.where}: the recorder is {phase(link)}: no recording is complete")
+    fields = {name: get(link, name) for name in FIELDS}
+    data, n_bytes = bytearray(), 4 * fields["n_rows"] * fields["n_signals"]
+    transfer = _FD if link.is_fd and _carries_fd(link) else _CLASSIC
+    while len(data) < n_bytes:
+        n_words = min(transfer.n_words, (n_bytes - len(data)) // 4)
+        data += _piece(link, transfer, len(data) // 4, n_words)
+        if progress is not None:
+            progress(len(data), n_bytes)
+    return _recording(fields, bytes(data))
 
 
 def _recording(fields: dict[str, int], data: bytes) -> Recording:
@@ -272,11 +250,6 @@ def _piece(link: Link, transfer: _Transfer, offset: int, n_words: int) -> bytes:
             return data
         problem = f"{link.where}: the block at word {offset} arrived damaged"
     raise Refused(f"{problem}; the recording is kept, read it again")
-
-
-def read(link: Link, progress: Callable[[int, int], None] | None = None) -> Recording:
-    """Return the recording that is there (Reader, for one that may be interrupted)."""
-    return Reader().read(link, progress)
 
 
 def wait(link: Link, timeout_s: float) -> None:

@@ -26,7 +26,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from camtools.link.controller import Status
 from camtools.link.kept_values import learning_report
@@ -81,11 +81,8 @@ def level_text(signals: Signals) -> str:
 
 def rights_report(signals: Signals) -> list[str]:
     """Return a line for each of the three."""
-    counts = [
-        f"{what} {int(signals.get(name, 0.0))} times"
-        for what, name in (("taken over", "take_overs"), ("lost", "command_losses"))
-        if signals.get(name)
-    ]
+    names = {"taken over": "take_overs", "lost": "command_losses"}
+    counts = [f"{what} {int(signals[s])} times" for what, s in names.items() if signals.get(s)]
     return [
         f"command           {'; '.join([commander_text(signals), *counts])}",
         f"level             {level_text(signals)}",
@@ -97,8 +94,7 @@ IN_CUT = ("rehearsing", "engaging", "cutting", "holding", "disengaging")
 _NEEDED = {"has_end", "turns_left", "turns_whole", "pass_speed"}
 
 
-@dataclass(frozen=True)
-class CutProgress:
+class CutProgress(NamedTuple):
     """How far a pass is; None where that is not known.
 
     left_s: to the end of the pass; of one that is held, if it were resumed at once; in ready, of
@@ -154,15 +150,11 @@ def _text(
     return f"{which + ': ' if which else ''}{share}, {left}"
 
 
-@dataclass(frozen=True)
-class TickLoad:
-    """How long the interrupt takes; None where the port does not measure it."""
+class TickLoad(NamedTuple):
+    """How long the interrupt takes."""
 
-    longest_us: float | None  # since the start
-    mean_us: float | None  # over the last quarter of a second
-    period_us: float | None  # from tick to tick
-    share: float | None  # the longest as a share of the period
-    text: str  # for people
+    share: float | None  # the longest since the start, of the period; None where not measured
+    text: str  # for people, with the mean over the last quarter of a second
 
 
 def tick_load(signals: Mapping[str, float]) -> TickLoad:
@@ -175,17 +167,16 @@ def tick_load(signals: Mapping[str, float]) -> TickLoad:
     """
     longest_us = signals.get("tick_time_max") or None
     mean_us = signals.get("tick_time_mean") or None
-    rate_hz = signals.get("tick_rate") or None
-    period_us = 1e6 / rate_hz if rate_hz else None
-    if longest_us is None or period_us is None:
-        is_reported = "tick_time_max" in signals and period_us is not None
-        text = "the port does not measure it" if is_reported else "unknown"
-        return TickLoad(longest_us, mean_us, period_us, None, text)
+    rate_hz = signals.get("tick_rate")
+    if longest_us is None or not rate_hz:
+        is_reported = "tick_time_max" in signals and bool(rate_hz)
+        return TickLoad(None, "the port does not measure it" if is_reported else "unknown")
+    period_us = 1e6 / rate_hz
     share = longest_us / period_us
     text = f"longest {longest_us:.1f} of {period_us:.4g} us ({share:.0%})".replace("%", " %")
     if mean_us is not None:
         text += f", mean {mean_us:.1f} us ({100 * mean_us / period_us:.0f} %)"
-    return TickLoad(longest_us, mean_us, period_us, share, text)
+    return TickLoad(share, text)
 
 
 _BARS = " ▁▂▃▄▅▆▇█"
@@ -200,10 +191,15 @@ _KEPT = {
         "damaged": "not kept: the kept ones are damaged and a restart uses the defaults",
     }.items()
 }
-COLUMNS = (
-    *("t_s", "state", "faults", "angle_deg", "speed_rpm", "z_mm"),
-    *("u_set_mm", "u_actual_mm", "following_error_mm"),
-)
+_CELLS = {  # column of a record: signal and decimals
+    "angle_deg": ("angle", 4),
+    "speed_rpm": ("speed", 3),
+    "z_mm": ("z", 6),
+    "u_set_mm": ("u_set", 6),
+    "u_actual_mm": ("u_actual", 6),
+    "following_error_mm": ("following_error", 6),
+}
+COLUMNS = ("t_s", "state", "faults", *_CELLS)
 
 
 def gauge(value: float, full: float, width: int) -> str:
@@ -221,18 +217,8 @@ def sparkline(values: Iterable[float], full: float) -> str:
 
 def row(status: Status, t_s: float) -> list[str]:
     """Return the cells of COLUMNS."""
-    s = status.signals
-    return [
-        f"{t_s:.4f}",
-        status.state,
-        "+".join(status.faults),
-        f"{s['angle']:.4f}",
-        f"{s['speed']:.3f}",
-        f"{s['z']:.6f}",
-        f"{s['u_set']:.6f}",
-        f"{s['u_actual']:.6f}",
-        f"{s['following_error']:.6f}",
-    ]
+    cells = (f"{status.signals[signal]:.{decimals}f}" for signal, decimals in _CELLS.values())
+    return [f"{t_s:.4f}", status.state, "+".join(status.faults), *cells]
 
 
 def line(status: Status) -> str:
@@ -302,7 +288,7 @@ def report(status: Status) -> list[str]:
     s = status.signals
     table_err = NAMES["result"].get(int(s["table_result"]), str(int(s["table_result"])))
     yes = {0.0: "no", 1.0: "yes"}
-    cut = cut_progress(status.state, s)
+    cut, errors = cut_progress(status.state, s), s["memory_errors"]
     return [
         f"state             {status.state}",
         f"faults            {', '.join(status.faults) or 'none'}",
@@ -322,11 +308,7 @@ def report(status: Status) -> list[str]:
         *([f"cut               {cut.text}"] if status.state in (*IN_CUT, "ready") else []),
         f"tick              {s['tick_rate']:.0f} Hz, late {s['late_ticks']:.0f}; "
         f"interrupt: {tick_load(s).text}",
-        *(
-            [f"memory            {s['memory_errors']:.0f} errors corrected"]
-            if s["memory_errors"]
-            else []
-        ),
+        *([f"memory            {errors:.0f} errors corrected"] if errors else []),
         f"last start        {name_of(s, 'reset_reason')}",
         f"parameters        version {s['params_version']:.0f}, checksum "
         f"{int(s['params_checksum']):08x}, {kept_text(s)}",

@@ -20,12 +20,13 @@ from nicegui import Client, events, ui
 from nicegui.outbox import deleted
 
 from camtools.link.rights import sender_text
+from camtools.link.status_text import IN_CUT
 from camtools.panel.context import AppContext
 from camtools.panel.orders.commander import Commander, Visitor, new_visitor
 from camtools.panel.orders.order import Order
 from camtools.panel.pieces import ask_again, confirmed, withdraw
 from camtools.panel.views.availability import stop_order
-from camtools.panel.views.wording import IN_WORK, other_sender
+from camtools.panel.views.wording import other_sender
 
 
 def forget_routes() -> None:
@@ -211,7 +212,7 @@ class _CommandBar:
         newest = service.snapshot()
         holder, sender = commander.holder, other_sender(newest)
         if holder is visitor and not sender:
-            if newest.state in IN_WORK and not await confirmed("Give back?", _ENDS, "Give back"):
+            if newest.state in IN_CUT and not await confirmed("Give back?", _ENDS, "Give back"):
                 return
             outcome = commander.release(visitor)
         elif holder is None and not sender:

@@ -5,8 +5,9 @@ presses it in need shall not have closed a dialog only. They leave the page besi
 that the button can be pressed as well. What was asked is withdrawn then.
 """
 
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Awaitable, Callable, Iterable, Iterator
 from contextlib import contextmanager
+from typing import Any
 from weakref import WeakKeyDictionary, WeakSet
 
 from nicegui import Client, ui
@@ -99,6 +100,24 @@ def card(title: str, name: str, *, is_live: bool = False) -> Iterator[ui.element
             ui.label(title)
         with ui.element("div").classes("op-body live" if is_live else "op-body"):
             yield box
+
+
+def columns_of(
+    labels: Iterable[tuple[str, str]], *numbers: str, is_sortable: bool = False
+) -> list[dict[str, Any]]:
+    """Return the columns of a table by their keys and labels; those of numbers stand right."""
+    return [
+        {"name": key, "field": key, "label": label, "sortable": is_sortable}
+        | {"align": "right" if key in numbers else "left"}
+        for key, label in labels
+    ]
+
+
+def redraw(chart: ui.echart, options: dict[str, Any]) -> None:
+    """Give a chart other options."""
+    chart.options.clear()
+    chart.options.update(options)
+    chart.update()
 
 
 class Figure:

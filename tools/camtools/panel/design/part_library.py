@@ -95,13 +95,6 @@ class PartLibrary:
             raise CamtoolsError([f"{name}: this file exists; give another name or replace it"])
         self._write(name, data)
 
-    def remove(self, name: str) -> None:
-        """Remove a part of one's own."""
-        try:
-            (self._folder / f"{checked_name(name)}.toml").unlink()
-        except OSError as error:
-            raise CamtoolsError([f"{name}: cannot be removed: {error.strerror}"]) from error
-
     def _write(self, name: str, data: bytes) -> None:
         if len(list(self._folder.glob("*"))) >= MOST_PARTS:
             raise CamtoolsError([f"the library has {MOST_PARTS} files; remove some"])

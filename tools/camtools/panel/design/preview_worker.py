@@ -13,7 +13,6 @@ import os
 import resource
 import signal
 import sys
-import time
 from collections.abc import Iterator
 from math import floor, log10
 from pathlib import Path
@@ -41,7 +40,7 @@ from camtools.table.channel import (
     Channel,
     in_sense,
 )
-from camtools.table.image import Table, pack
+from camtools.table.image import pack
 from camtools.table.summary import describe_channel
 
 N_ANGLES = 1440
@@ -108,15 +107,6 @@ def curves_of(exact: Exact, rpm: float, z_mm: float | None, speed: Channel | Non
     }
 
 
-def limits_of(limits: MachineLimits) -> Shown:
-    """Return the limits that lines of the pictures stand for."""
-    return {
-        "velocity_mm_s": limits.u_speed_mm_s,
-        "acceleration_m_s2": limits.u_acceleration_mm_s2 / MM_PER_M,
-        "stroke_um": limits.u_stroke_mm * UM_PER_MM,
-    }
-
-
 class Judged:
     """A table that was made, and what the controller's rule says of it.
 
@@ -150,34 +140,31 @@ class Judged:
         return self.table.spindle_mrpm / 1000
 
 
-def table_facts(table: Table) -> Shown:
-    """Return bytes, knots and slices of a table and of its channels."""
-    channels = []
-    for channel in table.channels:
-        about = describe_channel(channel)
-        keys = ("bytes", "n_slices", "knots_per_pattern", "patterns_per_turn")
-        channels.append({"name": _CHANNELS[channel.kind]} | {key: about[key] for key in keys})
-    return {"bytes": len(pack(table)), "channels": channels}
-
-
 def verdict_of_table(judged: Judged, limits: MachineLimits) -> Shown:
-    """Return size, margins and verdict of a table."""
-    margins = margins_of(judged.table, limits)
+    """Return size, margins and verdict of a table, with knots and slices of its channels."""
+    table, margins = judged.table, margins_of(judged.table, limits)
+    channels = [(_CHANNELS[one.kind], describe_channel(one)) for one in table.channels]
     return {
-        "table": table_facts(judged.table) | {"tolerance_nm": judged.tolerance_nm},
+        "table": {
+            "bytes": len(pack(table)),
+            "channels": [
+                {"name": name} | {key: about[key] for key in _CHANNEL_KEYS}
+                for name, about in channels
+            ],
+            "tolerance_nm": judged.tolerance_nm,
+        },
         "is_feasible": not judged.lines,
         "highest_rpm": judged.best.rpm,
         "decided_by": judged.best.decides,
-        "rpm": judged.rpm,
         "asked_rpm": judged.asked_rpm,
         "margins": [{key: getattr(margin, key) for key in _MARGIN_KEYS} for margin in margins],
     }
 
 
+_CHANNEL_KEYS = ("bytes", "n_slices", "knots_per_pattern", "patterns_per_turn")
 _MARGIN_KEYS = ("name", "field", "needed", "limit", "unit", "left_percent")
 FILE = "part.toml"  # what messages call the text; it is left out where they are shown
 _REMEMBERED = 64
-_DONE = "done"
 
 
 class SupersededError(BaseException):
@@ -214,7 +201,11 @@ def _preview(request: Shown) -> Iterator[Shown]:
         exact = loaded.kind.exact(loaded.part)
         limits = loaded.part.machine.limits
         asked_rpm = loaded.part.process.spindle_rpm
-        drawn = {"stage": "curves", "limits": limits_of(limits), "kind": loaded.kind.name}
+        shown = {
+            "velocity_mm_s": limits.u_speed_mm_s,
+            "acceleration_m_s2": limits.u_acceleration_mm_s2 / MM_PER_M,
+        }
+        drawn = {"stage": "curves", "limits": shown, "kind": loaded.kind.name}
         yield drawn | curves_of(exact, asked_rpm, z_mm)
         judged = recall(("judged", key), lambda: Judged(loaded))
         if judged.speed is not None or judged.rpm != asked_rpm:
@@ -260,8 +251,12 @@ def _tell(answer: Shown) -> None:
 
 def _carry_out(request: Shown, memory: Memory) -> None:
     """Answer a request; the last answer always has the stage `done`."""
-    begin_s, is_dropped = time.process_time(), False
+    is_dropped = False
     answers = answers_to(request, memory)
+
+    def tell(answer: Shown) -> None:
+        _tell({"id": request["id"]} | answer)
+
     try:
         while True:
             _Switch.is_on = True
@@ -269,17 +264,15 @@ def _carry_out(request: Shown, memory: Memory) -> None:
             _Switch.is_on = False
             if answer is None:
                 break
-            spent_s = time.process_time() - begin_s
-            _tell({"id": request["id"], "cpu_s": spent_s} | answer)
+            tell(answer)
     except SupersededError:
         is_dropped = True
     except MemoryError:
         problem = "takes more memory than a preview may; give fewer points or lobes"
-        _tell({"id": request["id"]} | _problems([problem], ""))
+        tell(_problems([problem], ""))
     finally:
         _Switch.is_on = False
-    spent_s = time.process_time() - begin_s
-    _tell({"id": request["id"], "stage": _DONE, "is_dropped": is_dropped, "cpu_s": spent_s})
+    tell({"stage": "done", "is_dropped": is_dropped})
 
 
 def _drop(_number: int, _frame: FrameType | None) -> None:

@@ -19,6 +19,7 @@ from camtools.panel.pieces import (
     answer_of,
     asks,
     card,
+    columns_of,
     confirmed,
     file_button,
     outlined,
@@ -28,16 +29,14 @@ from camtools.panel.views.parameter_rows import has_force_drive, judged, loop_te
 
 _MOST_BYTES = 1 << 20
 _DEFAULTS = "All parameters are set to the controller's defaults, including those of the machine."
+_LABELS = (
+    *(("name", "Parameter"), ("value", "Value"), ("unit", "Unit"), ("range", "Range")),
+    *(("group", "Group"), ("meaning", "Meaning")),
+)
+_CLASSES = {name: f"op-param-{name}" for name, _ in _LABELS} | {"value": "op-number"}
 _COLUMNS = [
-    {"name": name, "label": label, "field": name, "sortable": True}
-    | {"align": "right" if name == "value" else "left"}
-    | dict.fromkeys(
-        ("classes", "headerClasses"), "op-number" if name == "value" else f"op-param-{name}"
-    )
-    for name, label in (
-        *(("name", "Parameter"), ("value", "Value"), ("unit", "Unit"), ("range", "Range")),
-        *(("group", "Group"), ("meaning", "Meaning")),
-    )
+    column | dict.fromkeys(("classes", "headerClasses"), _CLASSES[column["name"]])
+    for column in columns_of(_LABELS, "value", is_sortable=True)
 ]
 
 

@@ -6,7 +6,6 @@ from typing import Any
 
 from nicegui import ui
 
-from camtools.link.lessons import Lessons
 from camtools.link.refusal_text import FAULTS
 from camtools.link.status_text import cut_progress, tick_load
 from camtools.panel.operate.order_buttons import Orders
@@ -104,10 +103,10 @@ class LearningCard:
             label = "Error of U in the learned harmonics, over the turns used for learning"
             self._chart.props(f'role=img aria-label="{label}" data-testid=learning-chart')
 
-    def show(self, snapshot: Snapshot, lessons: Lessons) -> None:
+    def show(self, snapshot: Snapshot, lessons: list[tuple[int, float]]) -> None:
         """Show what was learned up to now; the chart is sent when a lesson has come."""
         self._words.set_text(convergence_chart.words(snapshot.signals))
-        points = convergence_chart.points_of(lessons.turn.tolist(), lessons.error_um.tolist())
+        points = convergence_chart.points_of(lessons)
         if points != self._shown:
             self._shown = points
             series = {"id": "lessons", "data": points}  # ECharts' setOption takes what has changed

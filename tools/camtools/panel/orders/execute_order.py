@@ -125,16 +125,10 @@ def _memory(action: str) -> Action:
     return carry
 
 
-def _level(link: Link) -> str:
-    """Return the level as the status reports it from now on."""
-    link.status.signals.pop("level", None)
-    link.wait(lambda: "level" in link.status.signals, _PAGES_S)
-    return level_text(link.status.signals)
-
-
 def _lock(link: Link, _arguments: Arguments, _say: Say) -> str:
     ask_done(link, "lock")
-    return _level(link)
+    link.await_anew("level", _PAGES_S)
+    return level_text(link.status.signals)
 
 
 def _take_over(link: Link, _arguments: Arguments, _say: Say) -> str:

@@ -24,7 +24,7 @@ from typing import Any
 from camtools.base.errors import CamtoolsError
 from camtools.link.controller import SILENT_S, Link, Status
 from camtools.link.kept_values import INFOS
-from camtools.link.lessons import Convergence, Lessons
+from camtools.link.lessons import Convergence
 from camtools.link.messages import NUMBERS, Refused
 from camtools.link.refusal_text import ask_done
 from camtools.link.rights import CommandHeld, May, sender_of
@@ -83,8 +83,8 @@ class LinkThread:
     def __init__(
         self,
         open_link: OpenLink,
-        wants_command: Callable[[], bool] = lambda: False,
-        on_lost: Callable[[str, int], None] = lambda text, holder: None,
+        wants_command: Callable[[], bool],
+        on_lost: Callable[[str, int], None],
     ) -> None:
         self._open_link = open_link
         self._wants_command, self._on_lost = wants_command, on_lost
@@ -96,6 +96,7 @@ class LinkThread:
         self._running: Job | None = None
         self._shown_s = 0.0
         self._convergence = Convergence()
+        self.lessons = self._convergence.lessons  # how the error fell, as far as the status showed
         self._parameters_asked_s = -1e9
         self._parameters: ParameterSet | None = None
         self._partial: dict[str, int] = {}
@@ -112,10 +113,6 @@ class LinkThread:
             problem = f"{newest.where}: the controller does not answer; check its power and the bus"
             return replace(newest, is_connected=False, state="unknown", problem=problem)
         return replace(newest, work=self._work, has_command=self._has_command)
-
-    def lessons(self) -> Lessons:
-        """Return how the error fell while the controller learned, as far as the status showed."""
-        return self._convergence.lessons()
 
     def parameters(self) -> ParameterSet | None:
         """Return all parameters; while this is called they are read, anew when one changes."""
@@ -158,7 +155,13 @@ class LinkThread:
             self._is_over.wait(AGAIN_S)
 
     def _end(self, link: Link) -> None:
-        self._give_back(link)
+        """Give command back, as far as that is heard, and close the bus."""
+        link.rights.on_lost = lambda text, holder: None
+        if time.monotonic() - link.status.at_s < SILENT_S:
+            link.on_wait = lambda: None
+            with suppress(Exception):  # the bus may be gone
+                link.rights.release()
+        self._has_command = False
         self._work, self._parameters = "", None
         self._partial.clear()
         link.on_wait = lambda: None
@@ -279,15 +282,6 @@ class LinkThread:
             self._take_again_s = now_s + TAKE_S
             with suppress(CommandHeld):
                 link.rights.take()
-
-    def _give_back(self, link: Link) -> None:
-        """Give command back at the end of a connection, as far as that is heard."""
-        link.rights.on_lost = lambda text, holder: None
-        if time.monotonic() - link.status.at_s < SILENT_S:
-            link.on_wait = lambda: None
-            with suppress(Exception):  # the bus may be gone
-                link.rights.release()
-        self._has_command = False
 
     def _look_after(self, link: Link) -> None:
         """Do what pages that look want to see, a little at a time."""

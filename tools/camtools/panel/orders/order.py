@@ -10,7 +10,7 @@ the unit of their name.
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 from camtools.base.errors import CamtoolsError, shown
 from camtools.link.operator import AXES, MEASURES, N_TOOLS
@@ -32,13 +32,6 @@ class Outcome:
     text: str  # one line for people: what is so now, or why not and what to do
 
 
-class OrderRule(NamedTuple):
-    """Types of an order's arguments by their names, and of those that may be missing."""
-
-    arguments: Mapping[str, type]
-    optional: Mapping[str, type]
-
-
 # They overtake everything, break off what runs, and drop what waits.
 URGENT = ("stop", "disable")
 # They end when the visitor's page is closed or command is lost.
@@ -55,51 +48,42 @@ _OWN_CHOICES: Mapping[tuple[str, str], Collection[object]] = {
 }
 
 
-def _rule(optional: Mapping[str, type] | None = None, **arguments: type) -> OrderRule:
-    return OrderRule(arguments, optional or {})
-
-
-RULES = {
+# Types of the arguments of each order by their names.
+RULES: Mapping[str, Mapping[str, type]] = {
     # Without arguments, as camctl has them. home: finds the index; of an axis: in manual.
-    **{name: _rule() for name in URGENT},
-    **{name: _rule() for name in ("enable", "manual", "start", "hold", "resume", "reset")},
-    "home": _rule({"axis": str}),
+    **{name: {} for name in (*URGENT, "enable", "manual", "start", "hold", "resume", "reset")},
+    "home": {"axis": str},
     # By hand. press: a number that rises with each press of a button in one page. The page repeats
     # jog_hold every 100 ms; sent_ms is performance.now() of the browser: by it late ones are known.
-    "jog_begin": _rule({"sent_ms": float}, press=int, axis=str, mm_per_s=float),
-    "jog_hold": _rule({"sent_ms": float}, press=int),
-    "jog_end": _rule(press=int),
-    "step": _rule(axis=str, mm=float),
-    "zero": _rule(axis=str, mm=float),  # x: the diameter that the tip touches; z: its height
-    "tool": _rule(number=int),
-    "tool_offset": _rule(number=int, axis=str, mm=float),
+    "jog_begin": {"press": int, "axis": str, "mm_per_s": float, "sent_ms": float},
+    "jog_hold": {"press": int, "sent_ms": float},
+    "jog_end": {"press": int},
+    "step": {"axis": str, "mm": float},
+    "zero": {"axis": str, "mm": float},  # x: the diameter that the tip touches; z: its height
+    "tool": {"number": int},
+    "tool_offset": {"number": int, "axis": str, "mm": float},
     # Overrides and trims, also while cutting.
-    "feed": _rule(percent=float),
-    "spindle": _rule(percent=float),
-    "trim": _rule(measure=str, mm=float),  # measure: diameter or radius
-    "parts": _rule(number=int),
-    "amplitude": _rule(percent=float),
-    "phase": _rule(deg=float),
+    **{name: {"percent": float} for name in ("feed", "spindle", "amplitude")},
+    "trim": {"measure": str, "mm": float},  # measure: diameter or radius
+    "parts": {"number": int},
+    "phase": {"deg": float},
     # From the next start on; 0: those of the table.
-    "speed": _rule(rpm=float),
-    "feed_per_turn": _rule(mm=float),
-    # Tables: whole images, with a name for people.
-    "download": _rule(image=bytes, name=str),
-    "table_next": _rule(image=bytes, name=str),  # and takes it into use, also in ready
-    "select": _rule(),
+    "speed": {"rpm": float},
+    "feed_per_turn": {"mm": float},
+    # Tables: whole images, with a name for people; table_next takes it into use, also in ready.
+    **{name: {"image": bytes, "name": str} for name in ("download", "table_next")},
+    "select": {},
     # Parameters, in the controller's whole numbers.
-    "set": _rule(name=str, value=int),
-    "params_load": _rule(text=bytes, name=str),  # a TOML file of camctl params save
-    "keep": _rule(),
-    "revert": _rule(),
-    "defaults": _rule(),
-    # The position loop of a U that takes forces.
-    "push_u": _rule(force_n=float),
-    "measure_loop": _rule(),
-    "apply_loop": _rule(),  # what was proposed last
+    "set": {"name": str, "value": int},
+    "params_load": {"text": bytes, "name": str},  # a TOML file of camctl params save
+    **{name: {} for name in ("keep", "revert", "defaults")},
+    # The position loop of a U that takes forces; apply_loop: what was proposed last.
+    "push_u": {"force_n": float},
+    **{name: {} for name in ("measure_loop", "apply_loop")},
     # The level of the controller: limits, constants and tables change in the unlocked one only.
-    "lock": _rule(),
+    "lock": {},
 }
+_OPTIONAL = {("home", "axis"), ("jog_begin", "sent_ms"), ("jog_hold", "sent_ms")}
 
 
 def checked(order: Order) -> dict[str, Any]:
@@ -107,12 +91,12 @@ def checked(order: Order) -> dict[str, Any]:
     rule = RULES.get(order.name)
     if rule is None:
         raise CamtoolsError([f"{shown(order.name)}: no such order"])
-    given, known = order.arguments, {**rule.arguments, **rule.optional}
-    missing = [name for name in rule.arguments if name not in given]
-    if missing or set(given) - set(known):
-        wanted = ", ".join(known) or "nothing"
+    given = order.arguments
+    missing = {name for name in rule if (order.name, name) not in _OPTIONAL} - set(given)
+    if missing or set(given) - set(rule):
+        wanted = ", ".join(rule) or "nothing"
         raise CamtoolsError([f"{order.name}: give {wanted}"])
-    return {name: _argument(order.name, name, known[name], value) for name, value in given.items()}
+    return {name: _argument(order.name, name, rule[name], value) for name, value in given.items()}
 
 
 def _argument(order: str, name: str, kind: type, value: object) -> object:

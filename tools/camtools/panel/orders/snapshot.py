@@ -6,6 +6,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import MappingProxyType
 
 from camtools.link.controller import Status
@@ -40,10 +41,11 @@ class ParameterSet:
     values: Mapping[str, int]  # by name, in the controller's order
     version: int  # that the controller reports
     kept: str  # whether the controller keeps them over a restart, in words
-    checksum: int = field(init=False)  # of the values, as the status reports it
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "checksum", checksum(self.values))
+    @cached_property
+    def checksum(self) -> int:
+        """Of the values, as the status reports it."""
+        return checksum(self.values)
 
     def is_of(self, signals: Mapping[str, float]) -> bool:
         """Return whether version and kept are still those of the status."""

@@ -7,11 +7,10 @@ from nicegui import ui
 
 from camtools.panel.design import charts
 from camtools.panel.design.charts import margin_rows, table_words, verdict_words
-from camtools.panel.pieces import Showing
+from camtools.panel.pieces import Showing, columns_of, redraw
 
 Answer = dict[str, Any]
 _MAGNIFY = {0: "as seen well", 1: "true to scale"} | {n: f"{n} times" for n in (10, 100, 1000)}
-_COLUMNS = (("limit", "limit"), ("needed", "needed"), ("of", "of"), ("left", "left"))
 
 
 class PreviewView:
@@ -45,9 +44,7 @@ class PreviewView:
             self._section = _chart("section", "Section at the chosen height")
             self._profile = _chart("profile", "Diameters over the height")
             self._motion = _chart("motion", "U, velocity, acceleration and jerk over a turn")
-        columns = [
-            {"name": key, "field": key, "label": label, "align": "left"} for key, label in _COLUMNS
-        ]
+        columns = columns_of((name, name) for name in ("limit", "needed", "of", "left"))
         self._margins = ui.table(columns=columns, rows=[], row_key="limit")
         self._margins.props("dense flat hide-pagination :rows-per-page-options='[0]'")
         self._margins.props("data-testid=margins").classes("full-width margins")
@@ -115,7 +112,5 @@ def _chart(key: str, name: str) -> ui.echart:
 
 def _set(chart: ui.echart, options: Answer) -> None:
     """Give a chart other options; one that showed an old preview does no more."""
-    chart.options.clear()
-    chart.options.update(options)
     chart.classes(remove="is-old")
-    chart.update()
+    redraw(chart, options)

@@ -18,7 +18,7 @@ from camtools.panel.orders.commander import Visitor
 from camtools.panel.page_frame import framed
 from camtools.panel.pages.design import STYLE
 from camtools.panel.pages.runs_comparison import MOST_COMPARED, ComparisonView
-from camtools.panel.pieces import confirmed, refusals_shown
+from camtools.panel.pieces import columns_of, confirmed, refusals_shown
 from camtools.panel.runs.store import OWN, REPORT, Run
 
 _BOX = '<q-checkbox dense v-model="props.selected" {name} />'
@@ -57,11 +57,7 @@ class RunsPage:
     def __init__(self, designs: DesignService, visitor: Visitor) -> None:
         self._designs, self._visitor = designs, visitor
         self._version: tuple[int, int] | None = None
-        columns = [
-            {"name": key, "field": key, "label": label, "sortable": True}
-            | {"align": "right" if key in _NUMBERS else "left"}
-            for key, label in _COLUMNS
-        ]
+        columns = columns_of(_COLUMNS, *_NUMBERS, is_sortable=True)
         with ui.row().classes("items-center q-gutter-sm"):
             for label, icon, name, press in (
                 ("Compare", "compare_arrows", "compare", self._compare),

@@ -11,6 +11,7 @@ from nicegui import ui
 from nicegui.events import ValueChangeEventArguments
 
 from camtools.base.quantities import Floats
+from camtools.panel.pieces import columns_of, redraw
 from camtools.panel.runs import compare as charts
 from camtools.panel.runs.compare import (
     DiffLine,
@@ -38,21 +39,22 @@ class ComparisonView:
     def __init__(self, runs: Sequence[Run], report_address: Callable[[str], str]) -> None:
         self._runs, self._report_address = list(runs), report_address
         self._names = [run.name for run in runs]
-        self._curves: list[ErrorCurves | None] = []
+        self._curves: list[tuple[str, ErrorCurves | None]] = []
         self._ends_mm = (0.0, 1.0)
-        self._sections: list[tuple[Floats, Floats] | None] = []
+        self._sections: list[tuple[str, tuple[Floats, Floats]]] = []
 
     def read(self) -> None:
         """Read what the runs left; it takes a second or so, and touches no element."""
         heights_mm = [height for run in self._runs for height in heights_of(run.folder)]
         if heights_mm:
             self._ends_mm = min(heights_mm), max(heights_mm)
-        self._curves = [error_curves(run.folder, self._ends_mm) for run in self._runs]
+        self._curves = [(run.name, error_curves(run.folder, self._ends_mm)) for run in self._runs]
         self._read_sections(sum(self._ends_mm) / 2)
 
     def _read_sections(self, z_mm: float) -> None:
         band_mm = (self._ends_mm[1] - self._ends_mm[0]) / _BANDS
-        self._sections = [section_error(run.folder, z_mm, band_mm) for run in self._runs]
+        found = [(run.name, section_error(run.folder, z_mm, band_mm)) for run in self._runs]
+        self._sections = [(name, section) for name, section in found if section is not None]
 
     def show(self) -> None:
         """Make the elements."""
@@ -95,30 +97,29 @@ class ComparisonView:
 
     def _show_curves(self) -> None:
         with ui.element("div").classes("compare-pair"):
-            _chart(charts.over_height(self._names, self._curves), "over-height")
-            _chart(charts.over_angle(self._names, self._curves), "over-angle")
+            gauged = [(name, curves) for name, curves in self._curves if curves is not None]
+            _chart(charts.over_height(gauged), "over-height")
+            _chart(charts.over_angle(gauged), "over-angle")
         low, high = self._ends_mm
         middle = (low + high) / 2
         slider = ui.slider(min=low, max=high, step=(high - low) / _BANDS, value=middle)
         slider.props('aria-label="height of the section" label data-testid=section-height')
-        chart = _chart(charts.sections(self._names, self._sections, middle), "section-error")
+        chart = _chart(charts.sections(self._sections, middle), "section-error")
 
         async def moved() -> None:
             z_mm = float(slider.value)
             await background.io_bound(self._read_sections, z_mm)
-            chart.options.clear()
-            chart.options.update(charts.sections(self._names, self._sections, z_mm))
-            chart.update()
+            redraw(chart, charts.sections(self._sections, z_mm))
 
         slider.on("change", moved, args=[])
 
     def _show_maps(self) -> None:
-        there = [curves.map_um for curves in self._curves if curves is not None]
+        there = [curves.map_um for _, curves in self._curves if curves is not None]
         if not there:
             return
         scale_um = charts.scale_of(there)
         with ui.element("div").classes("compare-pair"):
-            for i, (name, curves) in enumerate(zip(self._names, self._curves, strict=True)):
+            for i, (name, curves) in enumerate(self._curves):
                 if curves is None:
                     ui.label(f"{name}: not gauged")
                 else:
@@ -144,10 +145,7 @@ def _table(
     title: str, names: Sequence[str], rows: list[dict[str, str]], more: list[tuple[str, str]]
 ) -> ui.table:
     labels = [("what", ""), *((f"r{i}", name) for i, name in enumerate(names)), *more]
-    columns = [
-        {"name": key, "field": key, "label": label, "align": "left"} for key, label in labels
-    ]
-    table = ui.table(columns=columns, rows=rows, row_key="what", title=title)
+    table = ui.table(columns=columns_of(labels), rows=rows, row_key="what", title=title)
     return table.props("dense flat wrap-cells hide-pagination :rows-per-page-options='[0]'")
 
 

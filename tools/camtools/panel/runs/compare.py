@@ -88,14 +88,12 @@ def differing(first: str | None, second: str | None) -> list[DiffLine]:
 def settings_rows(runs: Sequence[Run]) -> list[tuple[str, list[str]]]:
     """Return what runs were cut with: a row for each setting, a text for each run."""
     summaries = [summary_of(run.folder) or {} for run in runs]
+    cuts = [summary.get("cut", {}) for summary in summaries]
     return [
         ("part", [run.part for run in runs]),
         ("machine", [run.machine or run.options.machine or "of the part" for run in runs]),
-        (
-            "speed / r/min",
-            [_text(summary.get("cut", {}).get("spindle_rpm")) for summary in summaries],
-        ),
-        ("feed / mm", [_text(summary.get("cut", {}).get("feed_mm")) for summary in summaries]),
+        ("speed / r/min", [_text(cut.get("spindle_rpm")) for cut in cuts]),
+        ("feed / mm", [_text(cut.get("feed_mm")) for cut in cuts]),
         ("learning", [_learning(summary) for summary in summaries]),
         ("seed", [_text(summary.get("seed")) for summary in summaries]),
         ("table", [_text(summary.get("table_bytes")) + " bytes" for summary in summaries]),
@@ -278,13 +276,9 @@ def _lines(
     )
 
 
-def over_height(names: Sequence[str], curves: Sequence[ErrorCurves | None]) -> Options:
-    """Return the largest form error of each band of the height."""
-    named = [
-        (name, _points(curve.z_mm, curve.worst_um))
-        for name, curve in zip(names, curves, strict=True)
-        if curve is not None
-    ]
+def over_height(curves: Sequence[tuple[str, ErrorCurves]]) -> Options:
+    """Return the largest form error of each band of the height, of runs by their names."""
+    named = [(name, _points(curve.z_mm, curve.worst_um)) for name, curve in curves]
     axes = axis("height / mm", 28), axis("largest |form error| / µm", 52, scale=False)
     return _lines("form error over the height", axes, named)
 
@@ -293,25 +287,19 @@ def _around(y_name: str) -> tuple[Options, Options]:
     return axis("drawing's angle / °", 28, **TURN), axis(y_name, 52)
 
 
-def over_angle(names: Sequence[str], curves: Sequence[ErrorCurves | None]) -> Options:
+def over_angle(curves: Sequence[tuple[str, ErrorCurves]]) -> Options:
     """Return the mean following error while cutting, over the drawing's angle."""
     named = [
         (name, _points(curve.angle_deg, curve.following_um))
-        for name, curve in zip(names, curves, strict=True)
-        if curve is not None and curve.following_um is not None
+        for name, curve in curves
+        if curve.following_um is not None
     ]
     return _lines("following error over the angle", _around("mean following error / µm"), named)
 
 
-def sections(
-    names: Sequence[str], found: Sequence[tuple[Floats, Floats] | None], z_mm: float
-) -> Options:
+def sections(found: Sequence[tuple[str, tuple[Floats, Floats]]], z_mm: float) -> Options:
     """Return the form error of one band of the height, over the drawing's angle."""
-    named = [
-        (name, _points(*section))
-        for name, section in zip(names, found, strict=True)
-        if section is not None
-    ]
+    named = [(name, _points(*section)) for name, section in found]
     text = f"form error of the section at {z_mm:.4g} mm"
     return _lines(text, _around("form error / µm"), named)
 

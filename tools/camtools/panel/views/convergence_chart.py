@@ -1,6 +1,6 @@
 """Error of U over the lessons of learning, as options of ECharts and as words.
 
->>> points_of([1, 2, 4], [8.0, 0.0, 0.5])
+>>> points_of([(1, 8.0), (2, 0.0), (4, 0.5)])
 [[1, 8.0], [4, 0.5]]
 """
 
@@ -14,9 +14,9 @@ MOST_POINTS = 300
 _FAINT, _LINE = "#c4ccd0", "#0d47a1"
 
 
-def points_of(turns: Sequence[int], errors_um: Sequence[float]) -> list[list[float]]:
+def points_of(lessons: Sequence[tuple[int, float]]) -> list[list[float]]:
     """Return the points of a logarithmic scale, which has no zero, thinned evenly to the newest."""
-    pairs = [[t, round(e, 4)] for t, e in zip(turns, errors_um, strict=True) if e > 0]
+    pairs = [[turn, round(error, 4)] for turn, error in lessons if error > 0]
     stride = -(-len(pairs) // MOST_POINTS) or 1
     return pairs[::-1][::stride][::-1]
 

@@ -1,6 +1,6 @@
 """How pages put things: numbers with units, states, who commands, what waits.
 
->>> signed(0.5, 4), signed(-0.00001, 4), plain(None, 1) == NOTHING
+>>> plain(0.5, 4, "+"), plain(-0.00001, 4, "+"), plain(None, 1) == NOTHING
 ('+0.5000', '+0.0000', True)
 >>> clock(3725.4), clock(59.6), share_of("download, 40 %")
 ('1:02:05', '1:00', 0.4)
@@ -25,16 +25,14 @@ _MINUS = "\N{MINUS SIGN}"  # as wide as a plus, unlike the hyphen
 
 
 def plain(value: float | None, decimals: int, plus: str = "") -> str:
-    """Return a number; a minus stands before what is below 0 as it is shown, not before zeros."""
+    """Return a number; a minus stands before what is below 0 as it is shown, not before zeros.
+
+    plus: what stands before the others, a plus where the width shall not depend on the sign.
+    """
     if value is None or not isfinite(value):
         return NOTHING
     digits = f"{abs(value):.{decimals}f}"
     return f"{_MINUS if value < 0 and float(digits) > 0 else plus}{digits}"
-
-
-def signed(value: float | None, decimals: int) -> str:
-    """Return a number with its sign, so that its width does not depend on it."""
-    return plain(value, decimals, "+")
 
 
 def clock(seconds: float | None) -> str:
@@ -63,7 +61,7 @@ class Field:
         """Return the number as it is shown."""
         value = signals.get(self.signal)
         scaled = None if value is None else value * self.factor
-        return (signed if self.is_signed else plain)(scaled, self.decimals)
+        return plain(scaled, self.decimals, "+" if self.is_signed else "")
 
 
 SPEED = Field("speed", "Spindle speed", "r/min", "speed", 1)
@@ -147,7 +145,6 @@ LOOKS = {
 _LOST = "The controller does not answer: all values here are old."
 SILENT = Look("NO CONNECTION", "silent", "link_off", _LOST)
 UNKNOWN = Look("WAITING", "silent", "hourglass_empty", "No status received yet.")
-IN_WORK = ("rehearsing", "engaging", "cutting", "holding", "disengaging")
 
 
 def look(state: str, *, is_connected: bool) -> Look:
