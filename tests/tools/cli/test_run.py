@@ -293,7 +293,7 @@ def test_without_a_build_it_is_one_line(run: Command, tmp_path: Path) -> None:
     done = run("-o", "out", CAMTURN_BUILD=str(tmp_path / "build"))
     assert done.returncode == 2
     (line,) = complaints(done.stderr)
-    assert line.endswith("libcamsim.so: cannot be loaded; start tools/run, which builds it")
+    assert line.endswith("libcamjudge.so: cannot be loaded; start tools/mktables, which builds it")
     assert listing(tmp_path) == []
 
 

@@ -12,7 +12,8 @@ import pytest
 from pytest import MonkeyPatch
 
 from camtools.base.errors import CamtoolsError
-from camtools.sim.binding import PROTOTYPES, SimSession, library_path
+from camtools.base.project import library_path
+from camtools.sim.binding import PROTOTYPES, SimSession
 from camtools.sim.machine_file import Machine
 from camtools.sim.results import STATES
 from camtools.sim.simulate import Result, begun, simulate
@@ -161,7 +162,7 @@ def test_prototypes_are_those_of_the_header() -> None:
 def test_library_that_is_missing_is_one_line(monkeypatch: MonkeyPatch, tmp_path: Path) -> None:
     """The line names the file and who builds it."""
     monkeypatch.setenv("CAMTURN_BUILD", str(tmp_path))
-    assert not library_path().exists()
+    assert not library_path("camsim").exists()
     with pytest.raises(CamtoolsError, match="cannot be loaded; start tools/run"):
         SimSession()
 
