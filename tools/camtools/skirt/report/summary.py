@@ -13,7 +13,7 @@ from math import isinf
 import numpy as np
 from scipy.interpolate import PPoly
 
-from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
+from camtools.base.quantities import NM_PER_MM, NM_PER_UM, Floats, omega_rad_s
 from camtools.base.text import Json
 from camtools.cut.feasibility import feasibility_of, tenth_below
 from camtools.measured.correction_step import round_text
@@ -38,7 +38,7 @@ from camtools.skirt.part.curves import Piece
 from camtools.skirt.part.keys import Ovality, Profile
 from camtools.skirt.part.part_file import Piston, SkirtPart
 from camtools.skirt.table.accuracy import Accuracy
-from camtools.skirt.table.generate import NM_PER_UM, GeneratedSkirt, peaks_of_table
+from camtools.skirt.table.generate import GeneratedSkirt, peaks_of_table
 from camtools.skirt.table.speed import summary_of
 from camtools.skirt.tool.turning import Heel
 from camtools.table.channel import KIND_U, KIND_X, Channel

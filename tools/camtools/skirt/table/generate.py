@@ -19,7 +19,7 @@ from functools import partial
 
 from camtools.base.cache import recall
 from camtools.base.errors import CamtoolsError, GeometryError
-from camtools.base.quantities import NM_PER_MM
+from camtools.base.quantities import NM_PER_MM, NM_PER_UM
 from camtools.cut.correction import Correction
 from camtools.cut.feasibility import HighestSpeed, Peaks, drift_of, highest_speed, peaks_of
 from camtools.cut.passes import checked_passes, judge_passes, records_of
@@ -88,7 +88,6 @@ DEFAULT_TOLERANCE_NM = 1.0
 REFIT_TOLERANCE_NM = 5.0  # of u, where a spline replaces a corner
 CORRECTED_NM = (3.0, 10.0, 30.0, 100.0, 300.0)  # the first that a correction allows
 CORNER_SHARE = 0.5  # of the form error that a profile with corners may cost
-NM_PER_UM = 1000.0
 
 
 @dataclass(frozen=True, eq=False)
