@@ -273,15 +273,6 @@ def speed_of_contact(lobe: ShaftLobe, phi_rad: Floats, omega_rad_s: Floats) -> F
     return np.asarray(lobe.at(phi_rad).ds_dphi * omega_rad_s)
 
 
-def _speed_of(trace: CutTrace) -> Floats:
-    """Return the spindle's speed from its angle over some ticks to both sides [rad/s]."""
-    k, speed = _SPEED_TICKS, np.full(trace.t_s.size, np.nan)
-    if trace.t_s.size > 2 * k:
-        turned = trace.turn[2 * k :] - trace.turn[: -2 * k]
-        speed[k:-k] = 2 * np.pi * np.abs(turned) / (trace.t_s[2 * k :] - trace.t_s[: -2 * k])
-    return speed
-
-
 def _over_the_angle(lowest: Axes, named: Axes, height: float) -> None:
     """Make x the spindle's angle, and put the names of the curves above the panels."""
     named.legend(frameon=False, loc="upper left", bbox_to_anchor=(0, height), ncols=4)
@@ -292,7 +283,7 @@ def draw_speed(outcome: LobeOutcome) -> Figure:
     """Return the speed of the contact against the spindle's angle, all turns of cutting."""
     figure = new_figure(10, 3.8)
     axes, trace = figure.add_subplot(), outcome.trace
-    omega = _speed_of(trace)
+    omega = 2 * np.pi * np.abs(slope_of(trace.turn, trace.t_s, _SPEED_TICKS))  # rad/s
     for i, lobe in enumerate(outcome.generated.lobes):
         rows = (trace.state == CUTTING) & _heights(lobe, trace.z_mm) & np.isfinite(omega)
         if not rows.any():
