@@ -50,11 +50,7 @@ def check_excitation(periods: int, fade_ticks: int, place_nm: int) -> None:
             raise CamtoolsError([f"{name} {value}: give {low} .. {high}"])
 
 
-def download_wave(
-    link: Link,
-    samples: npt.ArrayLike,
-    progress: Callable[[int, float], None] = lambda stored, seconds: None,
-) -> int:
+def download_wave(link: Link, samples: npt.ArrayLike) -> int:
     """Bring the samples of a period to the controller, one per tick; return how many.
 
     Raises CamtoolsError: they are no whole numbers of 32 bits; Refused: the controller refuses
@@ -71,7 +67,7 @@ def download_wave(
         what = f"{len(rounded)} samples, the controller holds {most}"
         raise Refused(f"wave: refused: {what}; give a shorter period")
     require(link, "wave", begin)
-    bring(link, data, "the controller has no wave; download again", progress)
+    bring(link, data, "the controller has no wave; download again", lambda *_: None)
     require(link, "wave", link.ask("end_wave", crc=zlib.crc32(data)))
     return len(rounded)
 

@@ -95,9 +95,9 @@ def live_lathes(folder: Path | None = None) -> list[LiveLathe]:
     return [lathe for lathe in map(_read, paths) if lathe is not None]
 
 
-def only_lathe(name: str | None, folder: Path | None = None) -> LiveLathe | None:
+def only_lathe(name: str | None) -> LiveLathe | None:
     """Return the live lathe of a name, or the only one there is; several need a name."""
-    found = live_lathes(folder)
+    found = live_lathes()
     names = ", ".join(lathe.name for lathe in found)
     if name is not None:
         named = next((lathe for lathe in found if lathe.name == name), None)
