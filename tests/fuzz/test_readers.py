@@ -73,7 +73,7 @@ PARAMETERS = "".join(f"{name} = {info.low}\n" for name, info in INFOS.items()).e
 READERS: dict[str, tuple[Reader, tuple[bytes, ...]]] = {
     "part": (named(parse_part), files("tools/parts/*.toml")),
     "machine": (text_of(read_machine), files("host_sim/machines/*.toml")),
-    "vary": (vary, files("tools/camtools/forecast/vary.toml")),
+    "vary": (vary, files("tools/camtools/sim/vary.toml")),
     "parameters": (named(parse_parameters), (PARAMETERS, b"[u]\nu_stroke_nm = 1000000\n")),
     "learned": (named(learned_values), (b"k1 = 1\nc = [1, 2]\npart = 'x'\n",)),
     "scan": (text_of(parse_scan), files("tools/parts/scan90.csv")),

@@ -2,7 +2,7 @@
 
 import os
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import pytest
@@ -33,6 +33,18 @@ def load_part(path: Path) -> SkirtPart:
 def parse_part(data: bytes, file: str, folder: Path = Path()) -> SkirtPart:
     """Return the skirt that the bytes of a part file describe."""
     return parse_for("analyse", SkirtPart, data, file, folder)
+
+
+def changed(part: SkirtPart, values: Mapping[str, object]) -> SkirtPart:
+    """Return a skirt with other values of keys or whole tables, named as "piston.profile"."""
+    tree = part.model_dump(exclude_none=True)
+    for path, value in values.items():
+        *tables, key = path.split(".")
+        place = tree
+        for table in tables:
+            place = place[table]
+        place[key] = value
+    return SkirtPart.model_validate(tree)
 
 
 def refused(work: Callable[[], object], error: type[CamtoolsError] = CamtoolsError) -> str:

@@ -13,7 +13,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import omega_rad_s
 from camtools.cut.feasibility import highest_speed, needed_of
 from camtools.cut.verdict import RefusedError, check_table, judge_of, parameters_of
-from camtools.judge.binding import PROTOTYPES, Judge, library_path
+from camtools.judge.binding import PROTOTYPES, Judge
 from camtools.lobe.generate import GeneratedLobes, generate_lobes
 from camtools.lobe.kind import KIND, lobe_machine_text
 from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
@@ -438,8 +438,7 @@ def test_judge_refuses_in_one_line(
     image[-1] ^= 1
     with pytest.raises(CamtoolsError, match=r"refuses the table: .* its CRC-32 differs"):
         Judge(bytes(image), 20_000, {})
-    monkeypatch.setattr("camtools.judge.binding.ROOT", tmp_path)
-    assert not library_path().exists()
+    monkeypatch.setenv("CAMTURN_BUILD", str(tmp_path))
     with pytest.raises(CamtoolsError, match="cannot be loaded; start tools/mktables"):
         Judge(b"", 20_000, {})
 

@@ -11,10 +11,11 @@ import pytest
 from camtools.cli.run import main as run
 from camtools.lobe.generate import GeneratedLobes, generate_lobes
 from camtools.lobe.motion import example_lobe
-from camtools.lobe.plots import band, draw_rake, speed_of_contact
+from camtools.lobe.plots import draw_rake, speed_of_contact
 from camtools.lobe.report import REPORT
 from camtools.lobe.summary import LobeOutcome
 from camtools.report.kind_report import make_report, rows_of
+from camtools.report.surface import over_turn
 from camtools.report.text import page_text
 from camtools.sim.results import STATES, CutTrace, GaugedSurface
 from tests.tools.cases.part_cases import ROOT
@@ -166,10 +167,12 @@ def test_rake_is_drawn_of_a_tool_that_swings(turned: GeneratedLobes) -> None:
 
 def test_data_of_pictures(turned: GeneratedLobes) -> None:
     """Bins hold their extremes; the contact's speed is r omega, on the nose ds/dtheta."""
-    degrees, least, most = band(np.array([0.5, 0.5001, 1.0]), np.array([-1.0, 2.0, 3.0]))
+    turn, values = np.array([0.5, 0.5001, 1.0]), np.array([-1.0, 2.0, 3.0])
+    degrees, least, most, mean = over_turn(turn, values, 720)
     assert degrees.tolist() == [0.25, 180.25]
     assert least.tolist() == [3.0, -1.0]
     assert most.tolist() == [3.0, 2.0]
+    assert mean.tolist() == [3.0, 0.5]
     lobe = turned.lobes[0]
     found = speed_of_contact(lobe, np.radians([180.0, 0.0]), np.array([2.0, 1.0]))
     assert found.tolist() == pytest.approx([40.0, 28.0])

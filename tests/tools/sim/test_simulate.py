@@ -9,10 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pytest import MonkeyPatch
 
 from camtools.base.errors import CamtoolsError
-from camtools.sim.binding import PROTOTYPES, SimSession, library_path
+from camtools.sim.binding import PROTOTYPES, SimSession
 from camtools.sim.machine_file import Machine
 from camtools.sim.results import STATES
 from camtools.sim.simulate import Result, begun, simulate
@@ -156,14 +155,6 @@ def test_cuts_of_other_threads_wait(table: Path) -> None:
 def test_prototypes_are_those_of_the_header() -> None:
     """Compare the arguments of every declaration with those that ctypes is told."""
     assert declared_in(HEADER, {}) == named(PROTOTYPES)
-
-
-def test_library_that_is_missing_is_one_line(monkeypatch: MonkeyPatch, tmp_path: Path) -> None:
-    """The line names the file and who builds it."""
-    monkeypatch.setenv("CAMTURN_BUILD", str(tmp_path))
-    assert not library_path().exists()
-    with pytest.raises(CamtoolsError, match="cannot be loaded; start tools/run"):
-        SimSession()
 
 
 def test_progress_rises_to_the_end(table: Path) -> None:

@@ -39,7 +39,7 @@ from tests.tools.cases.cut_cases import (
     tip_mm,
     written,
 )
-from tests.tools.cases.part_cases import load_part, parse_part, refused
+from tests.tools.cases.part_cases import changed, load_part, parse_part, refused
 
 SKIRTS = [
     path.stem for path in sorted(PARTS.glob("*.toml")) if isinstance(load(path).part, SkirtPart)
@@ -121,10 +121,9 @@ REFIT = "piston.section.refit"
 
 def with_refit(**keys: object) -> SkirtPart:
     """Return the refit paper's part with other keys of its refit; form_error_um apart."""
-    tree = load_part(PARTS / "weichai3a.toml").model_dump()
-    tree["process"]["form_error_um"] = keys.pop("form_error_um", 17.0)
-    tree["piston"]["section"]["refit"] = {"spline": "quintic"} | keys
-    return SkirtPart.model_validate(tree)
+    form_error_um = keys.pop("form_error_um", 17.0)
+    values = {REFIT: {"spline": "quintic"} | keys, "process.form_error_um": form_error_um}
+    return changed(load_part(PARTS / "weichai3a.toml"), values)
 
 
 def drawn_radius_mm(turn: Floats, z_mm: Floats) -> Floats:

@@ -202,6 +202,7 @@ BAD = [
     (sided("blend_deg = 30", "blend_deg = 1"), f"{OTHER}.blend_deg = 1", "at least 2"),
     (sided(OVAL, 'shape = "power"'), f"{SECTION}.exponent: is missing", "add it"),
     (sided(OVAL, 'shape = "power"\nexponent = 1.5'), f"{SECTION}.exponent = 1.5", "at least 2"),
+    (with_section('shape = "power"\nexponent = [2, 3]\n'), f"{SECTION}.exponent", "one for each"),
     (formula('"power"', '"cubic"'), f"{PROFILE}.law = 'cubic': Input should be 'power'", ""),
     (formula("exponent = 2", "exponent = 1.5"), f"{PROFILE}.exponent = 1.5", "at least 2"),
     (formula("= 7.4546e-5", "= 1"), f"{PROFILE}.coefficient = 1.0: makes", "mm of radius"),

@@ -36,7 +36,7 @@ from camtools.skirt.table.accuracy import UnreachableError
 from camtools.skirt.table.generate import generate
 from tests.tools.cases.camsim_cases import cut
 from tests.tools.cases.cut_cases import made_skirt, written
-from tests.tools.cases.part_cases import PERKINS, ROOT, load_part, parse_part
+from tests.tools.cases.part_cases import PERKINS, ROOT, changed, load_part, parse_part
 
 # the conical end of a drawing
 HEIGHTS = [0.0, 2, 10, 20, 30, 40, 50, 62]
@@ -48,9 +48,8 @@ START = {"interpolation": "segments", "height_mm": [0], "diameter_mm": [91]}
 
 def part_of(profile: dict[str, Any], **piston: object) -> SkirtPart:
     """Return the example with another profile."""
-    tree = example_part().model_dump()
-    tree["piston"] |= {"profile": profile} | piston
-    return SkirtPart.model_validate(tree)
+    tables = {"profile": profile} | piston
+    return changed(example_part(), {f"piston.{name}": keys for name, keys in tables.items()})
 
 
 def drawn(**keys: object) -> dict[str, Any]:
@@ -365,51 +364,45 @@ def test_report_of_a_cut_has_residuals(tmp_path: Path, capsys: pytest.CaptureFix
 
 def test_smoothing_without_an_effect() -> None:
     """Lines and arcs are exact, three points have no third derivative, a parabola is smooth."""
-    tree = example_part().model_dump()
     cone = {"to_mm": 62, "diameter_mm": 91.7}
     start = {"interpolation": "segments", "height_mm": [0], "diameter_mm": [91], "smooth_um": 1}
-    tree["piston"]["profile"] = start | {"segment": [cone]}
     with pytest.raises(ValidationError, match="only points are smoothed"):
-        SkirtPart.model_validate(tree)
+        part_of(start | {"segment": [cone]})
     with pytest.raises(ValidationError, match="changes nothing with 3 points, it needs 4"):
         Profile.model_validate(
             {"height_mm": [0, 31, 62], "diameter_mm": [91, 92, 91.5], "smooth_um": 1}
         )
-    tree = example_part().model_dump()
     parabola = (92 - 1e-4 * (Z_MM - 25) ** 2).tolist()
-    tree["piston"]["profile"] = listed(smooth_um=0.5) | {"diameter_mm": parabola}
-    found = smoothing_facts(SkirtPart.model_validate(tree).piston)
+    found = smoothing_facts(part_of(listed(smooth_um=0.5, diameter_mm=parabola)).piston)
     [line] = smoothing_texts(found, {}, 5.0)
     assert line.endswith("within 0.5 um: nothing changes, because its points are smooth already")
 
 
-def bent(**process: float) -> SkirtPart:
+def bent(form_error_um: float) -> SkirtPart:
     """Return a part whose profile has a point that is 20 um off a barrel."""
-    tree = example_part().model_dump()
     diameter_mm = barrel(Z_MM)[0]
     diameter_mm[30] += 0.02
     profile = {"interpolation": "linear", "height_mm": Z_MM.tolist(), "smooth_um": 40}
-    tree["piston"]["profile"] = profile | {"diameter_mm": diameter_mm.tolist()}
-    tree["process"] |= process
-    return SkirtPart.model_validate(tree)
+    part = part_of(profile | {"diameter_mm": diameter_mm.tolist()})
+    return changed(part, {"process.form_error_um": form_error_um})
 
 
 def test_smoothing_beyond_the_form_error_is_refused() -> None:
     """Half of a diameter's residual counts, with the number that would do."""
     with pytest.raises(GeometryError, match=r"piston\.profile\.smooth_um: ") as refused:
-        make_geometry(bent(form_error_um=5.0))
+        make_geometry(bent(5.0))
     found = re.search(r"by up to ([0-9.]+) um, .* above ([0-9.]+)$", refused.value.lines[0])
     assert found is not None
     taken_um, least_um = map(float, found.groups())
     assert 8 < taken_um <= 20 and taken_um <= least_um
-    enough = bent(form_error_um=least_um + 0.1)
+    enough = bent(least_um + 0.1)
     make_geometry(enough)
     assert smoothing_takes_um(enough) == pytest.approx(taken_um, rel=0.01)
 
 
 def test_tolerances_of_the_sheets_are_reduced() -> None:
     """A diameter by the whole residual, the form of a line by the same, no phase."""
-    part = bent(form_error_um=100.0)
+    part = bent(100.0)
     stated = Tolerances(diameter_um=50, straightness_um=1, phase_deg=1)
     left = tolerances_left(part.model_copy(update={"tolerances": stated}))
     taken_um = 2 * smoothing_takes_um(part)
@@ -419,10 +412,7 @@ def test_tolerances_of_the_sheets_are_reduced() -> None:
 
 def test_rounded_profile_is_warned_about() -> None:
     """The warning names a band that lowers the bend; a band that raises it is warned about."""
-    tree = example_part().model_dump()
-    tree["piston"]["profile"] = listed()
-    piston = SkirtPart.model_validate(tree).piston
-    noise = noise_facts(piston)
+    noise = noise_facts(part_of(listed()).piston)
     assert set(noise) == {"profile"} and 0.2 < noise["profile"]["smooth_um"] < 2.5
     [line] = smoothing_texts({}, noise, 5.0)
     assert line.startswith("warning: the profile is noisy or rounded coarsely: piston.profile.")
@@ -433,14 +423,6 @@ def test_rounded_profile_is_warned_about() -> None:
 
 
 LAW = ROOT / "tools" / "parts" / "perkins240_law.toml"
-
-
-def changed(part: SkirtPart, **piston: object) -> SkirtPart:
-    """Return the part with tables of [piston] changed."""
-    tree: dict[str, Any] = part.model_dump(exclude_none=True)
-    for name, values in piston.items():
-        tree["piston"][name] |= values
-    return SkirtPart.model_validate(tree)
 
 
 @pytest.fixture(scope="module")
@@ -460,7 +442,8 @@ def test_pieces_are_the_formula(
     far = max(abs(62 - peak_mm), abs(peak_mm))
     k = drop_mm / far**exponent
     profile = {"exponent": exponent, "peak_height_mm": peak_mm, "coefficient": k}
-    geometry = make_geometry(changed(law, profile=profile))
+    values = {f"piston.profile.{name}": value for name, value in profile.items()}
+    geometry = make_geometry(changed(law, values))
     z = np.linspace(0, 62, 20_001)
     off = np.abs(z - peak_mm)
     a = 46 - k * off**exponent
@@ -478,7 +461,8 @@ def test_part_by_formula_is_the_papers(law: SkirtPart) -> None:
     assert 2 * float(geometry.radius_mm(20.0)) == pytest.approx(92.0, abs=1e-12)
     assert 2 * float(geometry.radius_mm(62.0)) == pytest.approx(91.737, abs=2e-6)
     assert geometry.ovality_mm([20.0, 62.0]) == pytest.approx([0.2, 0.3], abs=2e-8)
-    round_one = make_geometry(changed(law, ovality={"is_oval": False}))
+    round_one = make_geometry(changed(law, {"piston.ovality.is_oval": False}))
     assert float(np.abs(round_one.delta(np.linspace(0, 6, 50), 30.0).delta).max()) == 0.0
-    made = generate(changed(law, profile={"exponent": 2.3, "coefficient": 2.4e-5}))
+    values = {"piston.profile.exponent": 2.3, "piston.profile.coefficient": 2.4e-5}
+    made = generate(changed(law, values))
     assert made.accuracy_x.value_nm <= 1.0

@@ -28,7 +28,7 @@ from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import generate
 from tests.tools.cases.camsim_cases import cut, form_um, plain
 from tests.tools.cases.cut_cases import PARTS, made_skirt, written
-from tests.tools.cases.part_cases import load_part, refused
+from tests.tools.cases.part_cases import changed, load_part, refused
 
 MEASURED = PARTS / "scan90.toml"
 ANGLES = range(0, 360, 10)
@@ -350,9 +350,8 @@ def scan_part(
         um = true_um(np.radians(deg), np.full(n, z)) + noise_um * noise.standard_normal(n)
         lines += [f"{a:.6f},{z},{value:.4f}" for a, value in zip(deg, um, strict=True)]
     (folder / "long.csv").write_text("\n".join(lines) + "\n")
-    tree = load_part(MEASURED).model_dump()
-    tree["piston"]["section"] = {"shape": "table", "csv": str(folder / "long.csv")} | keys
-    return SkirtPart.model_validate(tree)
+    section = {"shape": "table", "csv": str(folder / "long.csv")} | keys
+    return changed(load_part(MEASURED), {"piston.section": section})
 
 
 def test_remedy_of_a_long_scan_makes_the_table(tmp_path: Path) -> None:
@@ -388,12 +387,11 @@ def test_a_jump_between_heights_is_refused(tmp_path: Path) -> None:
     for z, um in ((0, 0.0), (15, 0.0), (20, 60.0), (40, 60.0), (60, 60.0)):
         rows += [f"{deg},{z},{um}" for deg in range(0, 360, 15)]
     (tmp_path / "jump.csv").write_text("\n".join(rows) + "\n")
-    tree = load_part(MEASURED).model_dump()
-    tree["piston"]["section"] = {"shape": "table", "csv": str(tmp_path / "jump.csv")}
+    section = {"shape": "table", "csv": str(tmp_path / "jump.csv")}
+    part = changed(load_part(MEASURED), {"piston.section": section})
     with pytest.raises(GeometryError, match=r"the section at 0 degrees goes .* um beyond both"):
-        make_geometry(SkirtPart.model_validate(tree))
-    tree["piston"]["section"]["interpolation"] = "pchip"
-    geometry = make_geometry(SkirtPart.model_validate(tree))
+        make_geometry(part)
+    geometry = make_geometry(changed(part, {"piston.section.interpolation": "pchip"}))
     between = geometry.delta(np.radians([0.0, 17.0, 200.0]), np.linspace(0, 60, 601)[:, None]).delta
     assert between.min() >= -1e-9
     assert between.max() <= 0.06 + 1e-9

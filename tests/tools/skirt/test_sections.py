@@ -37,7 +37,7 @@ from tests.tools.cases.cut_cases import (
     tip_mm,
     written,
 )
-from tests.tools.cases.part_cases import parse_part
+from tests.tools.cases.part_cases import changed, parse_part
 
 A_MM = 46.0
 DEGREES = [0, 10, 15, 30, 45, 60, 75, 90]
@@ -183,8 +183,7 @@ def test_magnified_parts(perkins: SkirtPart) -> None:
     assert 2 * float(geometry.radius_mm(62.0)) == pytest.approx(84.11, abs=1e-12)
     assert float(geometry.ovality_mm(62.0)) == pytest.approx(9.0, abs=1e-12)
     assert 2 * float(geometry.radius_mm(20.0)) == pytest.approx(92.0, abs=1e-12)
-    magnify = {"factor": 30.0, "of": "ovality"}
-    part = SkirtPart.model_validate(perkins.model_dump() | {"magnify": magnify})
+    part = changed(perkins, {"magnify": {"factor": 30.0, "of": "ovality"}})
     geometry = make_geometry(part)
     assert 2 * float(geometry.radius_mm(62.0)) == pytest.approx(91.737, abs=1e-12)
     assert float(geometry.ovality_mm(62.0)) == pytest.approx(9.0, abs=1e-12)
@@ -192,22 +191,15 @@ def test_magnified_parts(perkins: SkirtPart) -> None:
     assert short_mm == pytest.approx(91.737 / 2 - 4.5, abs=1e-12)
     assert part.magnify is not None
     assert part.magnify.words == "ovality enlarged 30 times"
-    part = SkirtPart.model_validate(perkins.model_dump() | {"magnify": {"factor": 1000.0}})
+    part = changed(perkins, {"magnify": {"factor": 1000.0}})
     with pytest.raises(GeometryError, match=r"magnify\.factor.*half axis"):
         make_geometry(part)
-
-
-def changed(part: SkirtPart, **piston: object) -> SkirtPart:
-    """Return the part with other tables of [piston]."""
-    tree = part.model_dump()
-    tree["piston"] |= piston
-    return SkirtPart.model_validate(tree)
 
 
 def test_overshooting_ovality_spline_is_refused(perkins: SkirtPart) -> None:
     """A spline that would fall below zero between its points is refused, naming the field."""
     steep = {"height_mm": [0, 20, 30, 62], "ovality_mm": [0.3, 0.0, 0.0, 0.3]}
-    part = changed(perkins, ovality={**steep, "interpolation": "spline"})
+    part = changed(perkins, {"piston.ovality": steep | {"interpolation": "spline"}})
     with pytest.raises(GeometryError, match=r"piston\.ovality\.interpolation.*falls to -") as info:
         make_geometry(part)
     assert info.value.field == "piston.ovality.interpolation"

@@ -36,7 +36,7 @@ from camtools.table.evaluate import evaluate_at, evaluate_x, jumps
 from camtools.table.image import pack, unpack
 from tests.tools.cases.camsim_cases import cut, refusal
 from tests.tools.cases.cut_cases import PARTS, evaluated, made_skirt, tip_mm, written
-from tests.tools.cases.part_cases import PERKINS, load_part, refused
+from tests.tools.cases.part_cases import PERKINS, changed, load_part, refused
 
 
 def random_points(result: GeneratedSkirt, n: int = 4000) -> tuple[np.ndarray, np.ndarray]:
@@ -121,11 +121,10 @@ def test_guaranteed_bounds_are_true(generated: GeneratedSkirt) -> None:
 
 def part_of(**changes: object) -> SkirtPart:
     """Return a short skirt with some tables of the part file changed."""
-    tree = load_part(PERKINS).model_dump()
-    tree["piston"] |= changes
-    tree["machine"]["limits"] |= {"u_stroke_mm": 30.0, "u_speed_mm_s": 1e5}
-    tree["machine"]["limits"] |= {"u_acceleration_mm_s2": 1e9}
-    return SkirtPart.model_validate(tree)
+    limits = {"u_stroke_mm": 30.0, "u_speed_mm_s": 1e5, "u_acceleration_mm_s2": 1e9}
+    values = {f"piston.{name}": table for name, table in changes.items()}
+    values |= {f"machine.limits.{name}": limit for name, limit in limits.items()}
+    return changed(load_part(PERKINS), values)
 
 
 def test_round_and_double_ellipse() -> None:
@@ -185,9 +184,8 @@ def test_random_parts_keep_the_tolerance(
 )
 def test_infeasible_part_is_refused_with_numbers(limit: str, value: float, needed: float) -> None:
     """A limit that is too low is refused with the number needed and the speed that would do."""
-    tree = load_part(PERKINS).model_dump()
-    tree["machine"]["limits"][limit] = value
-    line = refused(lambda: generate(SkirtPart.model_validate(tree)))
+    weak = changed(load_part(PERKINS), {f"machine.limits.{limit}": value})
+    line = refused(lambda: generate(weak))
     assert line.startswith(f"machine.limits.{limit} = {value:.9g}")
     assert float(line.split("needs ")[1].split()[0]) == pytest.approx(needed, rel=1e-3)
     assert "at most" in line or "no speed helps" in line
@@ -238,10 +236,9 @@ def test_run_follows_its_formula() -> None:
 
 def test_half_axis_that_vanishes_is_refused() -> None:
     """A cone of 1 : 1 has no radius 60 mm below its end."""
-    raw = example_part().model_dump()
-    raw["piston"]["profile"] = {"height_mm": [0, 10, 20], "diameter_mm": [60, 80, 100]}
-    raw["piston"]["ovality"]["height_mm"] = [0, 10, 20]
-    geometry = make_geometry(SkirtPart.model_validate(raw))
+    profile = {"height_mm": [0, 10, 20], "diameter_mm": [60, 80, 100]}
+    values = {"piston.profile": profile, "piston.ovality.height_mm": [0, 10, 20]}
+    geometry = make_geometry(changed(example_part(), values))
     assert with_run(geometry, 5.0, 0.0).z_first_mm == -5.0
     with pytest.raises(GeometryError, match="run_in_mm"):
         with_run(geometry, 60.0, 0.0)
@@ -272,13 +269,10 @@ def test_u_about_the_mean() -> None:
         assert one.value_offset - other.value_offset == middle
     bounds = mean.table.bounds
     assert bounds.u_max_nm == pytest.approx(-bounds.u_min_nm, abs=3)
-    raw = part_with().model_dump()
-    raw["machine"]["limits"]["u_stroke_mm"] = 0.16
-    with pytest.raises(CamtoolsError) as refused:
-        generate(SkirtPart.model_validate(raw))
-    assert 'u_zero = "mean", which needs 0.15' in str(refused.value)
-    raw["process"]["u_zero"] = "mean"
-    assert generate(SkirtPart.model_validate(raw)).table.limits.u_stroke_nm == 160_000
+    short = changed(part_with(), {"machine.limits.u_stroke_mm": 0.16})
+    assert 'u_zero = "mean", which needs 0.15' in refused(lambda: generate(short))
+    centred = generate(changed(short, {"process.u_zero": "mean"}))
+    assert centred.table.limits.u_stroke_nm == 160_000
 
 
 LAW = {"height_mm": [0.0, 10.0, 50.0, 62.0], "feed_mm": [0.05, 0.15, 0.15, 0.08]}
@@ -441,14 +435,14 @@ def test_part_is_judged_by_its_drawing(corrected: Made, tmp_path: Path) -> None:
 
 def test_breaks_that_differ_by_rounding() -> None:
     """The middle of 65 heights of 30 mm is not 15 mm to the last bit; the feed speed is finite."""
-    raw, heights = example_part().model_dump(), [0.0, 15.0, 30.0]
-    diameters = {"diameter_mm": [79.99, 80.0, 80.01], "overshoot_um": 30.0}
-    raw["piston"]["profile"] |= {"height_mm": heights} | diameters
-    raw["piston"]["ovality"] |= {"height_mm": heights, "ovality_mm": [0.3, 0.35, 0.4]}
+    heights = {"height_mm": [0.0, 15.0, 30.0]}
+    profile = heights | {"diameter_mm": [79.99, 80.0, 80.01], "overshoot_um": 30.0}
+    ovality = heights | {"ovality_mm": [0.3, 0.35, 0.4]}
+    part = changed(example_part(), {"piston.profile": profile, "piston.ovality": ovality})
     ends = (0.0, 30.0)
     assert nodes_of(ends)[32] != 15.0
     correction = Correction(ends, {2: 1e-3 * np.ones(65, dtype=np.complex128)})
-    made = made_skirt(SkirtPart.model_validate(raw), correction=correction)
+    made = made_skirt(part, correction=correction)
     assert 0 < KIND.summary(made.table)["motion"]["velocity_from_feed_mm_s"] < 1
 
 

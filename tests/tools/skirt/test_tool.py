@@ -24,17 +24,15 @@ from camtools.table.image import pack
 from tests.tools.cases.camsim_cases import cut, form_um
 from tests.tools.cases.command_cases import job_of
 from tests.tools.cases.cut_cases import PARTS, made_skirt, skirt_of, written
-from tests.tools.cases.part_cases import PERKINS, load_part, refused
+from tests.tools.cases.part_cases import PERKINS, changed, load_part, refused
 
 NM = 1e6
 
 
 def part_of(heights: list[float], diameters: list[float], **tables: object) -> SkirtPart:
     """Return a skirt with a profile of its own."""
-    tree = example_part().model_dump() | tables
     profile = {"height_mm": heights, "diameter_mm": diameters}
-    tree["piston"] = tree["piston"] | {"profile": profile}
-    return SkirtPart.model_validate(tree)
+    return changed(example_part(), {"piston.profile": profile} | tables)
 
 
 def steep(nose_mm: float) -> SkirtPart:
@@ -116,9 +114,8 @@ def test_derivatives_are_those_of_the_tip(nose_mm: float) -> None:
 def test_on_a_cone_the_tip_stands_out_by_the_closed_form() -> None:
     """By r (1 / cos - 1) of the slope, MATHS.md (108); beyond an end the tangent counts."""
     oval = {"height_mm": [0, 60], "ovality_mm": [0.2, 0.2]}
-    tree = part_of([0, 20, 40, 60], [90, 80, 70, 60]).model_dump()
-    tree["piston"] |= {"ovality": oval, "section": {"shape": "cosine"}}
-    drawing = make_geometry(SkirtPart.model_validate(tree))
+    values = {"piston.ovality": oval, "piston.section": {"shape": "cosine"}}
+    drawing = make_geometry(changed(part_of([0, 20, 40, 60], [90, 80, 70, 60]), values))
     tip, z = tip_of(drawing, 0.8), np.linspace(1, 59, 30)
     out_mm = 0.8 * (np.hypot(1, 0.25) - 1)
     assert np.abs(tip.radius_mm(z) - drawing.radius_mm(z) - out_mm).max() * NM < 1e-3
@@ -143,9 +140,8 @@ def test_a_hollow_that_is_too_narrow_is_refused_with_the_largest_nose() -> None:
 
 def test_a_crease_is_refused_by_what_it_keeps() -> None:
     """A polygon of the ovality may leave 0.1 um between two of its sides, not more."""
-    tree = example_part().model_dump()
-    tree["piston"]["ovality"] = {"height_mm": [0, 30, 62], "ovality_mm": [0.1, 4.0, 0.1]}
-    drawing = make_geometry(SkirtPart.model_validate(tree))
+    ovality = {"height_mm": [0, 30, 62], "ovality_mm": [0.1, 4.0, 0.1]}
+    drawing = make_geometry(changed(example_part(), {"piston.ovality": ovality}))
     with pytest.raises(CamtoolsError, match=r"fit into the crease of 7\.2") as refused:
         tip_of(drawing, 0.8)
     line = str(refused.value)
@@ -190,10 +186,10 @@ def test_the_gauge_shows_a_nose_that_the_table_does_not_know(tmp_path: Path) -> 
 @pytest.mark.parametrize("run_mm", [0, 3])
 def test_an_end_that_rises_comes_out_well(run_mm: float, tmp_path: Path) -> None:
     """A cone that rises to its upper end: there the nose touches the surface in the air."""
-    tree = part_of([0, 20, 40, 60], [60, 66, 72, 78], tool={"nose_radius_mm": 0.8}).model_dump()
-    tree["process"] |= {"run_in_mm": run_mm, "run_out_mm": run_mm}
-    tree["piston"] |= {"ovality": {"height_mm": [0, 60], "ovality_mm": [0.15, 0.3]}}
-    assert form_um(coarse(SkirtPart.model_validate(tree), tmp_path)) < 0.2
+    part = part_of([0, 20, 40, 60], [60, 66, 72, 78], tool={"nose_radius_mm": 0.8})
+    values: dict[str, object] = {"process.run_in_mm": run_mm, "process.run_out_mm": run_mm}
+    values["piston.ovality"] = {"height_mm": [0, 60], "ovality_mm": [0.15, 0.3]}
+    assert form_um(coarse(changed(part, values), tmp_path)) < 0.2
 
 
 def test_a_worn_tool_cuts_well_with_its_offset(tmp_path: Path) -> None:
@@ -297,8 +293,8 @@ def scanned(radius_mm: Floats, folder: Path, **tables: object) -> SkirtPart:
     (folder / "scan.csv").write_text("angle_deg,z_mm,reduction_um\n" + "\n".join(rows) + "\n")
     profile = {"height_mm": [0, 20], "diameter_mm": [2 * largest, 2 * largest]}
     section = {"shape": "table", "csv": str(folder / "scan.csv"), "single_height": True}
-    tree = example_part().model_dump() | {"piston": {"profile": profile, "section": section}}
-    return SkirtPart.model_validate(tree | tables)
+    piston = {"profile": profile, "section": section}
+    return changed(example_part(), {"piston": piston} | tables)
 
 
 def rubs(geometry: Geometry, clearance_deg: float, heel_mm: float, direction: int) -> bool:

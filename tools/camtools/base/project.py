@@ -16,9 +16,10 @@ Origin(date='1970-01-02 00:00 UTC', version='', command="tools/run 'a part.toml'
 ctypes does at run time what cffi in ABI mode would do, and belongs to Python, so that nothing has
 to be installed for it; tests compare the prototypes with the headers.
 
->>> loaded(Path("nowhere.so"), {}, "tools/run")
+>>> with patch.dict(os.environ, {"CAMTURN_BUILD": "/no"}):
+...     library("x", {}, "A")
 Traceback (most recent call last):
-camtools.base.errors.CamtoolsError: nowhere.so: cannot be loaded; start tools/run, which builds it
+camtools.base.errors.CamtoolsError: /no/host_sim/libx.so: cannot be loaded; start A, which builds it
 
 >>> child_environment()["OPENBLAS_NUM_THREADS"]
 '1'
@@ -31,6 +32,7 @@ import shlex
 import subprocess
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -112,17 +114,34 @@ def origin_of(program: str, words: Sequence[str]) -> Origin:
 Prototypes = Mapping[str, tuple[Any, list[Any]]]  # result and arguments by the function's name
 
 
-def loaded(path: Path, prototypes: Prototypes, builder: str) -> ctypes.CDLL:
-    """Return a library, made by the program `builder`, whose functions have their types."""
+def build_folder() -> Path:
+    """Return where simulator and libraries are: below the folder CAMTURN_BUILD, or build/host."""
+    build = os.environ.get("CAMTURN_BUILD") or str(ROOT / "build" / "host")
+    return Path(build).resolve() / "host_sim"
+
+
+def library_path(name: str) -> Path:
+    """Return the path of a library that is built: "camsim" or "camjudge"."""
+    return build_folder() / f"lib{name}.so"
+
+
+@cache
+def _opened(path: Path) -> ctypes.CDLL:
+    return ctypes.CDLL(str(path))
+
+
+def library(name: str, prototypes: Prototypes, builder: str) -> ctypes.CDLL:
+    """Return a library, built by the program `builder`, whose functions have their types."""
+    path = library_path(name)
     try:
-        library = ctypes.CDLL(str(path))
-        for name, (result, arguments) in prototypes.items():
-            function = getattr(library, name)
+        opened = _opened(path)
+        for function_name, (result, arguments) in prototypes.items():
+            function = getattr(opened, function_name)
             function.restype, function.argtypes = result, arguments
     except (OSError, AttributeError) as error:
         problem = f"{path}: cannot be loaded"
         raise CamtoolsError([f"{problem}; start {builder}, which builds it"]) from error
-    return library
+    return opened
 
 
 def child_environment() -> dict[str, str]:

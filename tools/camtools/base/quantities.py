@@ -18,7 +18,10 @@ FloatsLike = Floats | float
 _ROUNDING = 5e-4  # three digits may round a number up by this share
 NM_PER_MM = 1_000_000
 UM_PER_MM = 1000.0
+NM_PER_UM = 1000.0
 MM_PER_M = 1000.0
+DEG_PER_TURN = 360.0
+DEG_PER_RAD = 180 / np.pi
 
 
 def omega_rad_s(spindle_rpm: float) -> float:

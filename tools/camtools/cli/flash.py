@@ -20,7 +20,7 @@ from typing import Annotated, NamedTuple
 
 from camtools.base.arguments import Option, UsageError, command
 from camtools.base.errors import CamtoolsError
-from camtools.base.project import ROOT
+from camtools.base.project import ROOT, build_folder
 
 PROGRAMMERS = ("openocd", "st-flash", "pyocd")
 _FIRMWARE_FILE = ROOT / "build" / "mcu-stm32h743" / "hal" / "stm32h743" / "firmware.bin"
@@ -81,8 +81,7 @@ def check_firmware(file: Path) -> None:
 def check_table(file: Path) -> None:
     """Refuse a table that does not fit, or that the firmware's check refuses, in its words."""
     _check_size(file, len(_read(file)), TABLE)
-    build = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host")
-    camsim = build / "host_sim" / "camsim"
+    camsim = build_folder() / "camsim"
     command = [str(camsim), "eval", str(file.absolute())]
     try:
         done = subprocess.run(

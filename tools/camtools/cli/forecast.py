@@ -44,7 +44,7 @@ class Options:
     ] = None
     vary: Annotated[
         Path | None,
-        Option("file of the uncertain properties (default: camtools/forecast/vary.toml)", "V.toml"),
+        Option("file of the uncertain properties (default: camtools/sim/vary.toml)", "V.toml"),
     ] = None
     runs: Annotated[int, Option(f"number of machines (default: {_RUNS})", "N")] = _RUNS
     seed: Annotated[int, Option("seed of the random machines (default: 1)", "S")] = 1

@@ -9,14 +9,12 @@ from dataclasses import replace
 from typing import Any, Protocol, Self, TypeVar
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.quantities import NM_PER_MM
+from camtools.base.quantities import NM_PER_MM, NM_PER_UM
 from camtools.cut.feasibility import HighestSpeed
 from camtools.part.common import PartFile, Pass, SectionProcess, Tool, check_feed, check_tracks
 from camtools.table.channel import PassRecord
 from camtools.table.header import check_tolerance
 from camtools.table.image import Table
-
-_NM_PER_UM = 1000.0
 
 
 class PassedPart(PartFile, Protocol):
@@ -57,7 +55,7 @@ def records_of(passes: Sequence[Pass], parts: Sequence[PassedPart]) -> tuple[Pas
     """Return the records of passes in a table, none of a part that is cut in one."""
     return tuple(
         PassRecord(
-            round(planned.allowance_um * _NM_PER_UM),
+            round(planned.allowance_um * NM_PER_UM),
             round(own.process.feed_mm * NM_PER_MM),
             round(own.process.spindle_rpm * 1000),
         )

@@ -34,7 +34,7 @@ import pyarrow.parquet as pq
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.files import write_all
 from camtools.base.parquet import parquet_bytes
-from camtools.sim.binding import library_path
+from camtools.base.project import library_path
 from camtools.sim.machine_file import Machine
 from camtools.sim.simulate import Result, simulate
 
@@ -130,7 +130,7 @@ def cut_one(task: Task, machine: str) -> CutOutcome:
 
 def cut_batch(task: Task, machines: Sequence[str]) -> list[CutOutcome]:
     """Cut on some machines, one after the other; raise where the simulator is another build."""
-    here = build_of(library_path())
+    here = build_of(library_path("camsim"))
     if here != task.build:
         problem = f"a worker has another simulator ({here}, not {task.build})"
         raise CamtoolsError([f"{problem}; build the same version on every computer"])

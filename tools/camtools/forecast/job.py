@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.project import library_path
 from camtools.base.quantities import Floats
 from camtools.forecast.cuts import TABLE, Task, build_of, folder_of
-from camtools.forecast.vary import DEFAULT_VARY, Unknown, default_vary, draw, read_vary
+from camtools.forecast.vary import Unknown, default_vary, draw, read_vary
 from camtools.part.model import read_part_file
 from camtools.pipeline.load import Made, load, make
-from camtools.sim.binding import library_path
 from camtools.sim.machine_file import (
     Machine,
     Tree,
@@ -25,6 +25,7 @@ from camtools.sim.machine_file import (
     read_machine,
 )
 from camtools.sim.simulate import begun
+from camtools.sim.uncertain import USUAL
 
 _PROBE = "drawn"
 _LINE = re.compile(rf"{_PROBE}: line \d+: (.*)")
@@ -76,9 +77,9 @@ def plan_of(
     files, name = made.files(with_plots=False), part.part.name
     table, design = files[f"{name}.camtab"], files[f"{name}.json"]
     # The gauge judges by its own tolerance only whether a cut is good, which is done here.
-    task = Task(table, design, (*words, "--tolerance-um", "1e6"), build_of(library_path()))
+    task = Task(table, design, (*words, "--tolerance-um", "1e6"), build_of(library_path("camsim")))
     _check(task, machine, name)
-    _check_ends(task, tree, unknowns, str(vary or DEFAULT_VARY.name))
+    _check_ends(task, tree, unknowns, str(vary or USUAL.name))
     inputs = draw(unknowns, n_runs, seed=seed)
     keys = [unknown.key for unknown in unknowns]
     drawn = (dict(zip(keys, map(float, row), strict=True)) for row in inputs)

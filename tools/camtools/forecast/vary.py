@@ -1,7 +1,5 @@
 r"""V.toml: unknown numbers of a machine, how they are spread, and machines drawn from them.
 
-A table for each number, named as in machine files; tools/docs/FORECAST.md describes the keys.
-
 >>> text = '[u.delay_us]\ndistribution = "uniform"\nof = "nominal"\nlow = 0.9\nhigh = 1.1\n'
 >>> [unknown.key for unknown in read_vary(text.encode(), "v.toml", {})]
 ['u.delay_us']
@@ -9,58 +7,18 @@ A table for each number, named as in machine files; tools/docs/FORECAST.md descr
 
 import warnings
 from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
-from pydantic import Field, model_validator
 
-from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.errors import InputError
 from camtools.base.quantities import Floats, FloatsLike
-from camtools.part.model import TomlTable, read_tree, validated, wrong
 from camtools.sim.machine_file import nominal_of
+from camtools.sim.uncertain import USUAL, Spread, read_spreads, usual_spreads
 
-DEFAULT_VARY = Path(__file__).with_name("vary.toml")
 _SIGMAS = 3.0  # truncation where none is given
 _LEAST_SHARE = 1e-6  # of a distribution that must lie between its ends
-_MOST_UNKNOWNS = 100
-
-_KEYS = {  # of each distribution: those that it needs, and others
-    "uniform": (("low", "high"), ()),
-    "normal": (("sd",), ("mean", "low", "high")),
-    "lognormal": (("factor",), ("median", "low", "high")),
-}
-Above0 = Annotated[float, Field(gt=0)]
-
-
-class Spread(TomlTable):
-    """[TABLE.KEY] of a V.toml: how one number is spread."""
-
-    distribution: Literal["uniform", "normal", "lognormal"]
-    of: Literal["nominal", "unit"] = "unit"
-    low: float | None = None
-    high: float | None = None
-    mean: float | None = None
-    sd: Above0 | None = None
-    median: Above0 | None = None
-    factor: Annotated[float, Field(gt=1)] | None = None
-
-    @model_validator(mode="after")
-    def _check_keys(self) -> Self:
-        wanted, others = _KEYS[self.distribution]
-        for name in ("low", "high", "mean", "sd", "median", "factor"):
-            value = getattr(self, name)
-            if value is None and name in wanted:
-                problem = f"is missing; a {self.distribution} distribution needs it"
-                raise wrong("missing", problem, f"add {name}", field=name)
-            if value is not None and name not in (*wanted, *others):
-                problem = f"does not belong to a {self.distribution} distribution"
-                raise wrong("extra", problem, "remove it", field=name, value=value)
-        if self.low is not None and self.high is not None and self.low >= self.high:
-            problem = f"must be below high = {self.high:g}"
-            raise wrong("order", problem, "give the lower end first", field="low", value=self.low)
-        return self
 
 
 class Unknown(NamedTuple):
@@ -119,45 +77,22 @@ def _unknown(key: str, spread: Spread, machine: Mapping[str, Any], file: str) ->
     return Unknown(key, nominal, low, high, f"{words}, {low:.4g} .. {high:.4g}", frozen)
 
 
-def _spreads(tree: Mapping[str, Any], file: str) -> dict[str, Spread]:
-    """Return the tables of a file by key, as `table.key`."""
-    spreads: dict[str, Spread] = {}
-    for table, keys in tree.items():
-        if not isinstance(keys, dict) or not keys:
-            problem = "not a table of a machine file"
-            raise InputError(file, table, keys, problem, "write [TABLE.KEY], as [u.bandwidth_hz]")
-        for name, content in keys.items():
-            key = f"{table}.{name}"
-            if not isinstance(content, dict):
-                problem = "not a table"
-                raise InputError(file, key, content, problem, f"write [{key}] and its keys below")
-            try:
-                spreads[key] = validated(Spread, content, file, {})
-            except CamtoolsError as error:
-                begin = f"{file}: "
-                lines = [f"{begin}{key}.{line.removeprefix(begin)}" for line in error.lines]
-                raise CamtoolsError(lines) from error
-    if not 1 <= len(spreads) <= _MOST_UNKNOWNS:
-        problem = f"{len(spreads)} numbers to vary"
-        raise InputError(file, "", None, problem, f"give 1 .. {_MOST_UNKNOWNS}")
-    return spreads
-
-
 def read_vary(data: bytes, file: str, machine: Mapping[str, Any]) -> list[Unknown]:
     """Return the unknown numbers of a machine; refuse distributions that cannot be."""
-    spreads = _spreads(read_tree(data, file), file)
-    return [_unknown(key, spread, machine, file) for key, spread in spreads.items()]
+    spreads = read_spreads(data, file)
+    return [_unknown(key, spread, machine, file) for key, spread in spreads.items() if spread.drawn]
 
 
 def default_vary(machine: Mapping[str, Any]) -> tuple[list[Unknown], list[str]]:
     """Return the usual unknowns, and those left out: shares of numbers that are 0 here."""
-    file = DEFAULT_VARY.name
     found, left_out = [], []
-    for key, spread in _spreads(read_tree(DEFAULT_VARY.read_bytes(), file), file).items():
-        if not nominal_of(machine, key) and spread.of == "nominal":
-            left_out.append(key)
+    for key, spread in usual_spreads().items():
+        if not spread.drawn:
             continue
-        found.append(_unknown(key, spread, machine, file))
+        if spread.of == "nominal" and not nominal_of(machine, key):
+            left_out.append(key)
+        else:
+            found.append(_unknown(key, spread, machine, USUAL.name))
     return found, left_out
 
 

@@ -21,6 +21,12 @@ from camtools.base.quantities import Floats
 from camtools.identify.fit import FRICTION, K1, K2, LEAD
 
 
+def frequency_and_damping(values: Floats) -> tuple[float, float]:
+    """Return natural frequency [Hz] and damping of a drive with constants of a fit."""
+    k2_s2 = max(float(values[K2]), 1e-18)
+    return 1 / (2 * np.pi * k2_s2**0.5), float(values[K1]) / (2 * k2_s2**0.5)
+
+
 @dataclass(frozen=True)
 class Believed:
     """Parameters of the controller (firmware/param/cam_param.h) that matter here."""
@@ -59,11 +65,11 @@ class Believed:
 
     def machine_keys(self, values: Floats) -> dict[str, float]:
         """Return the keys of [believed.u] of a machine file whose drive is of kind position."""
-        k2_s2 = float(values[K2])
+        hz, damping = frequency_and_damping(values)
         lead_s = float(values[LEAD]) - self.u_scale_latency_ns * 1e-9
         return {
-            "bandwidth_hz": round(1 / (2 * np.pi * k2_s2**0.5), 3),
-            "damping": round(float(values[K1]) / (2 * k2_s2**0.5), 5),
+            "bandwidth_hz": round(hz, 3),
+            "damping": round(damping, 5),
             "delay_us": round(max(0.0, lead_s - 0.5 / self.tick_hz) * 1e6, 3),
         }
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from camtools.base.project import with_names
 from camtools.base.quantities import Floats, length_text, omega_rad_s
-from camtools.identify.configured_drive import Believed
+from camtools.identify.configured_drive import Believed, frequency_and_damping
 from camtools.identify.fit import FRICTION, K1, K2, LEAD, ModeFit, second_order, slide_of, solved
 from camtools.identify.identified import Identified, is_rubbing
 from camtools.identify.recording import STICTION_NM_S, Complexes
@@ -128,16 +128,10 @@ class _Entry(NamedTuple):
     believed: float | None
 
 
-def _derived(values: Floats) -> tuple[float, float]:
-    """Return natural frequency [Hz] and damping."""
-    k2_s2 = max(float(values[K2]), 1e-18)
-    return 1 / (2 * np.pi * k2_s2**0.5), float(values[K1]) / (2 * k2_s2**0.5)
-
-
 def _entries(found: Identified, believed: Believed) -> Iterator[_Entry]:
     values, covariance = found.judged.values, found.judged.covariance
     k1_s, k2_s2, friction_nm, lead_s = (float(value) for value in values)
-    (hz, damping), held = _derived(values), _derived(believed.values)
+    (hz, damping), held = frequency_and_damping(values), frequency_and_damping(believed.values)
     held_hz, held_damping = held if believed.k2_us2 > 0 else (None, None)
 
     def entry(name: str, unit: str, value: float, by: Floats, held: float | None) -> _Entry:

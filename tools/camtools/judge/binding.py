@@ -1,15 +1,12 @@
-"""The controller's rule of feasibility, `host_sim/api/judge/judge_api.h`, for the image of a table.
+"""The controller's rule of feasibility, `host_sim/api/judge/judge_api.h`, for a table.
 
-The library is always that of the host build, whatever build the simulator is taken from.
-
->>> library_path().name
-'libcamjudge.so'
+>>> Judge(TablePeaks(), 20_000, {}).highest_mrpm()
+0
 """
 
 import weakref
 from collections.abc import Mapping
 from ctypes import (
-    CDLL,
     POINTER,
     Structure,
     byref,
@@ -21,12 +18,10 @@ from ctypes import (
     c_uint32,
     c_void_p,
 )
-from functools import cache
-from pathlib import Path
 from typing import NamedTuple
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.project import ROOT, Prototypes, loaded
+from camtools.base.project import Prototypes, library
 
 
 class _Demand(Structure):
@@ -74,16 +69,6 @@ class Demand(NamedTuple):
     needed: int
 
 
-def library_path() -> Path:
-    """Return where the library is built."""
-    return ROOT / "build" / "host" / "host_sim" / "libcamjudge.so"
-
-
-@cache
-def _library(path: Path) -> CDLL:
-    return loaded(path, PROTOTYPES, "tools/mktables")
-
-
 class Judge:
     """A table, or what is known before there is one, on a machine as the controller judges it.
 
@@ -94,7 +79,7 @@ class Judge:
     def __init__(
         self, table: bytes | TablePeaks, tick_hz: int, parameters: Mapping[str, float]
     ) -> None:
-        self._library = _library(library_path())
+        self._library = library("camjudge", PROTOTYPES, "tools/mktables")
         if isinstance(table, bytes):
             self._handle = self._library.judge_api_open(table, len(table), tick_hz)
         else:

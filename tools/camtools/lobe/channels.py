@@ -22,6 +22,7 @@ from camtools.base.quantities import NM_PER_MM, Floats
 from camtools.lobe.motion import ShaftLobe, profiles_of
 from camtools.table.channel import (
     ANGLE_TURN,
+    DEG_PER_UNIT,
     KIND_CONTACT,
     KIND_SPEED,
     KIND_SWING,
@@ -124,7 +125,6 @@ _REPORTED_DEG = 0.01
 _RATIO_TOLERANCE = 1e-5
 _FEWEST_LOG2 = 6
 _NAMES = {KIND_U: "u", KIND_SPEED: "speed", KIND_SWING: "swing", KIND_CONTACT: "contact"}
-_UNIT_PER_DEG = ANGLE_TURN / 360
 
 Function = Callable[[ShaftLobe, Floats], tuple[Floats, Floats, Floats]]
 
@@ -281,8 +281,8 @@ def choose_angle(lobes: list[ShaftLobe], *, is_swung: bool) -> MadeChannel:
     channel is taken. Raises CamtoolsError with the best that is possible, where it is too bad.
     """
     kind = KIND_SWING if is_swung else KIND_CONTACT
-    made = _smallest(kind, _angle, lobes, ANGLE_TOLERANCE_DEG * _UNIT_PER_DEG)
-    error_deg = made.error / _UNIT_PER_DEG
+    made = _smallest(kind, _angle, lobes, ANGLE_TOLERANCE_DEG / DEG_PER_UNIT)
+    error_deg = made.error * DEG_PER_UNIT
     if error_deg > (ANGLE_TOLERANCE_DEG if is_swung else _REPORTED_DEG):
         problem = f"the angle of the contact changes too fast, {error_deg:.2g} degrees are left"
         raise CamtoolsError([f"cam.lobe: {problem}; give a lift with less jerk"])

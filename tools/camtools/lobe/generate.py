@@ -44,7 +44,7 @@ from camtools.lobe.motion import ShaftLobe, channels_key, lobes_of, noise_hint
 from camtools.lobe.part import LobePart
 from camtools.lobe.plunge import Plan, plan_of, stations_of, way_channel, x_channel
 from camtools.part.common import SwungTool, check_feed
-from camtools.table.channel import ANGLE_TURN, RATIO_ONE, Channel, change_nm
+from camtools.table.channel import DEG_PER_UNIT, RATIO_ONE, Channel, change_nm
 from camtools.table.evaluate import knot_interval, moving_bounds, peaks_together, raw_bounds
 from camtools.table.header import check_tolerance, table_of, u_bounds
 from camtools.table.image import Table
@@ -134,7 +134,6 @@ _BISECTIONS = 40
 _ENGAGED = {"swing_acceleration_deg_s2": 1.055, "u_acceleration_mm_s2": 1.03}
 _SEARCH_MARGIN = 0.99  # of every limit: the table's own bounds are a little above its samples
 _MAX_SPINDLE_RAD2 = 8.5  # |r r'|: a table promises at most 10, of a mean that limits make slower
-_DEG_PER_UNIT = 360 / ANGLE_TURN
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,13 +258,13 @@ def _modulation(part: LobePart, lobes: list[ShaftLobe]) -> tuple[MadeChannel | N
 
 def _with_swing(peaks: Peaks, angle: Channel, speed: Channel | None) -> Peaks:
     raw, h = raw_bounds(angle), knot_interval(angle)
-    unit = angle.lsb * _DEG_PER_UNIT
+    unit = angle.lsb * DEG_PER_UNIT
     extremes = (angle.value_offset + value * angle.lsb for value in (raw.low, raw.high))
-    largest = max(abs(value) for value in extremes) * _DEG_PER_UNIT
+    largest = max(abs(value) for value in extremes) * DEG_PER_UNIT
     first, second = raw.first * unit / h, raw.second * unit / h**2
     if speed is not None:
         moved = peaks_together(angle, speed)
-        first, second = moved.first * _DEG_PER_UNIT, moved.second * _DEG_PER_UNIT
+        first, second = moved.first * DEG_PER_UNIT, moved.second * DEG_PER_UNIT
     return peaks._replace(swing_deg=largest, swing1_deg=first, swing2_deg=second)
 
 

@@ -40,6 +40,7 @@ from camtools.plots.style import (
     titled_figure,
 )
 from camtools.report.charts import ChartPanel, TurnOfU, slope_of
+from camtools.report.surface import over_turn
 from camtools.sim.results import CUTTING, CutTrace
 from camtools.table.channel import RATIO_ONE
 from camtools.table.evaluate import evaluate_at
@@ -253,17 +254,6 @@ _SLOPE_TICKS = 8  # over which a slope is taken: set-points are whole nanometres
 _MARKS = 180
 
 
-def band(turn: Floats, values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return angle [degrees], smallest and largest value of every bin of a turn that has any."""
-    place = (np.mod(turn, 1) * _N_BINS).astype(np.int64).clip(0, _N_BINS - 1)
-    least, most = np.full(_N_BINS, np.inf), np.full(_N_BINS, -np.inf)
-    np.minimum.at(least, place, values)
-    np.maximum.at(most, place, values)
-    some = least <= most
-    degrees: Floats = (np.arange(_N_BINS, dtype=np.float64) + 0.5) * (360 / _N_BINS)
-    return degrees[some], least[some], most[some]
-
-
 def _heights(lobe: ShaftLobe, z_mm: Floats) -> Floats:
     return np.asarray((z_mm >= lobe.z_mm[0]) & (z_mm <= lobe.z_mm[1]))
 
@@ -271,15 +261,6 @@ def _heights(lobe: ShaftLobe, z_mm: Floats) -> Floats:
 def speed_of_contact(lobe: ShaftLobe, phi_rad: Floats, omega_rad_s: Floats) -> Floats:
     """Return the speed of the contact along the profile [mm/s] at spindle angles."""
     return np.asarray(lobe.at(phi_rad).ds_dphi * omega_rad_s)
-
-
-def _speed_of(trace: CutTrace) -> Floats:
-    """Return the spindle's speed from its angle over some ticks to both sides [rad/s]."""
-    k, speed = _SPEED_TICKS, np.full(trace.t_s.size, np.nan)
-    if trace.t_s.size > 2 * k:
-        turned = trace.turn[2 * k :] - trace.turn[: -2 * k]
-        speed[k:-k] = 2 * np.pi * np.abs(turned) / (trace.t_s[2 * k :] - trace.t_s[: -2 * k])
-    return speed
 
 
 def _over_the_angle(lowest: Axes, named: Axes, height: float) -> None:
@@ -292,13 +273,14 @@ def draw_speed(outcome: LobeOutcome) -> Figure:
     """Return the speed of the contact against the spindle's angle, all turns of cutting."""
     figure = new_figure(10, 3.8)
     axes, trace = figure.add_subplot(), outcome.trace
-    omega = _speed_of(trace)
+    omega = 2 * np.pi * np.abs(slope_of(trace.turn, trace.t_s, _SPEED_TICKS))  # rad/s
     for i, lobe in enumerate(outcome.generated.lobes):
         rows = (trace.state == CUTTING) & _heights(lobe, trace.z_mm) & np.isfinite(omega)
         if not rows.any():
             continue
         phi = 2 * np.pi * np.mod(trace.turn[rows], 1)
-        degrees, least, most = band(phi / (2 * np.pi), speed_of_contact(lobe, phi, omega[rows]))
+        speed_mm_s = speed_of_contact(lobe, phi, omega[rows])
+        degrees, least, most, _ = over_turn(trace.turn[rows], speed_mm_s, _N_BINS)
         axes.fill_between(degrees, least, most, color=stroke_of(i)["color"], alpha=0.4, lw=0)
         axes.plot(degrees, most, **stroke_of(i), lw=1.2, label=f"lobe {i}")
     speed = outcome.summary["cam"].get("surface_speed_mm_s")
@@ -323,9 +305,9 @@ def draw_rake(outcome: LobeOutcome) -> Figure:
     rows &= _heights(lobe, trace.z_mm)
     pressure_deg = np.degrees(lobe.at(2 * np.pi * np.mod(trace.turn[rows], 1)).angle)
     turn, off_deg = trace.turn[rows], swing_deg[rows] - pressure_deg
-    degrees, least, most = band(turn, -pressure_deg)
+    degrees, least, most, _ = over_turn(turn, -pressure_deg, _N_BINS)
     above.plot(degrees, (least + most) / 2, color=ORANGE, lw=1.4, label="without the swing")
-    degrees, least, most = band(turn, -off_deg)
+    degrees, least, most, _ = over_turn(turn, -off_deg, _N_BINS)
     above.plot(degrees, (least + most) / 2, color=BLUE, lw=1.6, label="with the swing")
     below.fill_between(degrees, least, most, color=BLUE, alpha=0.5, lw=0.8)
     for axes in (above, below):

@@ -165,11 +165,6 @@ def legend_below(figure: Figure, axes: Axes, n_columns: int) -> None:
     figure.legend(handles, labels, loc="outside lower center", ncols=n_columns, frameon=False)
 
 
-def points(axes: Axes, x: Floats, y: Floats, colour: str = BLUE) -> None:
-    """Draw points joined by lines."""
-    axes.plot(x, y, color=colour, marker="o", ms=3, lw=1.2)
-
-
 def plane(axes: Axes) -> None:
     """Make a panel a plane of equal scales without a frame."""
     axes.set_aspect("equal")

@@ -28,7 +28,6 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM, UM_PER_MM, Floats, omega_rad_s
 from camtools.cut.feasibility import HighestSpeed, Peaks, drift_of, peaks_of
 from camtools.cut.passes import checked_passes, judge_passes, records_of
-from camtools.cut.verdict import check_table
 from camtools.polygon.outline import (
     Curve,
     Outline,
@@ -57,7 +56,7 @@ from camtools.skirt.table.accuracy import (
     x_channel,
 )
 from camtools.skirt.tool.nose import tip_geometry
-from camtools.skirt.tool.turning import Heel, check_heel, middle_nm, moved, with_mean
+from camtools.skirt.tool.turning import Heel, check_heel, judged, middle_nm, moved
 from camtools.table.channel import (
     KNOT_SIZE,
     MAX_CHANNEL_BYTES,
@@ -447,13 +446,7 @@ def _check_sharpness(part: PolygonPart, drawing: Outline, cut: Blended, peak_mm:
 
 def _judge(drawing: Outline, part: PolygonPart, table: Table) -> HighestSpeed:
     """Return the highest speed, or refuse; of joints with the least blend that would do."""
-    try:
-        return check_table(table, part.machine.limits)
-    except CamtoolsError as error:
-        lines = with_mean(error.lines, part.process.u_zero, table.bounds)
-        if any("u_acceleration" in line for line in lines):
-            lines += _advice(part, drawing)
-        raise CamtoolsError(lines) from error
+    return judged(part.process, part.machine.limits, table, partial(_advice, part, drawing))
 
 
 def _advice(part: PolygonPart, drawing: Outline) -> list[str]:

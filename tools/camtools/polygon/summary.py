@@ -30,15 +30,13 @@ from camtools.sim.results import Cut
 from camtools.skirt.geometry.poly_surface import PolySurface, piecewise
 from camtools.skirt.report.outcome import pass_rows, table_error_nm, tool_rows
 from camtools.skirt.report.summary import (
+    about_channels,
     emit_text,
-    error_of,
-    jumps_of,
     motion_at,
     passes_of,
     tool_of,
 )
-from camtools.table.channel import KIND_U, KIND_X
-from camtools.table.summary import about_image, describe_channel
+from camtools.table.summary import about_image
 
 
 def surface_of(prism: PolySurface, made: GeneratedPolygon) -> Json:
@@ -87,16 +85,13 @@ def _about(made: GeneratedPolygon) -> Json:
 def make_polygon_summary(made: GeneratedPolygon) -> Json:
     """Return everything that is known about a table, ready for JSON; no dates, no paths."""
     table, process = made.table, made.part.process
-    u, x = table.channel(KIND_U), table.channel(KIND_X)
     own = {
         "part": {"name": table.part_name, "kind": "polygon", "source": made.part.part.source},
         "process": process.model_dump()
         | {"u_zero_mm": made.middle_nm / NM_PER_MM, "passes": passes_of(table), "feed_law": None},
         "tool": tool_of(made.part.tool, made.heel),
         "polygon": _about(made),
-        "channels": {"u": describe_channel(u), "x": describe_channel(x)},
-        "error": {"u": error_of(made.accuracy_u, "rad"), "x": error_of(made.accuracy_x, "mm")},
-        "continuity": {"u": jumps_of(u), "x": jumps_of(x)},
+        **about_channels(table, made.accuracy_u, made.accuracy_x),
         # the first section is not always the largest
         "motion": motion_at(
             *(made.geometry, (angles_of(made), np.array(made.part.heights_mm))),

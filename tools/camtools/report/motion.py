@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 
 from camtools.base.quantities import NM_PER_MM, UM_PER_MM, Floats
 from camtools.plots import style
-from camtools.report.surface import extremes
+from camtools.report.surface import over_turn
 from camtools.sim.results import CUTTING, FAULT, STATES, CutTrace
 
 _NAMES = "PALE PURPLE SKY ORANGE GREEN ORANGE RED BLUE GREY PURPLE SKY"  # as STATES
@@ -32,12 +32,7 @@ def thin(values: Floats, n: int) -> Floats:
 def following_by_angle(trace: CutTrace) -> Floats:
     """Return angle [degrees], smallest, largest, mean following error [um] of cutting, (4, n)."""
     rows = trace.state == CUTTING
-    error_um = trace.following_um[rows]
-    place = ((trace.turn[rows] % 1) * _N_BINS).astype(np.int64).clip(0, _N_BINS - 1)
-    some, least, most, count = extremes(place, error_um, _N_BINS)
-    mean = np.bincount(place, error_um, minlength=_N_BINS) / np.maximum(count, 1)
-    degrees = (np.arange(_N_BINS) + 0.5) * (360 / _N_BINS)
-    return np.stack([degrees[some], least[some], most[some], mean[some]])
+    return over_turn(trace.turn[rows], trace.following_um[rows], _N_BINS)
 
 
 def state_spans(trace: CutTrace) -> list[tuple[float, float, int]]:

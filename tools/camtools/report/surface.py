@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.base.quantities import Bools, Floats, Ints
+from camtools.base.quantities import Floats, Ints
 from camtools.sim.results import GaugedSurface
 
 N_COLUMNS, MAX_ROWS = 360, 256
@@ -54,10 +54,13 @@ def cells_of(
     return Cells(middle_mm, *(values.reshape(n_rows, n_columns) for values in points))
 
 
-def extremes(place: Ints, values: Floats, n: int) -> tuple[Bools, Floats, Floats, Ints]:
-    """Return which of n bins have values, their smallest and largest value, and their count."""
+def over_turn(turn: Floats, values: Floats, n: int) -> Floats:
+    """Return angle [degrees], smallest, largest, mean of values in n bins that have any, (4, m)."""
+    place = (np.mod(turn, 1) * n).astype(np.int64).clip(0, n - 1)
     count = np.bincount(place, minlength=n)
     least, most = np.full(n, np.inf), np.full(n, -np.inf)
     np.minimum.at(least, place, values)
     np.maximum.at(most, place, values)
-    return count > 0, least, most, count
+    mean = np.bincount(place, values, minlength=n) / np.maximum(count, 1)
+    degrees = (np.arange(n) + 0.5) * (360 / n)
+    return np.stack([degrees, least, most, mean])[:, count > 0]

@@ -6,7 +6,6 @@
 
 import re
 from collections.abc import Callable, Iterable, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -213,13 +212,15 @@ def origin_rows(outcome: AnyCut) -> list[ReportRow]:
     return [made, ReportRow("command", origin.command), machine]
 
 
-def fault_facts(path: Path = _FAULTS) -> dict[str, FaultFacts]:
+def fault_facts() -> dict[str, FaultFacts]:
     """Return the table of faults of the firmware's manual, or refuse a missing one."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = _FAULTS.read_text(encoding="utf-8")
     except OSError as error:
         problem = f"cannot be read: {error.strerror}"
-        raise InputError(path.name, "", None, problem, "restore it from the repository") from error
+        raise InputError(
+            _FAULTS.name, "", None, problem, "restore it from the repository"
+        ) from error
     rows = {name: rest.split(" | ") for name, rest in _FAULT_ROW.findall(text)}
     return {
         name: FaultFacts(*(_spelled_out(cell) for cell in cells))

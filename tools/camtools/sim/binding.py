@@ -2,8 +2,8 @@
 
 `simulate.py` is the interface for people.
 
->>> library_path().name
-'libcamsim.so'
+>>> Column("z_mm", "3").decimals
+3
 """
 
 import ctypes
@@ -11,8 +11,6 @@ import json
 import os
 from collections.abc import Sequence
 from ctypes import c_bool, c_char_p, c_double, c_int, c_int64, c_size_t, c_uint64, c_void_p
-from functools import cache
-from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -20,7 +18,7 @@ import numpy.typing as npt
 
 from camtools.base.command import BAD_INPUT
 from camtools.base.errors import CamtoolsError
-from camtools.base.project import ROOT, Prototypes, loaded
+from camtools.base.project import Prototypes, library
 from camtools.base.text import Json
 
 Rows = npt.NDArray[Any]  # structured: a field of float64 for each column
@@ -48,25 +46,13 @@ PROTOTYPES: Prototypes = {
 }
 
 
-def build_folder() -> Path:
-    """Return where the simulator is built: below the folder CAMTURN_BUILD, or build/host."""
-    build = os.environ.get("CAMTURN_BUILD") or str(ROOT / "build" / "host")
-    return Path(build).resolve() / "host_sim"
-
-
-def library_path() -> Path:
-    """Return the path of the library."""
-    return build_folder() / "libcamsim.so"
-
-
-@cache
-def _library(path: Path) -> ctypes.CDLL:
-    return loaded(path, PROTOTYPES, "tools/run")
+def _library() -> ctypes.CDLL:
+    return library("camsim", PROTOTYPES, "tools/run")
 
 
 def machine_keys() -> str:
     """Return the keys of machine files in lines, as `sim_config_keys` writes them."""
-    text: bytes = _library(library_path()).sim_api_machine_keys()
+    text: bytes = _library().sim_api_machine_keys()
     return text.decode()
 
 
@@ -118,7 +104,7 @@ class SimSession:
     """One simulator, by `with`; only one cut is open in a process at a time."""
 
     def __init__(self) -> None:
-        self._library = _library(library_path())
+        self._library = _library()
         self._session = self._library.sim_api_open()
         if not self._session:
             raise CamtoolsError(["simulator: not enough memory; free some"])

@@ -8,19 +8,17 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from camtools.base.quantities import length_text
 from camtools.base.text import Json
 from camtools.sim.machine_file import Machine, emit_machine, mistaken, nominal_of, read_machine
 from camtools.sim.simulate import Result, simulate
+from camtools.sim.uncertain import usual_spreads
 
-SHARE = 0.05
 # Each is off to the side that makes U later than believed, so that the errors add up.
-_SENSES = {
-    "position": {"u.bandwidth_hz": -1, "u.damping": 1, "u.delay_us": 1},
-    "force": {"u.mass_kg": 1, "u.amplifier_hz": -1, "u.delay_us": 1},
-}
+_LATER = {key: spread for key, spread in usual_spreads().items() if spread.later}
+SHARE = max(spread.sd or 0.0 for spread in _LATER.values())  # of the nominal values
 _NO_LEARNING = ("rehearse_turns", "learn_harmonics", "ripple_turns")
 _MOST_TICKS = 300_000  # of a cut: a third of a second
 _USUAL_TICK_HZ = 20_000  # of a machine file that gives none
@@ -66,13 +64,14 @@ class Mismatch(NamedTuple):
 
 
 def worse(tree: Mapping[str, Any]) -> dict[str, float]:
-    """Return the true constants of a drive that is worse than believed by 5 %."""
-    kind = str(tree.get("u", {}).get("kind", "position"))
+    """Return the true constants of a drive that is later than believed by one deviation of each."""
+    kind: Literal["position", "force"]
+    kind = "force" if tree.get("u", {}).get("kind") == "force" else "position"
     found = {}
-    for key, sense in _SENSES[kind if kind in _SENSES else "position"].items():
+    for key, spread in _LATER.items():
         nominal = nominal_of(tree, key)
-        if nominal is not None:
-            found[key] = nominal * (1 + sense * SHARE)
+        if nominal is not None and kind in spread.later:
+            found[key] = nominal * (1 + spread.later[kind] * (spread.sd or 0.0))
     return found
 
 
@@ -82,7 +81,7 @@ def _error_um(result: Result) -> float | None:
 
 
 def mismatch(table: Path, machine: str, words: Sequence[str], speed_rpm: float) -> Mismatch:
-    """Return what 5 % cost at a mean speed, in 300 000 ticks of the cut at most.
+    """Return what such a drive costs at a mean speed, in 300 000 ticks of the cut at most.
 
     Raises CamtoolsError: the simulator refuses such a machine, or its file is no TOML.
     """

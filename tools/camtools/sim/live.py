@@ -15,8 +15,8 @@ from contextlib import suppress
 from pathlib import Path
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.project import build_folder
 from camtools.base.quantities import NM_PER_MM
-from camtools.sim.binding import build_folder
 from camtools.sim.machine_file import emit_machine, read_machine
 
 _X_HOME_MM, _Z_BEYOND_MM = 150.0, 40.0  # clear of any part, and of its end

@@ -32,6 +32,7 @@ from typing import Any, NamedTuple
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.files import read_text
 from camtools.base.project import ROOT
+from camtools.base.quantities import NM_PER_UM
 from camtools.base.text import toml_tree
 from camtools.part.common import MachineLimits
 from camtools.part.schema import DRAFT, Schema
@@ -42,7 +43,6 @@ MACHINES = ROOT / "host_sim" / "machines"
 BELIEVED = "believed"
 _MAX_BYTES = 1 << 20
 _INERTIA_KGM2 = 0.1  # of the default machine
-_NM_PER_UM = 1000
 
 
 class Machine(NamedTuple):
@@ -113,7 +113,7 @@ def machine_text(limits: MachineLimits, wear_um: float = 0.0) -> str:
         },
     }
     if wear_um:
-        trim_nm = round(-wear_um * _NM_PER_UM)
+        trim_nm = round(-wear_um * NM_PER_UM)
         tree |= {"tool": {"wear_um": wear_um}, "controller": {"x_trim_nm": trim_nm}}
     return (
         f"# The simulator's default machine with the limits of the part file.\n{emit_machine(tree)}"

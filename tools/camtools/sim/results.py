@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from camtools.base.errors import InputError
 from camtools.base.project import Origin
-from camtools.base.quantities import NM_PER_MM, Floats
+from camtools.base.quantities import DEG_PER_TURN, NM_PER_MM, Floats
 from camtools.base.text import Json
 from camtools.roundness.section import DEFAULT_UPR
 from camtools.sim.binding import Rows
@@ -32,7 +32,6 @@ STATES = (
 )
 CUTTING, FAULT = STATES.index("cutting"), STATES.index("fault")
 _TURNS_PER_Q32 = 2.0**-32
-_DEG_PER_TURN = 360
 
 
 class GaugedSurface(NamedTuple):
@@ -163,7 +162,7 @@ def sections_of(rows: Rows) -> GaugedSections:
     lines = []
     for line_turn in np.unique(turn[number == 0]):
         at = (number == 0) & (turn == line_turn)
-        angle_deg = float(line_turn) * _DEG_PER_TURN
+        angle_deg = float(line_turn) * DEG_PER_TURN
         lines.append(GaugedLine(angle_deg, z_mm[at], radius_mm[at], deviation_mm[at]))
     return GaugedSections(tuple(sections), tuple(lines))
 

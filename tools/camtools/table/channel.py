@@ -222,6 +222,7 @@ OVER_HEIGHT = (KIND_X, KIND_WAY)  # one knot per slice
 RATIO_ONE = 1 << 20  # unit of a speed ratio's values, where u and x count nanometres
 MIN_RATIO, MAX_RATIO = RATIO_ONE // 16, RATIO_ONE * 4
 ANGLE_TURN, ANGLE_MAX = 1 << 26, 1 << 24  # unit of swing and contact; a quarter turn
+DEG_PER_UNIT = 360 / ANGLE_TURN
 ALIGN = 32
 LEAST_FEED = 0.02  # of its mean: a way that falls below is refused
 LEAST_STANDING = -0.001  # with stations Z may stand, but for the rounding of a knot

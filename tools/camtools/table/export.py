@@ -14,9 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.quantities import NM_PER_MM, Floats
+from camtools.base.quantities import DEG_PER_RAD, DEG_PER_TURN, NM_PER_MM, Floats
 from camtools.table.channel import (
-    ANGLE_TURN,
+    DEG_PER_UNIT,
     KIND_CONTACT,
     KIND_SPEED,
     KIND_SWING,
@@ -32,10 +32,7 @@ from camtools.table.evaluate import knot_interval, locate, power_rows
 from camtools.table.image import Table
 
 FORMS = ("xyva", "text")
-_PER_UNIT = 360 / ANGLE_TURN
-_TURN_DEG = 360.0
 _TEXT_POINTS = 360
-_DEG_PER_RAD = 180 / np.pi
 
 
 class _Quantity(NamedTuple):
@@ -47,8 +44,8 @@ class _Quantity(NamedTuple):
 _QUANTITIES = {
     KIND_U: _Quantity("u", "mm", 1 / NM_PER_MM),
     KIND_SPEED: _Quantity("speed", "ratio", 1 / RATIO_ONE),
-    KIND_SWING: _Quantity("swing", "deg", _PER_UNIT),
-    KIND_CONTACT: _Quantity("contact", "deg", _PER_UNIT),
+    KIND_SWING: _Quantity("swing", "deg", DEG_PER_UNIT),
+    KIND_CONTACT: _Quantity("contact", "deg", DEG_PER_UNIT),
 }
 _LIFT = _Quantity("lift", "mm", -1 / NM_PER_MM)  # of lobes: the follower moves outwards
 
@@ -112,10 +109,10 @@ def _sampled(
     segment = place.astype(np.int64)
     quintics = segment_coefficients(knots, periodic=True)[segment]
     value, v, a = np.einsum("nc,dcn->dn", quintics, power_rows(place - segment))
-    scale, h_deg = quantity_of(table, channel).scale, knot_interval(channel) * _DEG_PER_RAD
+    scale, h_deg = quantity_of(table, channel).scale, knot_interval(channel) * DEG_PER_RAD
     lsb = channel.lsb * scale
     y = channel.value_offset * scale + value * lsb
-    x_deg = _TURN_DEG * first + _TURN_DEG * np.arange(n + 1) / n
+    x_deg = DEG_PER_TURN * first + DEG_PER_TURN * np.arange(n + 1) / n
     return ExportedPoints(x_deg, y, v * (lsb / h_deg), a * (lsb / h_deg**2))
 
 

@@ -16,13 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 
+from camtools.sim.uncertain import usual_spreads
+
 Reals = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 LEAST_GAIN_DB = 6.0
 LEAST_PHASE_DEG = 30.0
-MASSES = (0.7, 1.0, 1.3)  # relative; the margins hold at each
-EXTREME_MASSES = (0.5, 2.0)  # relative; the loop is stable there
+_MASS = usual_spreads()["u.mass_kg"]
+_OFF, _FACTOR = _MASS.margins or 0.0, _MASS.stable or 1.0
+MASSES = (1.0 - _OFF, 1.0, 1.0 + _OFF)  # relative; the margins hold at each
+EXTREME_MASSES = (1.0 / _FACTOR, _FACTOR)  # relative; the loop is stable there
 BACK_S = 0.02  # after this time a step of force has gone
 _FASTEST_HZ = 4000.0  # of the response to a step
 _STATIC: Reals = np.array([1e-6])  # [Hz]
@@ -220,8 +224,8 @@ def _cost(found: Reals, plant: Plant) -> Reals:
 def best(plant: Plant) -> Loop:
     """Return the loop whose peak after a step of force is the smallest.
 
-    Preferred are margins of 6 dB and 30 degrees over the mass +-30 %, stability from half the mass
-    to twice the mass, and 0.1 um 20 ms after a step of 10 N. Where none has all, some are lacking.
+    Preferred are the least margins at MASSES, stability at EXTREME_MASSES, and 0.1 um 20 ms after a
+    step of 10 N. Where none has all, some are lacking.
     """
     fastest = plant.step_hz / 5.0
     about = plant.mode_hz if plant.mode_hz > 0.0 else fastest / 4.0

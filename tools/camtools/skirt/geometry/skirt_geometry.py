@@ -19,7 +19,7 @@ import numpy as np
 from scipy.interpolate import PPoly, make_interp_spline
 
 from camtools.base.errors import CamtoolsError, GeometryError, InputError
-from camtools.base.quantities import UM_PER_MM, Floats, FloatsLike, SectionValues
+from camtools.base.quantities import DEG_PER_TURN, UM_PER_MM, Floats, FloatsLike, SectionValues
 from camtools.cut.correction import Correction
 from camtools.cut.removal import QUARTER_RAD, TURN_RAD, SectionCut
 from camtools.skirt.geometry.corner import Corner, make_corner
@@ -55,7 +55,6 @@ from camtools.table.points import PointedTurn, PointFile, quintics_of, read_poin
 
 MAX_REDUCTION_MM = 30.0
 _SAME_DEG, _SAME = 1e-9, 1e-9
-_DEG_PER_TURN = 360.0
 _MOST_BEYOND_UM = 1.0  # a curve beyond the points at both ends of a gap
 
 
@@ -101,7 +100,7 @@ def _splined(turn: PointedTurn) -> PointedTurn:
                 f"{gap.beyond_um:.4g} um beyond both"
             )
             raise GeometryError("piston.section.csv", problem, "give points there, or V and A")
-    x = np.append(turn.x_deg, turn.x_deg[0] + _DEG_PER_TURN)
+    x = np.append(turn.x_deg, turn.x_deg[0] + DEG_PER_TURN)
     y = np.append(turn.y_mm, turn.y_mm[0])
     spline = make_interp_spline(x, y, k=5, bc_type="periodic")
     v, a = (np.asarray(spline(turn.x_deg, nu=n), dtype=np.float64) for n in (1, 2))
@@ -129,11 +128,11 @@ def _pieces(turn: PointedTurn) -> tuple[Floats, Floats]:
     """Return breaks [turn], 0 and 1 among them, and quintics of the pieces, (n, 6)."""
     quintics = quintics_of(turn)
     if abs(turn.x_deg[0]) < _SAME_DEG:
-        return np.append(turn.x_deg, _DEG_PER_TURN) / _DEG_PER_TURN, quintics
-    x = np.append(turn.x_deg, turn.x_deg[0] + _DEG_PER_TURN) / _DEG_PER_TURN
+        return np.append(turn.x_deg, DEG_PER_TURN) / DEG_PER_TURN, quintics
+    x = np.append(turn.x_deg, turn.x_deg[0] + DEG_PER_TURN) / DEG_PER_TURN
     powers = quintics / np.diff(x)[:, None] ** np.arange(N_ANGLE)
     curve = PPoly(powers.T[::-1], x)
-    breaks = np.unique(np.concatenate([[0.0, 1.0], np.mod(turn.x_deg / _DEG_PER_TURN, 1.0)]))
+    breaks = np.unique(np.concatenate([[0.0, 1.0], np.mod(turn.x_deg / DEG_PER_TURN, 1.0)]))
     shift = np.floor(curve.x[0])
     late = PPoly(curve.c, curve.x - shift)
     early = PPoly(curve.c, late.x - 1)

@@ -464,7 +464,7 @@ class Antithrust(TomlTable):
 
     _check_height = field_validator("height_mm")(rising)
 
-    @field_validator("drop_mm", "ovality_mm", "phase_deg", "beta", "exponent")
+    @field_validator("drop_mm", "ovality_mm", "phase_deg", *PARAMETERS.values())
     @classmethod
     def _check_length(cls, value: object, info: ValidationInfo) -> object:
         return as_long(value, info) if isinstance(value, list) else value

@@ -76,8 +76,7 @@ class Piston(TomlTable):
         return self
 
     def _check_lists(self, n: int) -> None:
-        for key in ("trim_mm", "joint_deg", "eccentricity_mm", "beta", "exponent", "phase_deg"):
-            value = getattr(self.section, key)
+        for key, value in self.section:
             if isinstance(value, list) and len(value) != n:
                 problem = f"has {len(value)} entries, ovality.height_mm has {n}"
                 context = {"field": f"section.{key}", "value": value}

@@ -13,7 +13,7 @@ from math import isinf
 import numpy as np
 from scipy.interpolate import PPoly
 
-from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
+from camtools.base.quantities import NM_PER_MM, NM_PER_UM, Floats, omega_rad_s
 from camtools.base.text import Json
 from camtools.cut.feasibility import feasibility_of, tenth_below
 from camtools.measured.correction_step import round_text
@@ -38,10 +38,10 @@ from camtools.skirt.part.curves import Piece
 from camtools.skirt.part.keys import Ovality, Profile
 from camtools.skirt.part.part_file import Piston, SkirtPart
 from camtools.skirt.table.accuracy import Accuracy
-from camtools.skirt.table.generate import NM_PER_UM, GeneratedSkirt, peaks_of_table
+from camtools.skirt.table.generate import GeneratedSkirt, peaks_of_table
 from camtools.skirt.table.speed import summary_of
 from camtools.skirt.tool.turning import Heel
-from camtools.table.channel import KIND_U, KIND_X, Channel
+from camtools.table.channel import KIND_U, KIND_X
 from camtools.table.evaluate import jumps
 from camtools.table.image import Table
 from camtools.table.summary import about_image, describe_channel
@@ -112,8 +112,7 @@ def motion_at(
     }
 
 
-def error_of(accuracy: Accuracy, per: str) -> Json:
-    """Return the errors of a channel for the summary; derivatives by `per`."""
+def _error(accuracy: Accuracy, per: str) -> Json:
     return {
         "value_nm": accuracy.value_nm,
         f"first_nm_per_{per}": accuracy.first,
@@ -123,10 +122,18 @@ def error_of(accuracy: Accuracy, per: str) -> Json:
     }
 
 
-def jumps_of(channel: Channel) -> Json:
-    """Return the jumps of a channel at its knots and at the wrap."""
-    knots, wrap = jumps(channel)
-    return {"at_knots": knots._asdict(), "at_wrap": wrap._asdict()}
+def about_channels(table: Table, accuracy_u: Accuracy, accuracy_x: Accuracy) -> Json:
+    """Return sizes, errors and jumps of the channels of U and X."""
+    channels = {"u": table.channel(KIND_U), "x": table.channel(KIND_X)}
+    places = {name: jumps(channel) for name, channel in channels.items()}
+    return {
+        "channels": {name: describe_channel(channel) for name, channel in channels.items()},
+        "error": {"u": _error(accuracy_u, "rad"), "x": _error(accuracy_x, "mm")},
+        "continuity": {
+            name: {"at_knots": knots._asdict(), "at_wrap": wrap._asdict()}
+            for name, (knots, wrap) in places.items()
+        },
+    }
 
 
 def passes_of(table: Table) -> list[Json]:
@@ -251,7 +258,6 @@ def _extras(result: GeneratedSkirt) -> Json:
 def make_summary(made: GeneratedSkirt) -> Json:
     """Return everything that is known about a table, ready for JSON; no dates, no paths."""
     table = made.table
-    u, x = table.channel(KIND_U), table.channel(KIND_X)
     process = made.part.process
     phi_rad = 2 * np.pi * np.arange(_PEAK_ANGLES) / _PEAK_ANGLES
     grid = phi_rad, dense_heights_mm(made.geometry, _PEAK_HEIGHTS_PER_PIECE)
@@ -262,12 +268,7 @@ def make_summary(made: GeneratedSkirt) -> Json:
             "part": {"name": table.part_name, "source": made.part.part.source},
             "process": _process(made),
             "tool": tool_of(made.part.tool, made.heel),
-            "channels": {"u": describe_channel(u), "x": describe_channel(x)},
-            "error": {
-                "u": error_of(made.accuracy_u, "rad"),
-                "x": error_of(made.accuracy_x, "mm"),
-            },
-            "continuity": {"u": jumps_of(u), "x": jumps_of(x)},
+            **about_channels(table, made.accuracy_u, made.accuracy_x),
             "motion": motion_at(made.geometry, grid, process.spindle_rpm, process.feed_mm),
             "feasibility": feasibility_of(
                 peaks_of_table(table, made.speed),

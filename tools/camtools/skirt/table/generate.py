@@ -19,11 +19,10 @@ from functools import partial
 
 from camtools.base.cache import recall
 from camtools.base.errors import CamtoolsError, GeometryError
-from camtools.base.quantities import NM_PER_MM
+from camtools.base.quantities import NM_PER_MM, NM_PER_UM
 from camtools.cut.correction import Correction
 from camtools.cut.feasibility import HighestSpeed, Peaks, drift_of, highest_speed, peaks_of
 from camtools.cut.passes import checked_passes, judge_passes, records_of
-from camtools.cut.verdict import check_table
 from camtools.skirt.geometry.corner import refuse_deviation
 from camtools.skirt.geometry.run_in import corrected, with_run
 from camtools.skirt.geometry.skirt_geometry import Geometry, keeping
@@ -35,12 +34,12 @@ from camtools.skirt.tool.nose import tip_geometry
 from camtools.skirt.tool.turning import (
     Heel,
     check_heel,
+    judged,
     largest_share,
     middle_nm,
     moved,
     path_of,
     way_channel,
-    with_mean,
 )
 from camtools.table.channel import Channel
 from camtools.table.evaluate import moving_bounds
@@ -88,7 +87,6 @@ DEFAULT_TOLERANCE_NM = 1.0
 REFIT_TOLERANCE_NM = 5.0  # of u, where a spline replaces a corner
 CORRECTED_NM = (3.0, 10.0, 30.0, 100.0, 300.0)  # the first that a correction allows
 CORNER_SHARE = 0.5  # of the form error that a profile with corners may cost
-NM_PER_UM = 1000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,16 +243,15 @@ def peaks_of_table(table: Table, speed: SpeedTable | None) -> Peaks:
 
 def _judge(geometry: Geometry, part: SkirtPart, table: Table) -> HighestSpeed:
     """Return the highest speed, or refuse; of a corner with what another refit would need."""
-    try:
-        return check_table(table, part.machine.limits)
-    except CamtoolsError as error:
-        lines = with_mean(error.lines, part.process.u_zero, table.bounds)
-        if geometry.corner is None or not any("u_acceleration" in line for line in lines):
-            raise CamtoolsError(lines) from error
+
+    def other_refit() -> list[str]:
+        if geometry.corner is None:
+            return []
         best = min(geometry.corner.candidates, key=lambda candidate: candidate.acceleration_mm_s2)
-        hint = (
+        return [
             "piston.section.refit.delete: the corner decides; of all deletions "
             f"[{best.s1}, {best.s2}] needs least, {best.acceleration_mm_s2:.6g} mm/s2 at this "
             "speed; trim less or turn slower"
-        )
-        raise CamtoolsError([*lines, hint]) from error
+        ]
+
+    return judged(part.process, part.machine.limits, table, other_refit)

@@ -12,6 +12,7 @@ two.
 [0.0, 0.1]
 """
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from math import ceil
@@ -21,8 +22,10 @@ import numpy as np
 
 from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import NM_PER_MM, Floats, FloatsLike, omega_rad_s
+from camtools.cut.feasibility import HighestSpeed
 from camtools.cut.path import ToolPath, ramp_of, step_of
-from camtools.part.common import FeedLaw, Tool
+from camtools.cut.verdict import check_table
+from camtools.part.common import FeedLaw, MachineLimits, SectionProcess, Tool
 from camtools.skirt.geometry.sections import ALL_AROUND_RAD
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
 from camtools.skirt.part.part_file import SkirtPart
@@ -32,11 +35,11 @@ from camtools.table.channel import (
     MAX_SLICES,
     MAX_SPACING_NM,
     MIN_SPACING_NM,
-    Bounds,
     Channel,
 )
 from camtools.table.evaluate import evaluate_x
 from camtools.table.header import TooLargeError, quantise, slice_heights_mm, with_bounds
+from camtools.table.image import Table
 
 
 class AxesMotion(NamedTuple):
@@ -108,13 +111,25 @@ def moved(channel: Channel, by_nm: int) -> Channel:
     return replace(channel, value_offset=channel.value_offset - by_nm)
 
 
-def with_mean(lines: list[str], u_zero: str, bounds: Bounds) -> list[str]:
-    """Return refusals; that of the stroke with what it would be about the mean."""
-    if u_zero == "mean":
-        return lines
-    travel_mm = (bounds.u_max_nm - bounds.u_min_nm) / NM_PER_MM
-    hint = f'; or set process.u_zero = "mean", which needs {travel_mm:.9g} mm'
-    return [line + hint if ".u_stroke_mm" in line else line for line in lines]
+def judged(
+    process: SectionProcess, limits: MachineLimits, table: Table, gentler: Callable[[], list[str]]
+) -> HighestSpeed:
+    """Return the highest speed of a table, or refuse what the controller would refuse.
+
+    The refusal of a stroke says what it would be about the mean, that of an acceleration of U is
+    followed by what `gentler` advises.
+    """
+    try:
+        return check_table(table, limits)
+    except CamtoolsError as error:
+        lines = error.lines
+        if process.u_zero != "mean":
+            travel_mm = (table.bounds.u_max_nm - table.bounds.u_min_nm) / NM_PER_MM
+            hint = f'; or set process.u_zero = "mean", which needs {travel_mm:.9g} mm'
+            lines = [line + hint if ".u_stroke_mm" in line else line for line in lines]
+        if any("u_acceleration" in line for line in lines):
+            lines = lines + gentler()
+        raise CamtoolsError(lines) from error
 
 
 TOLERANCE_NM = 50.0  # of Z: its drive is a thousand times coarser
