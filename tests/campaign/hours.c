@@ -107,7 +107,7 @@ static const uint8_t disturbances[n_of_fuzz] = {
     fuzz_disturb_held,  fuzz_disturb_counts, fuzz_disturb_speed,
 };
 
-/// A U that takes forces has half of the bad luck.
+/// Half of the bad luck is that of U, if it takes forces.
 static void strike(void)
 {
     const bool is_of_u = fuzz_rig.lathe.mass_kg > 0.0 && any(2) == 0u;
@@ -121,7 +121,8 @@ static void strike(void)
     } else if (what == (uint32_t)n_of_fuzz) {
         fuzz_rig.lathe.is_held[hal_axis_u] = true;
     } else if (what == (uint32_t)n_of_fuzz + 1u) {
-        fuzz_rig.lathe.error_nm[any(hal_n_axes)] = (int32_t)any(2000000) - 1000000;
+        const uint32_t axis = is_of_u ? (uint32_t)hal_axis_u : any(hal_n_axes);
+        fuzz_rig.lathe.error_nm[axis] = (int32_t)any(2000000) - 1000000;
     } else {
         fuzz_rig.lathe.is_swing_held = true;
         fuzz_rig.lathe.is_held[hal_axis_x] = true;
@@ -396,6 +397,7 @@ static void session(uint32_t hz, uint32_t number, uint64_t seed)
         fuzz_note(cam_ilc_get(&fuzz_rig.machine.ilc, k));
     }
     digests += fuzz_digest();
+    (void)printf("    %016" PRIx64 "\n", fuzz_digest());
     sum.n_sessions++;
 }
 

@@ -1,27 +1,67 @@
 """The loop of a U that takes forces is measured and set from the panel."""
 
 import asyncio
+import time
 from collections.abc import Callable, Iterator
-from types import SimpleNamespace
-from typing import cast
+from pathlib import Path
 
 import can
 import pytest
 
-from camtools.identify.drives import ConnectedU
+from camtools.link.bus import open_bus
 from camtools.link.controller import Link
 from camtools.link.kept_values import INFOS
-from camtools.link.messages import Refused
-from camtools.panel.orders import loop_tuner
-from camtools.panel.orders.loop_tuner import LoopTuner, Tuned
+from camtools.link.live_lathes import live_lathes
 from camtools.panel.views.parameter_rows import has_force_drive, loop_text
 from checks.patience import until
-from tests.browser.panel_session import WEAK_LOOP
+from tests.browser.panel_session import WEAK_LOOP, weak_machine
 from tests.tools.cases.camctl_bench import Bench
 from tests.tools.cases.controller_cases import Seat
+from tests.tools.cases.live_cases import LiveCase, live_case
 
 _DEFAULTS = {name: info.default for name, info in INFOS.items()}
 _REST_S = 0.5  # sooner than the controller's own patience with an excitation
+
+
+class LiveSeat(Seat):
+    """A service before a live lathe."""
+
+    def __init__(self, folder: Path, live: LiveCase) -> None:
+        (self._announced,) = live_lathes(folder / "camturn")
+        self.live = live
+        super().__init__("")
+
+    def _open(self) -> Link:
+        bus, where = open_bus(self._announced.bus)
+        return Link(bus, where, self._announced.node)
+
+    def parameters(self) -> dict[str, int]:
+        """Return the parameters as the page gets them."""
+        while (read := self.service.parameters()) is None:
+            time.sleep(0.01)
+        return dict(read.values)
+
+
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LiveSeat]:
+    """Return a service before a lathe whose weak loop holds U."""
+    folder = tmp_path_factory.mktemp("force")
+    with live_case(folder, "--machine", weak_machine(folder)) as live:
+        one = LiveSeat(folder, live)
+        one.connect()
+        yield one
+        one.service.close()
+
+
+@pytest.fixture
+def live_seat(shared: LiveSeat) -> LiveSeat:
+    """Return the service in ready, the boss in command."""
+    shared.commander.take_over(shared.boss)
+    shared.boss.is_here, shared.boss.was_connected, shared.boss.back_at_s = True, True, -1e9
+    if shared.state == "off":
+        until(lambda: shared.ask("enable").is_done, "enable")
+    shared.wait_for("ready")
+    return shared
 
 
 @pytest.fixture
@@ -81,42 +121,32 @@ def test_u_comes_to_rest_with_its_visitor(
     assert seat.service.tuned() is None
 
 
-def test_a_pulse_is_shown_and_set_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What tools/tune --pulse finds is set by apply, and no second time; a reversed U is not."""
-    found, given = SimpleNamespace(sign=1), list[object]()
-    monkeypatch.setattr(loop_tuner, "measure_pulse", lambda u, force_n: found)
-    monkeypatch.setattr(loop_tuner, "pulse_lines", lambda one: ["first", "second"])
-    monkeypatch.setattr(loop_tuner, "pulse_settings", lambda one: {"servo_mass_g": 1500})
-    monkeypatch.setattr(ConnectedU, "apply", lambda u, settings: given.append(settings))
-    link, tuner = cast(Link, SimpleNamespace(where="here")), LoopTuner()
-    tuner.push(link, 15.0, print)
-    assert tuner.newest == Tuned("first\nsecond", b"", {"servo_mass_g": 1500})
-    assert tuner.apply(link, print).startswith("1 parameters are set, the drives are off")
-    assert given == [{"servo_mass_g": 1500}]
-    with pytest.raises(Refused, match="nothing is proposed"):
-        tuner.apply(link, print)
-    found.sign = -1
-    with pytest.raises(Refused, match="first"):
-        tuner.push(link, 15.0, print)
-    assert tuner.newest == Tuned("first\nsecond", b"", {}, "first")
+@pytest.mark.long
+def test_a_pulse_tells_mass_and_friction(live_seat: LiveSeat) -> None:
+    """Apply sets both."""
+    live_seat.do("push_u", force_n=15.0)
+    found = live_seat.service.tuned()
+    assert found is not None and found.text.startswith("a positive force moves the scale up")
+    assert found.settings["servo_mass_g"] == pytest.approx(1500, rel=0.04)
+    assert found.settings["servo_friction_mn"] == pytest.approx(4500, rel=0.1)
+    before = live_seat.parameters()
+    live_seat.do("apply_loop")
+    wanted = before | dict(found.settings)
+    until(lambda: live_seat.parameters() == wanted, "mass and friction are set")
 
 
+@pytest.mark.long
 def test_a_loop_without_the_margins_is_shown_and_not_applied(
-    monkeypatch: pytest.MonkeyPatch,
+    live_seat: LiveSeat, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The constants are there, and why no loop is proposed."""
-    subject = SimpleNamespace(lines=["mass_kg 1.5"])
-    monkeypatch.setattr(loop_tuner, "recorded", lambda u, where: None)
-    monkeypatch.setattr(loop_tuner, "fitted", lambda record: None)
-    monkeypatch.setattr(loop_tuner, "subject_of", lambda *_: subject)
-    monkeypatch.setattr(loop_tuner, "proposed", lambda one: SimpleNamespace(problem="unstable"))
-    link = cast(Link, SimpleNamespace(where="here", wait=lambda is_done, s: is_done()))
-    tuner = LoopTuner()
-    with pytest.raises(Refused, match="unstable"):
-        tuner.measure(link, print)
-    assert tuner.newest == Tuned("mass_kg 1.5", b"", {}, "unstable")
-    with pytest.raises(Refused, match="nothing is proposed"):
-        tuner.apply(link, print)
+    poor = "margins at 0.7 of the mass: unstable"
+    monkeypatch.setattr("camtools.tune.judgement.refusal", lambda judged, *, is_proposal: poor)
+    assert live_seat.refused("measure_loop") == poor
+    tuned = live_seat.service.tuned()
+    assert tuned is not None and tuned.problem == poor and not tuned.picture
+    assert "mass_kg" in tuned.text and "proposed" not in tuned.text
+    assert "nothing is proposed" in live_seat.refused("apply_loop")
 
 
 def test_the_card_is_for_a_force_drive_and_says_what_is_to_be_set() -> None:

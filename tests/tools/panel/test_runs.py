@@ -254,6 +254,6 @@ def test_errors_over_height_and_angle_are_those_of_the_surface(
     assert scale_of([found.map_um]) == pytest.approx(np.nanmax(np.abs(wanted)), rel=5e-3)
     chart = error_map("one", found, 1.0)
     assert len(chart["series"][0]["data"]) == np.isfinite(wanted).sum()
-    assert chart["visualMap"]["min"], chart["visualMap"]["max"] == (-1.0, 1.0)
+    assert (chart["visualMap"]["min"], chart["visualMap"]["max"]) == (-1.0, 1.0)
     lines = over_height([("one", found)])
     assert [one["name"] for one in lines["series"]] == ["one"]

@@ -18,7 +18,7 @@ from camtools.sim.uncertain import usual_spreads
 
 # Each is off to the side that makes U later than believed, so that the errors add up.
 _LATER = {key: spread for key, spread in usual_spreads().items() if spread.later}
-SHARE = max(spread.sd or 0.0 for spread in _LATER.values())  # of the nominal values
+SHARE = max(spread.sd for spread in _LATER.values() if spread.sd)  # of the nominal values
 _NO_LEARNING = ("rehearse_turns", "learn_harmonics", "ripple_turns")
 _MOST_TICKS = 300_000  # of a cut: a third of a second
 _USUAL_TICK_HZ = 20_000  # of a machine file that gives none
@@ -70,8 +70,8 @@ def worse(tree: Mapping[str, Any]) -> dict[str, float]:
     found = {}
     for key, spread in _LATER.items():
         nominal = nominal_of(tree, key)
-        if nominal is not None and kind in spread.later:
-            found[key] = nominal * (1 + spread.later[kind] * (spread.sd or 0.0))
+        if nominal is not None and spread.sd is not None and kind in spread.later:
+            found[key] = nominal * (1 + spread.later[kind] * spread.sd)
     return found
 
 

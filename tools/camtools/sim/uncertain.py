@@ -60,6 +60,9 @@ class Spread(TomlTable):
             if value is not None and name not in (*wanted, *others):
                 problem = f"does not belong to a {self.distribution} distribution"
                 raise wrong("extra", problem, "remove it", field=name, value=value)
+        if self.later and (self.distribution, self.of) != ("normal", "nominal"):
+            problem = "is for a normal distribution of the nominal value"
+            raise wrong("extra", problem, "remove it", field="later", value=self.later)
         if self.low is not None and self.high is not None and self.low >= self.high:
             problem = f"must be below high = {self.high:g}"
             raise wrong("order", problem, "give the lower end first", field="low", value=self.low)

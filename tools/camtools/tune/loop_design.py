@@ -24,7 +24,8 @@ Complexes = NDArray[np.complex128]
 LEAST_GAIN_DB = 6.0
 LEAST_PHASE_DEG = 30.0
 _MASS = usual_spreads()["u.mass_kg"]
-_OFF, _FACTOR = _MASS.margins or 0.0, _MASS.stable or 1.0
+assert _MASS.margins is not None and _MASS.stable is not None
+_OFF, _FACTOR = _MASS.margins, _MASS.stable
 MASSES = (1.0 - _OFF, 1.0, 1.0 + _OFF)  # relative; the margins hold at each
 EXTREME_MASSES = (1.0 / _FACTOR, _FACTOR)  # relative; the loop is stable there
 BACK_S = 0.02  # after this time a step of force has gone
