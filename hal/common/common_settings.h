@@ -35,6 +35,8 @@ typedef struct {
     size_t offset;       ///< [bytes] of the variable, from `into`
     double min, max;     ///< number: range, within 2^53; text: max is its longest length
     const char *choices; ///< "\"first\" \"second\"", also shown in the message
+    double normal;       ///< default, in lists that state defaults
+    const char *meaning; ///< for people, likewise
 } common_setting_t;
 
 enum { common_settings_max = 128 }; ///< most keys in a list

@@ -6,11 +6,6 @@
 /// Below this speed the spindle counts as stopped, without a chip.
 #define LEAST_TURNS_PER_S 1e-3
 
-sim_chip_config_t sim_chip_defaults(void)
-{
-    return (sim_chip_config_t){.radial_share = 0.3};
-}
-
 double sim_chip_force_n(const sim_chip_config_t *c, double depth_mm, double z_mm_per_s,
                         double turns_per_s)
 {

@@ -5,53 +5,6 @@
 
 enum { n_sub_steps = 16 };
 
-sim_drive_config_t sim_drive_u_defaults(void)
-{
-    return (sim_drive_config_t){
-        .bandwidth_hz = 300.0,
-        .damping = 0.7,
-        .delay_us = 75.0,
-        .quantum_micro = 10.0,
-        .speed_units_per_s = 400.0,
-        .acceleration_units_per_s2 = 250000.0,
-        .mass_kg = 1.5,
-        .force_limit_n = 600.0,
-        .amplifier_hz = 2000.0,
-        .force_quantum_n = 0.02,
-        .stop_n_per_um = 10.0,
-    };
-}
-
-sim_drive_config_t sim_drive_x_defaults(void)
-{
-    return (sim_drive_config_t){
-        .bandwidth_hz = 50.0,
-        .damping = 1.0,
-        .quantum_micro = 10.0,
-        .speed_units_per_s = 100.0,
-        .acceleration_units_per_s2 = 2000.0,
-    };
-}
-
-sim_drive_config_t sim_drive_z_defaults(void)
-{
-    sim_drive_config_t config = sim_drive_x_defaults();
-    config.speed_units_per_s = 200.0;
-    return config;
-}
-
-sim_drive_config_t sim_drive_swing_defaults(void)
-{
-    return (sim_drive_config_t){
-        .bandwidth_hz = 200.0,
-        .damping = 0.7,
-        .delay_us = 100.0,
-        .quantum_micro = 100.0,
-        .speed_units_per_s = 1000.0,
-        .acceleration_units_per_s2 = 100000.0,
-    };
-}
-
 /// The even and odd parts of e^(r t) about -d w: cos and sin(q t) / q, cosh and sinh(q t) / q, or 1
 /// and t.
 static void even_odd(double omega, double damping, double t, double *even, double *odd)

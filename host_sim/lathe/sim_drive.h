@@ -120,17 +120,6 @@ typedef struct {
 
 enum { sim_drive_ring = 1024, sim_drive_max_delay_ticks = sim_drive_ring - 2 };
 
-/// U: 300 Hz, damping 0.7, 75 us, 10 nm, 400 mm/s, 250 m/s2.
-sim_drive_config_t sim_drive_u_defaults(void);
-
-/// X and Z: 50 Hz, damping 1, no dead time, 10 nm, 100 or 200 mm/s, 2 m/s2.
-sim_drive_config_t sim_drive_x_defaults(void);
-sim_drive_config_t sim_drive_z_defaults(void);
-
-/// The swing of the tool: 200 Hz, damping 0.7, 100 us, 1e-4 degrees, 1000 degrees/s,
-/// 100 000 degrees/s2.
-sim_drive_config_t sim_drive_swing_defaults(void);
-
 /// The 2 x 2 matrix that takes (position - command, speed) over a piece of constant command.
 typedef struct {
     double pp, pv, vp, vv;

@@ -2,16 +2,6 @@
 #include "sim_encoder.h"
 #include "sim_units.h" // sim_sine, sim_clamp, sim_floor
 
-sim_encoder_config_t sim_encoder_defaults(void)
-{
-    return (sim_encoder_config_t){
-        .counts_per_turn = 10000.0,
-        .sign = 1.0,
-        .index_turn = 0.3,
-        .start_counts = 4294467296.0, // 2^32 - 500 000
-    };
-}
-
 /// @return position of the disc in counts, a real number, rising with the counter
 static double place_counts(const sim_encoder_config_t *c, double turn)
 {

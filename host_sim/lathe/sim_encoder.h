@@ -43,9 +43,6 @@ typedef struct {
     double start_turn;          ///< [turn] angle at rest before the start
 } sim_spindle_config_t;
 
-/// 0.1 kg m2 and 50 Nm (500 rad/s2), 40 rad/s, 0.2 % twice per turn, no second ripple.
-sim_spindle_config_t sim_spindle_defaults(void);
-
 typedef struct {
     double turn;             ///< [turn] true angle, signed, not wrapped
     double speed_rad_per_s;  ///< mean speed, signed, without the ripple
@@ -77,10 +74,6 @@ typedef struct {
                          ///< during a cut
     double has_time_stamps; ///< 1: hardware stamps the edges
 } sim_encoder_config_t;
-
-/// 10 000 counts per turn, no eccentricity, no jitter, index at 0.3 turn; the counter wraps after
-/// 50 turns.
-sim_encoder_config_t sim_encoder_defaults(void);
 
 typedef struct {
     sim_encoder_config_t config;
@@ -138,9 +131,6 @@ typedef struct {
     uint32_t i;
     double pos_micro[sim_scale_ring], vel_micro_per_s[sim_scale_ring];
 } sim_scale_t;
-
-/// No latency, no error; 20 um.
-sim_scale_config_t sim_scale_defaults(void);
 
 /// @param pos_micro  position at rest before the start
 /// @param step_s     between calls of sim_scale_push(); latency / step_s < sim_scale_ring - 1

@@ -2,28 +2,6 @@
 #include "sim_lathe.h"
 #include "sim_units.h" // sim_cosine, sim_abs, SIM_TWO_PI
 
-sim_lathe_config_t sim_lathe_defaults(void)
-{
-    return (sim_lathe_config_t){
-        .tick_hz = 20000.0,
-        .spindle = sim_spindle_defaults(),
-        .encoder = sim_encoder_defaults(),
-        .drive = {[hal_axis_u] = sim_drive_u_defaults(),
-                  [hal_axis_x] = sim_drive_x_defaults(),
-                  [hal_axis_z] = sim_drive_z_defaults(),
-                  [sim_lathe_swing] = sim_drive_swing_defaults()},
-        .swing_range_deg = 30.0,
-        .mode = {sim_mode_defaults(), sim_mode_defaults()},
-        .scale = sim_scale_defaults(),
-        .chip = sim_chip_defaults(),
-        .u_stroke_mm = 1.2,
-        .spindle_limit_rpm = 3000.0,
-        .x_start_mm = 2.0,
-        .z_start_mm = 2.0,
-        .tool_nose_mm = -1.0,
-    };
-}
-
 void sim_lathe_init(sim_lathe_t *l, const sim_lathe_config_t *config, double step_s, double x_nm,
                     double z_nm, uint64_t seed)
 {

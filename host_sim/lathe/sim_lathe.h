@@ -50,9 +50,6 @@ typedef struct {
     sim_chip_slot_t slot[sim_chip_slots];
 } sim_chip_config_t;
 
-/// No force, a radial share of 0.3, a rigid tool, no slots.
-sim_chip_config_t sim_chip_defaults(void);
-
 /// @param depth_mm   below the blank; 0 or below: clear
 /// @param z_mm_per_s, turns_per_s  signed
 /// @return [N] radial force away from the axis, >= 0; 0 while the spindle is stopped
@@ -126,9 +123,6 @@ typedef struct {
     double pos_micro[2], vel_micro_per_s[2];
 } sim_mode_travel_t;
 
-/// @return no mode (0 Hz), with damping 0.03 and share 1
-sim_mode_config_t sim_mode_defaults(void);
-
 /// Start at rest.
 void sim_mode_init(sim_mode_t *m, const sim_mode_config_t *config);
 
@@ -164,10 +158,6 @@ typedef struct {
     double tool_wear_um;           ///< wear of the tip
     double wheel_wear_um;          ///< wear of a wheel's radius per lobe
 } sim_lathe_config_t;
-
-/// 20 kHz, the defaults of all models, U 1.2 mm, 3000 r/min, X 2 mm off the blank, Z 2 mm before
-/// the part.
-sim_lathe_config_t sim_lathe_defaults(void);
 
 /// Set-points of the controller for one step.
 typedef struct {

@@ -3,11 +3,6 @@
 #include "sim_drive.h" // sim_drive_flow
 #include "sim_units.h" // SIM_TWO_PI
 
-sim_mode_config_t sim_mode_defaults(void)
-{
-    return (sim_mode_config_t){.damping = 0.03, .share = 1.0};
-}
-
 void sim_mode_init(sim_mode_t *m, const sim_mode_config_t *config)
 {
     *m = (sim_mode_t){

@@ -2,11 +2,6 @@
 #include "sim_encoder.h"
 #include "sim_units.h" // sim_sine, sim_floor
 
-sim_scale_config_t sim_scale_defaults(void)
-{
-    return (sim_scale_config_t){.period_um = 20.0};
-}
-
 void sim_scale_init(sim_scale_t *s, const sim_scale_config_t *config, double pos_micro,
                     double step_s)
 {

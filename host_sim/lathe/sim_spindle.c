@@ -4,19 +4,6 @@
 #include <math.h>      // exp
 #include <stdbool.h>   // bool
 
-sim_spindle_config_t sim_spindle_defaults(void)
-{
-    return (sim_spindle_config_t){
-        .inertia_kgm2 = 0.1,
-        .torque_Nm = 50.0,
-        .bandwidth_rad_per_s = 40.0,
-        .ripple = 0.002,
-        .ripple_per_turn = 2.0,
-        .ripple_per_turn_2 = 5.0,
-        .start_turn = 0.6,
-    };
-}
-
 void sim_spindle_init(sim_spindle_t *s, const sim_spindle_config_t *config)
 {
     *s = (sim_spindle_t){

@@ -91,7 +91,7 @@ static inline const sim_lathe_config_t *sim_config_believed(const sim_config_t *
 /// The keys that hold a number or a choice, for tools.
 /// @return a line per key: section, key, number|whole|sign|choice, least, most, default (of a
 /// choice
-///         its index), choices in quotes; separated by tabs
+///         its index), choices in quotes, meaning; separated by tabs
 const char *sim_config_keys(void);
 
 /// Read a machine file of at most 1 MiB, without NUL bytes, over the present contents of *config.

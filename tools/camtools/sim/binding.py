@@ -50,7 +50,7 @@ def _library() -> ctypes.CDLL:
     return library("camsim", PROTOTYPES, "tools/run")
 
 
-def machine_keys() -> str:
+def key_lines() -> str:
     """Return the keys of machine files in lines, as `sim_config_keys` writes them."""
     text: bytes = _library().sim_api_machine_keys()
     return text.decode()

@@ -12,11 +12,6 @@ delay_us = 75
 <BLANKLINE>
 >>> "real" in names(), machine_path("real").name
 (True, 'real.toml')
-
-Meanings are the comments of host_sim/machines/default.toml.
-
->>> _meanings("[u]\ndamping = 0.7\nkind = 1  # takes\n          # forces\n")
-{'u.damping': '', 'u.kind': 'takes forces'}
 """
 
 import copy
@@ -36,7 +31,7 @@ from camtools.base.quantities import NM_PER_UM
 from camtools.base.text import toml_tree
 from camtools.part.common import MachineLimits
 from camtools.part.schema import DRAFT, Schema
-from camtools.sim.binding import machine_keys
+from camtools.sim.binding import key_lines
 
 Tree = dict[str, Any]
 MACHINES = ROOT / "host_sim" / "machines"
@@ -192,35 +187,39 @@ def mistaken(tree: Tree, truth: Mapping[str, float]) -> Tree:
     return changed | ({BELIEVED: believed} if believed else {})
 
 
-_LINE = re.compile(r"(?:\[(\w+)\]|(\w+) *=[^#\n]*)?\s*(?:#\s*(.*))?")
+class MachineKey(NamedTuple):
+    """A key of machine files that holds a number or a choice."""
+
+    table: str
+    name: str
+    kind: str  # number, whole, sign or choice
+    low: float
+    high: float
+    default: float  # of a choice its index
+    choices: list[str]
+    meaning: str
 
 
-def _meanings(text: str) -> dict[str, str]:
-    """Return the comments of the keys of a machine file by table and key."""
-    found: dict[str, str] = {}
-    table = last = ""
-    for line in text.splitlines():
-        match = _LINE.match(line.strip() if last else line)
-        header, key, comment = match.groups() if match else (None, None, None)
-        if header:
-            table, last = header, ""
-        elif key:
-            last = f"{table}.{key}"
-            found[last] = comment or ""
-        elif comment and last:
-            found[last] = f"{found[last]} {comment}".strip()
-        else:
-            last = ""
+def machine_keys() -> list[MachineKey]:
+    """Return the keys in the order of host_sim/setup/sim_config.c."""
+    found = []
+    for line in key_lines().splitlines():
+        table, name, kind, low, high, default, words, meaning = line.split("\t")
+        numbers = float(low), float(high), float(default)
+        choices = re.findall(r'"([^"]*)"', words)
+        found.append(MachineKey(table, name, kind, *numbers, choices, meaning))
     return found
 
 
-def _key(kind: str, low: float, high: float, default: float, words: list[str]) -> Schema:
-    if kind == "choice":
-        return {"enum": words, "default": words[int(default)]}
-    if kind == "sign":
-        return {"enum": [int(low), int(high)], "default": int(default)}
-    sort = "integer" if kind == "whole" else "number"
-    return {"type": sort, "minimum": low, "maximum": high, "default": default}
+def _key(key: MachineKey) -> Schema:
+    meaning = {"description": key.meaning} if key.meaning else {}
+    if key.kind == "choice":
+        return {"enum": key.choices, "default": key.choices[int(key.default)]} | meaning
+    if key.kind == "sign":
+        return {"enum": [int(key.low), int(key.high)], "default": int(key.default)} | meaning
+    kind = "integer" if key.kind == "whole" else "number"
+    span = {"minimum": key.low, "maximum": key.high}
+    return {"type": kind, **span, "default": key.default} | meaning
 
 
 def _object(properties: Schema) -> Schema:
@@ -229,14 +228,9 @@ def _object(properties: Schema) -> Schema:
 
 def machine_schema() -> Schema:
     """Return the JSON schema of machine files."""
-    meanings = _meanings(find_machine("default").text)
     tables: dict[str, Schema] = {"machine": {"name": {"type": "string", "maxLength": 63}}}
-    for line in machine_keys().splitlines():
-        table, name, kind, low, high, default, words = line.split("\t")
-        numbers = float(low), float(high), float(default)
-        key = _key(kind, *numbers, re.findall(r'"([^"]*)"', words))
-        meaning = meanings.get(f"{table}.{name}", "")
-        tables.setdefault(table, {})[name] = key | ({"description": meaning} if meaning else {})
+    for key in machine_keys():
+        tables.setdefault(key.table, {})[key.name] = _key(key)
     found = {name: _object(keys) for name, keys in tables.items()}
     believed = _object({name: keys for name, keys in found.items() if name != "machine"})
     parameters = {"type": "object", "additionalProperties": {"type": ["integer", "boolean"]}}

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "canopen.h" // common_get_u32
+#include "sim_config.h"
 #include "sim_bus.h"
 #include "sim_units.h" // sim_abs
 #include "unity.h"
@@ -14,7 +15,7 @@ static sim_bus_config_t config;
 void setUp(void)
 {
     config = (sim_bus_config_t){
-        .lathe = sim_lathe_defaults(), .guard_s = 0.02, .heartbeat_s = 0.05, .seed = 1};
+        .lathe = sim_config_defaults().lathe, .guard_s = 0.02, .heartbeat_s = 0.05, .seed = 1};
     config.lathe.tick_hz = 1000.0;
     config.lathe.spindle.ripple = 0.0;
     sim_bus_init(&bus, &config, X_NM, Z_NM);

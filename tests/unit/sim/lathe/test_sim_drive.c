@@ -2,6 +2,7 @@
 // A drive that takes positions against closed forms, and one of kind force against the motion of a
 // mass after a first-order amplifier.
 #include "sim_drive.h"
+#include "sim_config.h"
 #include "sim_units.h" // SIM_TWO_PI
 #include "unity.h"
 #include <math.h> // exp, sin
@@ -14,7 +15,7 @@ static sim_drive_t drive;
 
 void setUp(void)
 {
-    config = sim_drive_u_defaults();
+    config = sim_config_defaults().lathe.drive[hal_axis_u];
     config.delay_us = 0.0;
     config.quantum_micro = 0.0;
 }
@@ -151,7 +152,7 @@ static void test_step_in_another_time_is_exact(void)
 
 static void begin_force(void)
 {
-    config = sim_drive_u_defaults();
+    config = sim_config_defaults().lathe.drive[hal_axis_u];
     config.kind = sim_drive_force;
     config.quantum_micro = 0.0;
     config.speed_units_per_s = 1e5;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_encoder.h"
+#include "sim_config.h"
 #include "unity.h"
 #include <math.h> // sqrt
 
@@ -8,7 +9,7 @@ static sim_encoder_t encoder;
 
 void setUp(void)
 {
-    config = sim_encoder_defaults();
+    config = sim_config_defaults().lathe.encoder;
 }
 
 static void init_at(double turn)

@@ -29,7 +29,7 @@ static void derive(void)
 /// A U that takes forces, between two stops, homed by one of them.
 void setUp(void)
 {
-    config = sim_lathe_defaults();
+    config = sim_config_defaults().lathe;
     sim_drive_config_t *u = &config.drive[hal_axis_u];
     u->kind = sim_drive_force;
     u->delay_us = 25.0;
@@ -204,7 +204,7 @@ static void test_stop_is_found_by_either_sense_and_a_weak_loop(void)
 /// and U to what the slow speed covers in a plan and the drive lags behind, and no fault comes.
 static void test_lathe_is_homed_by_its_switches(void)
 {
-    config = sim_lathe_defaults();
+    config = sim_config_defaults().lathe;
     config.home[hal_axis_x] =
         (sim_home_config_t){.switch_mm = 60.0, .side = 1.0, .pitch_mm = 5.0, .zero_mm = 58.0};
     config.home[hal_axis_u] = (sim_home_config_t){.switch_mm = 0.3, .side = 1.0, .zero_mm = 0.1};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal_host.h" // hal_host
+#include "sim_config.h"
 #include "sim_port.h"
 #include "sim_units.h" // SIM_TWO_PI
 #include "unity.h"
@@ -11,7 +12,7 @@ static sim_port_t port;
 
 void setUp(void)
 {
-    const sim_lathe_config_t config = sim_lathe_defaults();
+    const sim_lathe_config_t config = sim_config_defaults().lathe;
     sim_port_init(&port, &config, 50e6, 0.0, 1);
     sim_port_sense(&port);
 }

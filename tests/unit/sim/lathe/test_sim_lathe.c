@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_lathe.h"
+#include "sim_config.h"
 #include "sim_units.h" // sim_round, SIM_TWO_PI
 #include "unity.h"
 #include <math.h> // fabs, sin
@@ -9,7 +10,7 @@ static sim_lathe_t lathe;
 
 void setUp(void)
 {
-    config = sim_lathe_defaults();
+    config = sim_config_defaults().lathe;
 }
 
 static void init(void)

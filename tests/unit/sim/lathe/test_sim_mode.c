@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_lathe.h"
+#include "sim_config.h"
 #include "sim_units.h" // SIM_TWO_PI
 #include "unity.h"
 #include <math.h> // cos, sin, sqrt
@@ -12,7 +13,7 @@ static sim_mode_t mode;
 
 void setUp(void)
 {
-    config = sim_mode_defaults();
+    config = sim_config_defaults().lathe.mode[0];
     config.hz = 800.0;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_port.h"
+#include "sim_config.h"
 #include "hal_host.h"  // hal_host
 #include "sim_units.h" // SIM_TWO_PI
 #include "unity.h"
@@ -9,7 +10,7 @@ static sim_port_t port;
 
 void setUp(void)
 {
-    config = sim_lathe_defaults();
+    config = sim_config_defaults().lathe;
     config.spindle.ripple = 0.0;
 }
 

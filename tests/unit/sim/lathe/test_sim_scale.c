@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_encoder.h"
+#include "sim_config.h"
 #include "sim_units.h" // SIM_TWO_PI
 #include "unity.h"
 #include <math.h> // cos, sin
@@ -11,7 +12,7 @@ static sim_scale_t scale;
 
 void setUp(void)
 {
-    config = sim_scale_defaults();
+    config = sim_config_defaults().lathe.scale;
 }
 
 static void test_reading_is_older_by_the_latency(void)

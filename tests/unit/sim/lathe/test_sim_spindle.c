@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_encoder.h"
+#include "sim_config.h"
 #include "sim_units.h" // SIM_TWO_PI
 #include "unity.h"
 #include <math.h> // sqrt
@@ -10,7 +11,7 @@ static sim_spindle_t spindle;
 
 void setUp(void)
 {
-    const sim_spindle_config_t config = sim_spindle_defaults();
+    const sim_spindle_config_t config = sim_config_defaults().lathe.spindle;
     sim_spindle_init(&spindle, &config);
 }
 
