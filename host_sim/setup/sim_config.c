@@ -17,10 +17,10 @@ enum { max_bytes = 1 << 20, least_mode_hz = 10 };
 #define REAL(...) KEY(common_setting_real, __VA_ARGS__)
 #define WHOLE(...) KEY(common_setting_count, __VA_ARGS__)
 // clang-format off
-#define MODE(key, i, what, share) \
+#define MODE(key, i, what, of_share) \
     REAL("u", key "_hz", mode[i].hz, 0.0, 0.0, 20000.0, what ", 0: none"), \
     REAL("u", key "_damping", mode[i].damping, 0.03, 0.001, 2.0, ""), \
-    REAL("u", key "_share", mode[i].share, 1.0, -2.0, 2.0, share), \
+    REAL("u", key "_share", mode[i].share, 1.0, -2.0, 2.0, of_share), \
     WHOLE("u", key "_on_scale", mode[i].is_on_scale, 0.0, 0.0, 1.0, "0: between scale and tip; 1: the scale measures it")
 #define SLOT(key, i, what) \
     REAL("cut", key "_deg", chip.slot[i].middle_deg, 0.0, -360.0, 360.0, what), \

@@ -9,15 +9,15 @@
 #define AT(member) offsetof(lin_config_t, member)
 #define WHOLE(section, key, member, min, max)                                                      \
     {                                                                                              \
-        section, key, common_setting_whole, AT(member), min, max, NULL                             \
+        section, key, common_setting_whole, AT(member), min, max, .choices = NULL                  \
     }
 #define FLAG(section, key, member)                                                                 \
     {                                                                                              \
-        section, key, common_setting_flag, AT(member), 0, 0, NULL                                  \
+        section, key, common_setting_flag, AT(member), 0, 0, .choices = NULL                       \
     }
 #define TEXT(section, key, member, max)                                                            \
     {                                                                                              \
-        section, key, common_setting_text, AT(member), 0, max, NULL                                \
+        section, key, common_setting_text, AT(member), 0, max, .choices = NULL                     \
     }
 #define DRIVE(section, i, least_node)                                                              \
     WHOLE(section, "node", drive[i].node, least_node, 127),                                        \
@@ -51,7 +51,8 @@ static const common_setting_t settings[] = {
     WHOLE("encoder", "node", encoder.node, 1, 127),
     WHOLE("encoder", "modulus_counts", encoder.modulus_counts, 0, UINT32_MAX),
     WHOLE("encoder", "counts_per_turn", encoder.counts_per_turn, 64, 16777216),
-    {"encoder", "index", common_setting_choice, AT(encoder.index), 0, 0, "\"line\" \"position\""},
+    {"encoder", "index", common_setting_choice, AT(encoder.index), 0, 0,
+     .choices = "\"line\" \"position\""},
     WHOLE("encoder", "index_counts", encoder.index_counts, 0, 16777215),
     WHOLE("encoder", "delay_ns", encoder.delay_ns, 0, 100000000),
     WHOLE("encoder", "max_age_us", encoder.max_age_us, 0, 1000000),
