@@ -1,4 +1,4 @@
-r"""Make look-up pages, default.toml, camturn.dbc and its C from their sources, or compare them.
+r"""Make look-up pages, lists of camturn.dbc and its C from their sources, or compare them.
 
 >>> print(table([("a", "b"), ("1", "2|3")]), end="")
 | a | b |
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import re
 import sys
-import textwrap
 from collections.abc import Iterable, Sequence
 
 from cantools.database.can import Database, Message, Signal
@@ -18,7 +17,6 @@ from cantools.database.can import Database, Message, Signal
 from camtools.base.project import ROOT
 from camtools.link.kept_values import INFOS, Info, group_of
 from camtools.link.messages import choices_of
-from camtools.sim.machine_file import MachineKey, machine_keys
 from checks.dbc import DBC, c_sources, dbc_text, errors, headers
 from checks.page_command import page_command
 
@@ -123,79 +121,14 @@ def messages_page(database: Database, text: str) -> str:
     )
 
 
-_MACHINE = """\
-# The default machine: a voice-coil fast tool servo on a piston lathe. Lists every key with its
-# default; a machine file needs only those that differ. Numbers are invented but typical.
-# Generated from host_sim/setup/sim_config.c: build/venv/bin/python -m checks.lookup --write
-"""
-_SECTIONS = {
-    "u": "the fast tool axis",
-    "x": "carries the profile",
-    "z": "feeds along the part",
-    "swing": "of the tool for turned cams; other parts do not move it",
-    "tool": "that turns sections; cams: --tool-tip-mm",
-    "cut": "cutting force on U when turning sections",
-    "wheel": "for plunge-ground lobes",
-}
-_BELIEVED = """
-[controller]
-# Any parameter of firmware/param/cam_param.h, for example
-#   k1_ns = 780000
-# Otherwise k1, k2, lead, lag, limits and encoder follow from the machine above (sim_config.h).
-
-# [believed.u], [believed.encoder] and so on take the keys of [u], [encoder] and every other section
-# except [machine] and [controller]: the machine as the controller is configured for it. A key that
-# is not given there has its true value. One line makes a mismatch:
-#   [believed.u]
-#   bandwidth_hz = 270
-"""
-_INDENT, _WIDTH = 32, 100
-
-
-def _commented(text: str, comment: str) -> str:
-    """Return lines with a comment behind them.
-
-    >>> print(_commented("a = 1", "what it is"))
-    a = 1                           # what it is
-    """
-    if not comment:
-        return text
-    lines = textwrap.wrap(comment, _WIDTH - _INDENT - 2)
-    texts = [text, *[""] * (len(lines) - 1)]
-    return "\n".join(
-        f"{before:{_INDENT - 1}} # {line}" for before, line in zip(texts, lines, strict=True)
-    )
-
-
-def _default_of(key: MachineKey) -> str:
-    if key.choices:
-        return f'"{key.choices[int(key.default)]}"'
-    return str(int(key.default)) if key.default.is_integer() else repr(key.default)
-
-
-def default_machine() -> str:
-    """Return the text of the default machine's file."""
-    lines, table = [], ""
-    for key in machine_keys():
-        if key.table != table:
-            table = key.table
-            lines += ["", _commented(f"[{table}]", _SECTIONS.get(table, ""))]
-            if table == "machine":
-                name = "shown in summaries, at most 63 characters"
-                lines.append(_commented('name = "default"', name))
-        lines.append(_commented(f"{key.name} = {_default_of(key)}", key.meaning))
-    return _MACHINE + "\n".join(lines) + "\n" + _BELIEVED
-
-
 def pages() -> dict[str, str]:
-    """Return the texts of DBC, default machine, both pages and the C by their project paths."""
+    """Return the texts of the DBC, both pages and the C by their paths in the project."""
     text = headers()
     dbc = dbc_text(text)
     database = Database()
     database.add_dbc_string(dbc)
     return {
         DBC: dbc,
-        "host_sim/machines/default.toml": default_machine(),
         "firmware/PARAMETERS.md": parameters_page(),
         "firmware/remote/can/MESSAGES.md": messages_page(database, text),
         **c_sources(database),
@@ -203,7 +136,7 @@ def pages() -> dict[str, str]:
 
 
 def main(words: list[str] | None = None) -> int:
-    """Compare what is made with its sources, or write it anew."""
+    """Compare the DBC, both pages and the C with their sources, or write them anew."""
     return page_command("lookup", __doc__, ROOT, pages, words)
 
 

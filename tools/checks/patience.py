@@ -42,7 +42,9 @@ def limit_s(seconds: float = _LIMIT_S) -> float:
 
 
 def until(
-    condition: Callable[[], T], what: str = "the condition in the traceback", seconds: float = _LIMIT_S
+    condition: Callable[[], T],
+    what: str = "the condition in the traceback",
+    seconds: float = _LIMIT_S,
 ) -> T:
     """Wait until a condition holds; return its value. An assertion names what did not come."""
     end_s = time.monotonic() + limit_s(seconds)

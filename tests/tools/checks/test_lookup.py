@@ -8,12 +8,12 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.project import ROOT
 from camtools.link.kept_values import INFOS
 from camtools.link.messages import DATABASE
-from checks import dbc, lookup, partfile
+from checks import dbc, lookup, machinefile, partfile
 
 
 def test_pages_are_what_the_sources_give() -> None:
     """After a change of parameters, messages, keys or cantools they are written anew."""
-    for module in (lookup, partfile):
+    for module in (lookup, machinefile, partfile):
         for name, text in module.pages().items():
             assert (ROOT / name).read_text("utf-8") == text, f"{name}: {module.__name__} --write"
 
