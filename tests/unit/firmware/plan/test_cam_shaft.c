@@ -53,7 +53,7 @@ static void test_first_lobe_is_taken_at_the_first_height(void)
 {
     TEST_ASSERT_EQUAL_INT32(1000, motion.phase_q32);
     TEST_ASSERT_EQUAL_INT64(INT64_C(0x1FFFFFFFE), motion.height_q32); // pattern 2: all of it
-    motion.height_step_q32 = 7; // of a motion before
+    motion.height_step_q32 = 7;                                       // of a motion before
     cam_shaft_begin_isr(&shaft, &table, 700000, &motion);
     TEST_ASSERT_EQUAL_INT32(0, motion.height_step_q32);
     TEST_ASSERT_EQUAL_UINT32(2, shaft.i_lobe);
