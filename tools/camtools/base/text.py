@@ -28,7 +28,6 @@ from collections.abc import Iterable, Mapping
 from itertools import pairwise
 from typing import Any
 
-from camtools.base.errors import InputError
 from camtools.base.quantities import Floats
 
 Columns = Mapping[str, tuple[Floats | Iterable[Any], int | str]]
@@ -77,20 +76,6 @@ def size_text(n_bytes: float) -> str:
 
 
 _MARK = "\ufeff"
-_UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
-
-
-def utf8_text(data: bytes, file: str) -> str:
-    """Return UTF-8 text without the byte-order mark that Windows writes, or refuse it."""
-    remedy = "save the file as UTF-8"
-    if data.startswith(_UTF16_MARKS) or b"\0" in data[:2]:
-        raise InputError(file, "", None, "not UTF-8 text but UTF-16", remedy)
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        problem = f"not UTF-8 text (byte {error.start} is 0x{data[error.start]:02x})"
-        raise InputError(file, "", None, problem, remedy) from error
-
 
 MOST_NAMES = 32
 # Strings and comments, also those that nobody closed: so each character is looked at once.

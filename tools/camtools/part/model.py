@@ -24,8 +24,8 @@ from pydantic import (
 from pydantic_core import ErrorDetails, PydanticCustomError, core_schema
 
 from camtools.base.errors import CamtoolsError, InputError, one_line
-from camtools.base.files import read_limited
-from camtools.base.text import toml_tree, utf8_text
+from camtools.base.files import read_limited, utf8_text
+from camtools.base.text import toml_tree
 
 MIN_SPAN_MM = 1.0
 MIN_STEP_MM = 0.01
