@@ -31,13 +31,22 @@ MM_PER_INCH = 25.4
 _DEG_PER_RAD = 180 / np.pi
 _ANGLES = {"deg": 1.0, "rad": _DEG_PER_RAD, "turn": 360.0}
 _LENGTHS = {"mm": 1.0, "um": 1e-3, "nm": 1e-6, "inch": MM_PER_INCH}
-_COLUMNS = {
-    "z": re.compile(r"z(?:_(mm))?"),
-    "x": re.compile(r"(?:x|angle|master|phi)(?:_(deg|rad|turn))?"),
-    "y": re.compile(r"(?:y|u|lift|reduction|value|position|slave)(?:_(mm|um|nm|inch))?"),
-    "v": re.compile(r"(?:v|velocity)(?:_(mm|um|nm|inch)_per_(deg|rad|turn))?"),
-    "a": re.compile(r"(?:a|acceleration)(?:_(mm|um|nm|inch)_per_(deg|rad|turn)2)?"),
+_WORDS = {
+    "z": "z",
+    "x": "x|angle|master|phi",
+    "y": "y|u|lift|reduction|value|position|slave",
+    "v": "v|velocity",
+    "a": "a|acceleration",
 }
+_UNITS = {
+    "z": "_(mm)",
+    "x": "_(deg|rad|turn)",
+    "y": "_(mm|um|nm|inch)",
+    "v": "_(mm|um|nm|inch)_per_(deg|rad|turn)",
+    "a": "_(mm|um|nm|inch)_per_(deg|rad|turn)2",
+}
+_COLUMNS = {key: re.compile(f"(?:{words})(?:{_UNITS[key]})?") for key, words in _WORDS.items()}
+_MISSPELT = re.compile(rf"height|(?:{'|'.join(_WORDS.values())})(?![^\W\d_])")  # no letter follows
 _WITHOUT_HEADER = {2: ("x", "y"), 4: ("x", "y", "v", "a")}
 _USE = "name the columns z_mm, X_deg, Y_mm, V_mm_per_deg, A_mm_per_deg2, or fewer of them"
 
@@ -106,6 +115,14 @@ def _column(name: str, place: int) -> _Column | None:
     return None
 
 
+def _check_names(table: NumberTable) -> None:
+    """Refuse a name that seems to be a column of points in an unknown unit."""
+    for place, name in enumerate(table.names):
+        if _MISSPELT.match(name) and _column(name, place) is None:
+            problem = f"column {place + 1} has an unknown unit or name"
+            raise InputError(table.file, table.place, None, problem, _USE)
+
+
 def _columns_of(table: NumberTable) -> list[_Column]:
     """Return the columns of points by a header, or by their number without one."""
     if not table.names:
@@ -114,6 +131,7 @@ def _columns_of(table: NumberTable) -> list[_Column]:
             raise InputError(table.file, table.place, None, problem, _USE)
         keys = list(_WITHOUT_HEADER[table.n_columns])
         return [_Column(key, 1.0, place) for place, key in enumerate(keys)]
+    _check_names(table)
     columns = [
         found
         for place, name in enumerate(table.names)
