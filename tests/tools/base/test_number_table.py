@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from camtools.base.errors import InputError
+from camtools.base.files import utf8_text
 from camtools.base.number_table import Column, NumberTable, read_whole_table
 from camtools.base.quantities import Floats
 from camtools.identify.foreign_record import MIN_ROWS, parse_record
+from camtools.link.kept_values import learned_values
 from camtools.link.kept_values import parse as parse_parameters
 from camtools.measured.points import HEADER as GAUGED
 from camtools.measured.points import parse_points as parse_gauged
@@ -267,7 +269,7 @@ def test_no_word_of_a_foreign_file_is_shown(name: str, tmp_path: Path) -> None:
 
 TOML: dict[str, Callable[[bytes], object]] = {
     "part": lambda data: read_tree(data, "a.toml"),
-    "machine": lambda data: read_machine(data.decode("utf-8"), "a.toml"),
+    "machine": lambda data: read_machine(utf8_text(data, "a.toml"), "a.toml"),
     "parameters": lambda data: parse_parameters(data, "a.toml"),
 }
 
@@ -288,9 +290,18 @@ def test_marks_of_windows_are_no_matter(tmp_path: Path) -> None:
             lambda: read_whole_table(path, 100),
             lambda: parameters.read_tree(path),
             lambda: read_tree(path.read_bytes(), "a.toml"),
+            lambda: parse_parameters(path.read_bytes(), "a.toml"),
+            lambda: learned_values(path.read_bytes(), "a.toml"),
         ):
             with pytest.raises(InputError, match="not UTF-8 text but UTF-16; save the file as UTF"):
                 refused()
+
+
+@pytest.mark.parametrize("data", [b"\0\0\xff\0", b"\0\1\xff", b"a\0\xff"])
+def test_binaries_are_not_taken_for_utf16(data: bytes) -> None:
+    """Its first letter has a single byte of 0, and its bytes are in pairs."""
+    with pytest.raises(InputError, match=r"not UTF-8 text \(byte"):
+        utf8_text(data, "a.bin")
 
 
 @pytest.mark.parametrize(

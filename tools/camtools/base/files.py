@@ -74,7 +74,8 @@ _UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
 def utf8_text(data: bytes, file: str) -> str:
     """Return UTF-8 text without the byte-order mark that Windows writes, or refuse it."""
     remedy = "save the file as UTF-8"
-    if data.startswith(_UTF16_MARKS) or b"\0" in data[:2]:
+    is_latin16 = data[:2].count(0) == 1 and len(data) % 2 == 0  # its first letter has a byte of 0
+    if data.startswith(_UTF16_MARKS) or is_latin16:
         raise InputError(file, "", None, "not UTF-8 text but UTF-16", remedy)
     try:
         return data.decode("utf-8-sig")

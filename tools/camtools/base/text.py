@@ -75,8 +75,6 @@ def size_text(n_bytes: float) -> str:
     return f"{n_bytes:.1f} GB"
 
 
-_MARK = "\ufeff"
-
 MOST_NAMES = 32
 # Strings and comments, also those that nobody closed: so each character is looked at once.
 STRINGS = re.compile(
@@ -91,7 +89,7 @@ _LONG_KEY = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{MOST_NAMES}}}"
 
 
 def toml_tree(text: str) -> dict[str, Any]:
-    """Return the tables of a TOML text, which may begin with a byte-order mark.
+    """Return the tables of a TOML text.
 
     Raises ValueError: it is no TOML (tomllib.TOMLDecodeError), nested too deeply, or has a key of
     more than MOST_NAMES names.
@@ -99,6 +97,6 @@ def toml_tree(text: str) -> dict[str, Any]:
     if _LONG_KEY.search(STRINGS.sub("s", text)):
         raise ValueError(f"a key of more than {MOST_NAMES} names")
     try:
-        return tomllib.loads(text.removeprefix(_MARK))
+        return tomllib.loads(text)
     except RecursionError as error:
         raise ValueError("nested too deeply") from error
