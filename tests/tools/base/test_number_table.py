@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from camtools.base.errors import InputError
+from camtools.base.files import utf8_text
 from camtools.base.number_table import Column, NumberTable, read_whole_table
 from camtools.base.quantities import Floats
 from camtools.identify.foreign_record import MIN_ROWS, parse_record
+from camtools.link.kept_values import learned_values
 from camtools.link.kept_values import parse as parse_parameters
 from camtools.measured.points import HEADER as GAUGED
 from camtools.measured.points import parse_points as parse_gauged
@@ -98,6 +100,21 @@ WRITERS: dict[str, Callable[[Rows], str]] = {
     "semicolons": lambda lines: text_of(lines, ";"),
     "semicolons and decimal commas": lambda lines: text_of(each(comma, lines), " ; "),
     "tabs": lambda lines: text_of(lines, "\t"),
+    "padded tabs": lambda lines: text_of(each(lambda cell: f" {cell} ", lines), "\t"),
+    "a further column after tabs": lambda lines: text_of(
+        [
+            ["no name", *lines[0], "Remarks"],
+            *(["", *row, ("", "dust, wiped off")[i % 2]] for i, row in enumerate(lines[1:])),
+        ],
+        "\t",
+    ),
+    "tabs under blanks": lambda lines: text_of(lines[:1], "\t") + text_of(lines[1:], "\t\t"),
+    "addresses and slashes": lambda lines: text_of(
+        [
+            ["file", *lines[0]],
+            *([("https://a/b", '"a // b"')[i % 2], *row] for i, row in enumerate(lines[1:])),
+        ]
+    ),
     "blanks": lambda lines: text_of([["", *cells, ""] for cells in lines], "  "),
     "blanks and decimal commas": lambda lines: text_of(each(comma, lines), " "),
     "Windows": lambda lines: text_of(lines, end="\r\n"),
@@ -119,7 +136,9 @@ WRITERS: dict[str, Callable[[Rows], str]] = {
     ),
     "blank lines": lambda lines: "\n \n" + text_of(lines, end="\n\n") + "\t\n",
     "comments": lambda lines: (
-        "# a tester\n//\n" + text_of(lines, end=" // a point\n#\n") + "(* end *)\n# end"
+        "# a tester\n//\n"
+        + text_of(lines, end=" // a point\n#\n,,,// no point\n")
+        + "(* end *)\n# end"
     ),
     "Fortran": lambda lines: text_of([lines[0], *each(fortran, lines[1:])], "   "),
 }
@@ -152,8 +171,31 @@ def test_motion_may_follow_and_the_header_be_missing(separator: str) -> None:
     alone = parse_points(text_of([row[:2] for row in rows], separator), "a.csv")
     assert not alone.has_motion
     np.testing.assert_array_equal(alone.sections[0][:2], moving.sections[0][:2])
+    aligned = [[f"{cell:>12}" for cell in row] for row in rows]  # the first row all with blanks
+    for text in (text_of(aligned), text_of(rows, ", ")):
+        np.testing.assert_array_equal(parse_points(text, "a.csv").sections[0], moving.sections[0])
     jerk = [[*header[:2], "J", "more"], *rows]
     assert not parse_points(text_of(jerk, separator), "a.csv").has_motion
+
+
+@pytest.mark.parametrize(
+    ("header", "place"),
+    [
+        ("X_deg;Y_mm;V_mm/deg;A_mm/deg2", 3),
+        ("height_mm;X_deg;Y_mm", 1),
+        ("X_deg;lift [mm]", 2),
+        ("angle(deg);lift_mm", 1),
+        ("X_deg;Y_mm;z_cm", 3),
+    ],
+)
+def test_misspelt_names_of_points_are_refused(header: str, place: int) -> None:
+    """They must not count as further columns; words that only begin alike do."""
+    row = ";".join("0" for _ in header.split(";"))
+    with pytest.raises(InputError, match=f"line 1: column {place} has an unknown unit or name; "):
+        parse_points(f"{header}\n{row}\n", "a.csv")
+    further = [["X_deg", "Y_mm", "area", "x\u00e4", "positions", "note"]]
+    further += [[*row, "", "", "", ""] for row in TURN]
+    np.testing.assert_array_equal(turn(text_of(further, ";")), turn(text_of(TURN)))
 
 
 KINDS = {"angle": {"angle_deg": 1.0}, "lift": {"lift_mm": 1.0, "lift_um": 1e-3}}
@@ -167,9 +209,10 @@ REFUSED = [
     ("angle_deg,lift_mm,Lift_mm\n", "has lift_mm, lift_mm; rename all but one of them"),
     (f"{HEADER}\n0,1\n0,2,2\n", "line 3 = '0,2,2': has 3 cells, the header names 2; separate by s"),
     (f"{HEADER}\n0,2,2,176\n", "line 2 = '0,2,2,176': has 4 cells, the header names 2; separate"),
-    (f"{HEADER}\n\n#\n0\n", "line 4 = '0': has 1 cells, the header names 2"),
-    ("angle_deg;lift_mm\n0,1\n", "has 1 cells, the header names 2; write a cell for each column"),
-    (f"{HEADER}\n0;1\n", "line 2 = '0;1': has 1 cells, the header names 2"),
+    (f"{HEADER}\n\n#\n0\n", "line 4 = '0': has 1 cell, the header names 2"),
+    ("angle_deg;lift_mm\n0,1\n", "has 1 cell, the header names 2; separate the cells as in line 1"),
+    (f"{HEADER}\n0;1\n", "line 2 = '0;1': has 1 cell, the header names 2"),
+    ("angle_deg\tlift_mm\tnote\n0\t1\ta b\tc\n", "line 2: has 4 cells, the header names 3"),
     (f"{HEADER}\n0,nan\n", "line 2 = '0,nan': cell 2 (lift_mm) is no finite number; write"),
     (f"{HEADER}\n-inf,1\n", "line 2 = '-inf,1': cell 1 (angle_deg) is no finite number"),
     (f"{HEADER}\n0,\n", "line 2 = '0,': cell 2 (lift_mm) is no finite number"),
@@ -196,7 +239,7 @@ def test_lines_without_header_have_as_many_cells_as_the_first() -> None:
     """Its line is named."""
     table = NumberTable("#\n0 1\n1 2 3\n", "a.csv", 8)
     assert (table.names, table.n_columns, table.place) == ([], 2, "line 2")
-    with pytest.raises(InputError, match=r"line 3 = '1 2 3': has 3 cells, line 2 has 2; write a"):
+    with pytest.raises(InputError, match=r"line 3 = '1 2 3': has 3 cells, line 2 has 2; separ"):
         table.values([Column(0)])
 
 
@@ -226,7 +269,7 @@ def test_no_word_of_a_foreign_file_is_shown(name: str, tmp_path: Path) -> None:
 
 TOML: dict[str, Callable[[bytes], object]] = {
     "part": lambda data: read_tree(data, "a.toml"),
-    "machine": lambda data: read_machine(data.decode("utf-8"), "a.toml"),
+    "machine": lambda data: read_machine(utf8_text(data, "a.toml"), "a.toml"),
     "parameters": lambda data: parse_parameters(data, "a.toml"),
 }
 
@@ -247,9 +290,18 @@ def test_marks_of_windows_are_no_matter(tmp_path: Path) -> None:
             lambda: read_whole_table(path, 100),
             lambda: parameters.read_tree(path),
             lambda: read_tree(path.read_bytes(), "a.toml"),
+            lambda: parse_parameters(path.read_bytes(), "a.toml"),
+            lambda: learned_values(path.read_bytes(), "a.toml"),
         ):
             with pytest.raises(InputError, match="not UTF-8 text but UTF-16; save the file as UTF"):
                 refused()
+
+
+@pytest.mark.parametrize("data", [b"\0\0\xff\0", b"\0\1\xff", b"a\0\xff"])
+def test_binaries_are_not_taken_for_utf16(data: bytes) -> None:
+    """Its first letter has a single byte of 0, and its bytes are in pairs."""
+    with pytest.raises(InputError, match=r"not UTF-8 text \(byte"):
+        utf8_text(data, "a.bin")
 
 
 @pytest.mark.parametrize(

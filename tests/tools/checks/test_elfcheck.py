@@ -1,5 +1,7 @@
 """The command line of elfcheck: exit status, messages, the record of sizes."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -28,6 +30,12 @@ def loops_file(folder: Path, text: str = 'root = "counts r0 down"') -> Path:
 def isr(folder: Path, *words: str) -> int:
     """Check the interrupt root() of the image that lies in a folder."""
     return main(["isr", str(folder / "tiny.elf"), "--root", "root", *words])
+
+
+def test_needs_no_library() -> None:
+    """The builds run elfcheck with the Python of the system, which has no numpy."""
+    code = "import sys; sys.modules['numpy'] = None; import checks.elfcheck"
+    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 @needs_gcc

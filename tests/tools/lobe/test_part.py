@@ -1,5 +1,6 @@
 """Part files of cams: what is read, and what is refused with field and remedy."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -281,9 +282,45 @@ def test_part_of_a_lobe_is_no_turn(degrees: Floats, problem: str, tmp_path: Path
     for csv, field in ((None, "angle_deg"), (tmp_path / "a.csv", "csv")):
         line = refused_lift(cam_of(with_law(law_of(degrees, lobe_mm(degrees), csv))))
         assert line.startswith(f"{LOBE}.{field}: no points {problem}")
-        assert ": the turn is not closed; list all of the lobe, both flanks; only" in line
+        assert ": the turn is not closed; list all of the lobe, both flanks, points" in line
+        [most_deg] = re.findall(r"at most (\S+) degrees apart$", line)
+        assert float(most_deg) == pytest.approx(np.clip(1440 / degrees.size, 10, 45), rel=1e-5)
     crank = 'degrees_of = "crank"\n' + law_of(2 * degrees, lobe_mm(degrees))
     assert "the turn is not closed; list all" in refused_lift(cam_of(with_law(crank)))
+
+
+def test_gap_ends_where_its_refusal_says(tmp_path: Path) -> None:
+    """A fine nose and coarse flanks: the stated distance is allowed, in degrees of the crank."""
+    nose = np.linspace(-8, 8, 201)
+    for step_deg, is_refused in ((12, True), (10, False)):
+        flank = np.arange(8.0 + step_deg, 178, step_deg)
+        degrees = np.concatenate([-flank[::-1], nose, flank])
+        lift_mm = 3 + 3 * np.cos(np.radians(degrees))
+        crank = law_of(2 * degrees, lift_mm, tmp_path / "a.csv")
+        part = cam_of(with_law(crank + 'degrees_of = "crank"\n'))
+        if is_refused:
+            assert refused_lift(part).endswith("at most 20 degrees apart")
+        else:
+            make_lift(part.cam, part.cam.lobe[0], LOBE)
+
+
+def test_turn_of_the_crank_may_lack_the_base_circle(tmp_path: Path) -> None:
+    """Its list is taken with points of the base circle, or as one of the cam."""
+
+    def given(end: int, csv: Path | None) -> tuple[LobePart, Floats, Floats]:
+        degrees = np.arange(-180.0, end, 5)
+        lift_mm = lobe_mm(degrees.clip(-90, 90))
+        crank = law_of(degrees, lift_mm, csv) + 'degrees_of = "crank"\n'
+        return cam_of(with_law(crank)), degrees, lift_mm
+
+    for csv in (None, tmp_path / "a.csv"):
+        line = refused_lift(given(181, csv)[0])
+        assert " of 720 degrees of the crank: one turn of the cam?; add points of lift 0" in line
+        assert line.endswith('if the angles are of the cam, remove degrees_of = "crank"')
+        part, degrees, lift_mm = given(540, csv)
+        law = make_lift(part.cam, part.cam.lobe[0], LOBE)
+        found_mm = law.evaluate(np.radians(degrees / 2)).lift
+        np.testing.assert_allclose(found_mm, lift_mm, atol=2e-9)
 
 
 @pytest.mark.parametrize("ends_deg", [(-71, 71), (-90, 90), (-70, 250)])
@@ -300,7 +337,8 @@ def test_base_circle_may_be_left_out(ends_deg: tuple[int, int]) -> None:
     ("base_mm", "expected"),
     [
         (0.0, ["list of lifts of 0 .. 6 mm, above 0.1 mm over 122.25 degrees of the cam"]),
-        (-0.0002, ["list of lifts of 0 .. 6 mm", "lifts of down to -0.2 um are taken as 0"]),
+        (-1e-9, ["list of lifts of 0 .. 6 mm"]),
+        (-0.0002, ["list of lifts of 0 .. 6 mm", "lifts down to -0.2 um are taken as 0"]),
         (5.0, ["list of lifts of 5 .. 11 mm, above 0.1 mm over 360", "caution: the lift is never"]),
     ],
 )

@@ -289,7 +289,7 @@ def test_motion_of_the_crank_is_that_of_the_cam(tmp_path: Path) -> None:
     columns = DEG, lift, slope * np.pi / 180, bend * (np.pi / 180) ** 2
     rows = zip(*(one.tolist() for one in columns), strict=True)
     (tmp_path / "xyva.txt").write_text("".join(f"{a} {b} {c} {d}\n" for a, b, c, d in rows))
-    with pytest.raises(GeometryError, match="of the crank: the turn is not closed; list 720 degr"):
+    with pytest.raises(GeometryError, match="359 of 720 degrees of the crank: one turn of the"):
         law_of(part)
 
 
@@ -299,7 +299,7 @@ def test_units_that_contradict_are_refused(tmp_path: Path) -> None:
     for header, more, told in (
         ("angle_deg lift_mm\n", 'lift_unit = "inch"\n', "line 1: the header names a unit of le"),
         ("", f"largest_lift_mm = {LIFT_MM}\n", "shares of 0 .. 8, not 0 .. 1; give shares of 0"),
-        ("", 'degrees_of = "crank"\n', "the turn is not closed"),
+        ("", 'degrees_of = "crank"\n', "of the crank: one turn of the cam?; add points of lift 0"),
     ):
         with pytest.raises(GeometryError) as refused:
             csv_law(tmp_path, (DEG, lift), header, more)

@@ -29,7 +29,6 @@ from typing import NamedTuple, TextIO
 
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.signals import signals_held
-from camtools.base.text import utf8_text
 
 
 def read_limited(path: Path, most_bytes: int) -> bytes:
@@ -67,6 +66,22 @@ def read_private(path: Path, option: str) -> bytes:
     if not is_private:
         raise CamtoolsError([f"{option} {path}: others may read it; chmod 600 {path}"])
     return data
+
+
+_UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
+
+
+def utf8_text(data: bytes, file: str) -> str:
+    """Return UTF-8 text without the byte-order mark that Windows writes, or refuse it."""
+    remedy = "save the file as UTF-8"
+    is_latin16 = data[:2].count(0) == 1 and len(data) % 2 == 0  # its first letter has a byte of 0
+    if data.startswith(_UTF16_MARKS) or is_latin16:
+        raise InputError(file, "", None, "not UTF-8 text but UTF-16", remedy)
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        problem = f"not UTF-8 text (byte {error.start} is 0x{data[error.start]:02x})"
+        raise InputError(file, "", None, problem, remedy) from error
 
 
 def read_text(path: Path, most_bytes: int) -> str:

@@ -1,10 +1,11 @@
 r"""Tables of numbers that people hand over as text: the same rules for every kind of table.
 
-Cells are separated by semicolons, commas, or blanks and tabs. The first line with numbers or names
-shows which; with semicolons, or blanks and tabs, a decimal comma is read as well as a point. Names
-are compared without regard to case, further columns are ignored. Blank lines and lines that begin
-with `#`, `//` or `(*` may be anywhere, and `//` begins a note. Names and numbers may be in quotes,
-exponents may be written with D, and cells that follow the last column may be there if empty.
+Cells are separated by semicolons, commas, tabs or blanks. The first line with numbers or names
+shows which; unless they are commas, a decimal comma is read as well as a point. Names are compared
+without regard to case, further columns are ignored. Blank lines and lines that begin with `#`, `//`
+or `(*` may be anywhere; `//` after a blank or at the begin of a cell begins a note, unless quoted.
+Names and numbers may be in quotes, exponents may be written with D, and cells that follow the last
+column may be there if empty.
 
 >>> table = NumberTable('# a tester\n"Angle_deg";Note;Lift_um\n0,5;a;1,5D3\n', "a.csv", 100)
 >>> table.names, table.lines.tolist()
@@ -24,6 +25,7 @@ Each line has as many cells as the header names, or as the first line of numbers
 """
 
 import csv
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -38,7 +40,7 @@ Units = Mapping[str, float]
 """What a unit is worth, by the name of a column in this unit."""
 
 _COMMENTS = ("#", "//", "(*")
-_NOTE = "//"
+_QUOTED_OR_NOTE = re.compile(r'(?<![^\s;,])(?:"(?:[^"]|"")*+"|//.*)')  # where a cell may begin
 _NOTHING = ' \t,;"'  # a line of nothing else is blank: a spreadsheet's empty row
 _MOST_SHOWN = 60
 
@@ -80,7 +82,7 @@ def _is_number(cell: str) -> bool:
 
 
 def _cells(line: str, separator: str | None) -> list[str]:
-    """Return the cells of a line; without a separator blanks and tabs separate."""
+    """Return the cells of a line; without a separator any blanks and tabs separate."""
     if separator is None:
         return [word.strip('"').rstrip(",").replace(",", ".") for word in line.split()]
     if '"' in line:
@@ -90,25 +92,52 @@ def _cells(line: str, separator: str | None) -> list[str]:
             quoted = []
     else:
         quoted = line.split(separator)
-    return [cell.replace(",", ".") for cell in quoted] if separator == ";" else quoted
+    return quoted if separator == "," else [cell.replace(",", ".") for cell in quoted]
+
+
+def _is_padded(words: list[str]) -> bool:
+    """Return whether commas with blanks behind them separate words, and none is a decimal sign."""
+    has_sign = any("," in word[:-1] for word in words)
+    return not has_sign and all(word.endswith(",") for word in words[:-1])
+
+
+def _is_tabbed(line: str, *, is_spaced: bool) -> bool:
+    """Return whether a tab is between every two cells; names may have blanks, not numbers."""
+    cells = [cell.strip() for cell in line.rstrip().split("\t")]
+    if len(cells) == 1 or not all(cell and not cell.endswith(",") for cell in cells):
+        return False
+    return len(cells) == len(line.split()) or not is_spaced
 
 
 def _separator_of(line: str) -> str | None:
     """Return what separates the cells of the first line; numbers between blanks have commas."""
     if ";" in line:
         return ";"
-    words = _cells(line, None)
-    is_spaced = len(words) > 1 and all(map(_is_number, words))
+    words = line.split()
+    if "," in line and _is_padded(words):
+        return ","
+    is_spaced = len(words) > 1 and all(map(_is_number, _cells(line, None)))
+    if _is_tabbed(line, is_spaced=is_spaced):
+        return "\t"
     return "," if "," in line and not is_spaced else None
 
 
+def _without_note(line: str) -> str:
+    if "//" not in line:
+        return line
+    return _QUOTED_OR_NOTE.sub(lambda found: found[0] if found[0][0] == '"' else "", line)
+
+
 def _written(text: str) -> list[tuple[int, str]]:
-    """Return the lines that are neither blank nor comments, by number, without their notes."""
-    lines = ((i, line.strip()) for i, line in enumerate(text.splitlines(), start=1))
+    """Return the lines that are neither blank nor comments, by number, without their notes.
+
+    Tabs at their ends stay: empty cells may be there.
+    """
+    lines = ((i, _without_note(line)) for i, line in enumerate(text.splitlines(), start=1))
     return [
-        (i, line.split(_NOTE)[0].rstrip() if _NOTE in line else line)
+        (i, line.strip(" "))
         for i, line in lines
-        if line.strip(_NOTHING) and not line.startswith(_COMMENTS)
+        if line.strip().strip(_NOTHING) and not line.lstrip().startswith(_COMMENTS)
     ]
 
 
@@ -181,11 +210,14 @@ class NumberTable:
         n = self.n_columns
         if len(cells) == n or (len(cells) > n and not any(map(str.strip, cells[n:]))):
             return cells
+        if self._separator == "\t" and len(line.split()) == n:  # aligned by blanks or more tabs
+            return _cells(line, None)
         expected = f"the header names {n}" if self.names else f"{self.place} has {n}"
-        remedy = "write a cell for each column"
+        remedy = f"separate the cells as in {self.place}, one for each column"
         if self._separator == ",":
             remedy = f"separate by semicolons if the comma is the decimal sign, or {remedy}"
-        raise self.refusal(row, f"has {len(cells)} cells, {expected}", remedy)
+        has = "1 cell" if len(cells) == 1 else f"{len(cells)} cells"
+        raise self.refusal(row, f"has {has}, {expected}", remedy)
 
     def _no_number(self, row: int, column: Column) -> InputError:
         name = f" ({self.names[column.place]})" if self.names else ""

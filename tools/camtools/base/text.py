@@ -28,7 +28,6 @@ from collections.abc import Iterable, Mapping
 from itertools import pairwise
 from typing import Any
 
-from camtools.base.errors import InputError
 from camtools.base.quantities import Floats
 
 Columns = Mapping[str, tuple[Floats | Iterable[Any], int | str]]
@@ -76,22 +75,6 @@ def size_text(n_bytes: float) -> str:
     return f"{n_bytes:.1f} GB"
 
 
-_MARK = "\ufeff"
-_UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
-
-
-def utf8_text(data: bytes, file: str) -> str:
-    """Return UTF-8 text without the byte-order mark that Windows writes, or refuse it."""
-    remedy = "save the file as UTF-8"
-    if data.startswith(_UTF16_MARKS) or b"\0" in data[:2]:
-        raise InputError(file, "", None, "not UTF-8 text but UTF-16", remedy)
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        problem = f"not UTF-8 text (byte {error.start} is 0x{data[error.start]:02x})"
-        raise InputError(file, "", None, problem, remedy) from error
-
-
 MOST_NAMES = 32
 # Strings and comments, also those that nobody closed: so each character is looked at once.
 STRINGS = re.compile(
@@ -106,7 +89,7 @@ _LONG_KEY = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{MOST_NAMES}}}"
 
 
 def toml_tree(text: str) -> dict[str, Any]:
-    """Return the tables of a TOML text, which may begin with a byte-order mark.
+    """Return the tables of a TOML text.
 
     Raises ValueError: it is no TOML (tomllib.TOMLDecodeError), nested too deeply, or has a key of
     more than MOST_NAMES names.
@@ -114,6 +97,6 @@ def toml_tree(text: str) -> dict[str, Any]:
     if _LONG_KEY.search(STRINGS.sub("s", text)):
         raise ValueError(f"a key of more than {MOST_NAMES} names")
     try:
-        return tomllib.loads(text.removeprefix(_MARK))
+        return tomllib.loads(text)
     except RecursionError as error:
         raise ValueError("nested too deeply") from error

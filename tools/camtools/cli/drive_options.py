@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from camtools.base.arguments import UsageError
-from camtools.base.text import utf8_text
+from camtools.base.files import utf8_text
 from camtools.cli.bus import BusOptions
 from camtools.identify.drives import ConnectedU
 from camtools.identify.foreign_record import MAX_BYTES

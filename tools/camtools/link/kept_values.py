@@ -21,6 +21,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.files import utf8_text
 from camtools.base.project import ROOT
 from camtools.base.text import toml_tree
 from camtools.link.controller import Link, Status
@@ -135,7 +136,7 @@ def parse(data: bytes, name: str, note: Callable[[str], object] = lambda _: None
     TOML, or a parameter is unknown, twice there, no number or out of its range: a line for each.
     """
     try:
-        tree = toml_tree(data.decode("utf-8"))
+        tree = toml_tree(utf8_text(data, f"{name}: no parameters"))
     except ValueError as error:
         text = f"{name}: no parameters: {error}; save them by camctl params save"
         raise CamtoolsError([text]) from error
@@ -226,7 +227,7 @@ def learned_values(data: bytes, name: str) -> list[int]:
         return CamtoolsError([f"{name}: {problem}; give a file of camctl learned save"])
 
     try:
-        tree = toml_tree(data.decode("utf-8"))
+        tree = toml_tree(utf8_text(data, f"{name}: no learned values"))
     except ValueError as error:
         raise refused(f"no learned values: {error}") from error
     for key in ("friction_q6", "chip_q32", "chip_mean_q32"):

@@ -49,8 +49,9 @@ from camtools.table.points import (
     MAX_BYTES,
     MM_PER_INCH,
     PointedTurn,
-    Units,
+    Reading,
     gaps_after,
+    most_step_deg,
     parse_points,
     quintics_of,
 )
@@ -60,11 +61,12 @@ _BASE_MM = 0.01  # above the least lift: of points that end the base circle
 
 
 def _points_of_file(text: str, file: str, lobe: Lobe) -> PointedTurn:
-    """Return the points of a text; lifts may be `_ZERO_MM` below 0."""
+    """Return the points of a text, as they are; lifts no further below 0 count as 0: `_on_base`."""
     inch_mm = MM_PER_INCH if lobe.lift_unit == "inch" else None
     turns, most_mm = lobe.turns_listed, lobe.largest_lift_mm or MAX_LIFT_MM
     hint = CRANK_HINT[turns]
-    found = parse_points(text, file, Units(turns, lobe.largest_lift_mm or inch_mm, hint, True))
+    value_mm = lobe.largest_lift_mm or inch_mm
+    found = parse_points(text, file, Reading(turns, value_mm, hint, is_lift=True))
     turn = found.sections[0]
     if len(found.sections) > 1:
         problem = f"has {len(found.sections)} heights"
@@ -128,16 +130,31 @@ def _check_gaps(points: PointedTurn, turns: int, field: str) -> None:
         f"no points from {start_deg * turns:g} to {end_deg * turns:g} degrees, where the lift goes "
         f"from {lift_mm[i]:g} to {np.roll(lift_mm, -1)[i]:g} mm: the turn is not closed"
     )
-    remedy = "list all of the lobe, both flanks; only points of the base circle may be missing"
+    most_deg = most_step_deg(points.x_deg.size) * turns
+    remedy = (
+        "list all of the lobe, both flanks, points above the base circle at most "
+        f"{most_deg:g} degrees apart"
+    )
     raise GeometryError(field, problem, remedy)
 
 
 def _check_crank(points: PointedTurn, turns: int, field: str) -> None:
-    """Refuse one turn of the crank, which has two: its points are a turn of the cam."""
+    """Refuse one turn of the crank: its points may be a turn of the cam, or lack the base circle.
+
+    A list of a turn lacks its repeated end, so its span may be a mean step less, or more.
+    """
     span_deg = float(points.x_deg[-1] - points.x_deg[0]) * turns
-    if turns > 1 and abs(span_deg - 360) <= 360 / points.x_deg.size:
-        problem = f"the points span {span_deg:g} degrees of the crank: the turn is not closed"
-        remedy = f'list {360 * turns} degrees, or remove degrees_of = "crank"'
+    mean_step_deg = 360 / points.x_deg.size
+    if turns > 1 and abs(span_deg - 360) <= mean_step_deg:
+        whole_deg = 360 * turns
+        problem = (
+            f"the points span {span_deg:g} of {whole_deg} degrees of the crank: one turn of the "
+            "cam?"
+        )
+        remedy = (
+            f"add points of lift 0 up to {whole_deg} degrees; if the angles are of the cam, remove "
+            'degrees_of = "crank"'
+        )
         raise GeometryError(field, problem, remedy)
 
 

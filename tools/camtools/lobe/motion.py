@@ -42,11 +42,12 @@ from camtools.part.smoothing import (
 
 _OPEN_MM = 0.1
 _LEAST_MM = 1e-3  # a least lift above it is no base circle
+_LEAST_SHOWN_UM = 1e-3  # less is rounding
 _PER_DEG = 20  # angles at which a law is looked at
 
 
 def extent_of(law: LiftLaw) -> Json:
-    """Return least and largest lift of a list and over which angle it is open, nothing else's."""
+    """Return least and largest lift and open angle of a list; {} for other laws."""
     if not isinstance(law, Listed):
         return {}
     lift_mm = law.evaluate(np.linspace(0, 2 * np.pi, 360 * _PER_DEG, endpoint=False)).lift
@@ -70,8 +71,8 @@ def extent_texts(found: Json) -> list[str]:
         f"list of lifts of {least_mm:g} .. {facts['largest_lift_mm']:g} mm, above {_OPEN_MM:g} mm "
         f"over {facts['open_deg']:g} degrees of the cam"
     ]
-    if facts["below_zero_um"]:
-        lines.append(f"lifts of down to -{facts['below_zero_um']:g} um are taken as 0")
+    if facts["below_zero_um"] >= _LEAST_SHOWN_UM:
+        lines.append(f"lifts down to -{facts['below_zero_um']:g} um are taken as 0")
     if least_mm > _LEAST_MM:
         lines.append(
             f"caution: the lift is never below {least_mm:g} mm, so the cam is larger than "

@@ -14,9 +14,9 @@ from zlib import crc32
 import numpy as np
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.files import read_limited
+from camtools.base.files import read_limited, utf8_text
 from camtools.base.quantities import UM_PER_MM
-from camtools.base.text import Json, utf8_text
+from camtools.base.text import Json
 from camtools.cut.correction import MAX_ORDER, Correction, Drawing, correction_of
 from camtools.measured.correction_step import RoundStep, account_of, best_text, judged, take, taper
 from camtools.measured.points import MAX_BYTES, GaugedPoints, parse_points

@@ -21,6 +21,7 @@ from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.number_table import NumberTable, Units
 from camtools.base.quantities import Floats, Ints
 from camtools.cut.correction import nodes_of
+from camtools.part.model import MAX_HEIGHT_MM
 
 ANGLES = {"turn": 1.0, "angle_turn": 1.0, "angle_deg": 1 / 360}  # turns per unit
 HEIGHTS = {"z_mm": 1.0, "height_mm": 1.0, "z_um": 1e-3, "height_um": 1e-3}  # mm per unit
@@ -35,7 +36,6 @@ RADIUS = "radius_mm"
 HEADER = "angle_deg,height_mm,deviation_um"
 MAX_POINTS = 1_000_000
 MAX_DEVIATION_UM = 15_000.0
-MAX_HEIGHT_MM = 1000.0
 MAX_BYTES = 200 * MAX_POINTS
 
 

@@ -24,15 +24,16 @@ from pydantic import (
 from pydantic_core import ErrorDetails, PydanticCustomError, core_schema
 
 from camtools.base.errors import CamtoolsError, InputError, one_line
-from camtools.base.files import read_limited
-from camtools.base.text import toml_tree, utf8_text
+from camtools.base.files import read_limited, utf8_text
+from camtools.base.text import toml_tree
 
 MIN_SPAN_MM = 1.0
 MIN_STEP_MM = 0.01
 SAME_MM = 1e-9  # decimal heights differ by less from what they are written as
 
 Entry = TypeVar("Entry")
-HeightMm = Annotated[float, Field(ge=-1000, le=1000)]
+MAX_HEIGHT_MM = 1000
+HeightMm = Annotated[float, Field(ge=-MAX_HEIGHT_MM, le=MAX_HEIGHT_MM)]
 FilePath = Annotated[str, StringConstraints(min_length=1, max_length=1000)]
 Points = Annotated[list[Entry], Field(min_length=2, max_length=1000)]
 

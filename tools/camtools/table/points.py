@@ -17,7 +17,7 @@ import numpy as np
 
 from camtools.base.errors import InputError
 from camtools.base.number_table import Column, NumberTable, read_whole_table
-from camtools.base.quantities import Floats, Ints
+from camtools.base.quantities import DEG_PER_RAD, DEG_PER_TURN, Floats, Ints
 from camtools.table.channel import segment_coefficients
 
 MAX_POINTS = 100_000
@@ -28,16 +28,24 @@ ROUGH_SHARE, FINE_SHARE = 0.3, 0.05  # of the largest step: what V and A may con
 _SAME_DEG = 1e-6
 _FEWEST, _FEWEST_ALONE = 4, 8  # points of a turn: with motion, and of values alone
 MM_PER_INCH = 25.4
-_DEG_PER_RAD = 180 / np.pi
-_ANGLES = {"deg": 1.0, "rad": _DEG_PER_RAD, "turn": 360.0}
+_ANGLES = {"deg": 1.0, "rad": DEG_PER_RAD, "turn": DEG_PER_TURN}
 _LENGTHS = {"mm": 1.0, "um": 1e-3, "nm": 1e-6, "inch": MM_PER_INCH}
-_COLUMNS = {
-    "z": re.compile(r"z(?:_(mm))?"),
-    "x": re.compile(r"(?:x|angle|master|phi)(?:_(deg|rad|turn))?"),
-    "y": re.compile(r"(?:y|u|lift|reduction|value|position|slave)(?:_(mm|um|nm|inch))?"),
-    "v": re.compile(r"(?:v|velocity)(?:_(mm|um|nm|inch)_per_(deg|rad|turn))?"),
-    "a": re.compile(r"(?:a|acceleration)(?:_(mm|um|nm|inch)_per_(deg|rad|turn)2)?"),
+_WORDS = {
+    "z": "z",
+    "x": "x|angle|master|phi",
+    "y": "y|u|lift|reduction|value|position|slave",
+    "v": "v|velocity",
+    "a": "a|acceleration",
 }
+_UNITS = {
+    "z": "_(mm)",
+    "x": "_(deg|rad|turn)",
+    "y": "_(mm|um|nm|inch)",
+    "v": "_(mm|um|nm|inch)_per_(deg|rad|turn)",
+    "a": "_(mm|um|nm|inch)_per_(deg|rad|turn)2",
+}
+_COLUMNS = {key: re.compile(f"(?:{words})(?:{_UNITS[key]})?") for key, words in _WORDS.items()}
+_MISSPELT = re.compile(rf"height|(?:{'|'.join(_WORDS.values())})(?![^\W\d_])")  # no letter follows
 _WITHOUT_HEADER = {2: ("x", "y"), 4: ("x", "y", "v", "a")}
 _USE = "name the columns z_mm, X_deg, Y_mm, V_mm_per_deg, A_mm_per_deg2, or fewer of them"
 
@@ -60,10 +68,14 @@ _GAP_STEPS = 4.0  # a gap: so many mean steps without a point ..
 _GAP_DEG = (10.0, 45.0)  # .. but not less than the first and not more than the second
 
 
+def most_step_deg(n: int) -> float:
+    """Return the largest distance between two of n points of a turn that is no gap."""
+    return float(np.clip(_GAP_STEPS * DEG_PER_TURN / n, *_GAP_DEG))
+
+
 def gaps_after(steps_deg: Floats) -> Ints:
     """Return after which points of a turn there is a gap, by the distances to the next points."""
-    least_deg = np.clip(_GAP_STEPS * 360 / steps_deg.size, *_GAP_DEG)
-    return np.flatnonzero(steps_deg > least_deg)
+    return np.flatnonzero(steps_deg > most_step_deg(steps_deg.size))
 
 
 class PointFile(NamedTuple):
@@ -74,8 +86,8 @@ class PointFile(NamedTuple):
     has_motion: bool  # velocities and accelerations were given
 
 
-class Units(NamedTuple):
-    """Units of a file that its header does not name."""
+class Reading(NamedTuple):
+    """How a file is read: units that its header does not name, and what its values are."""
 
     turns: int = 1  # of the file's angle for one turn of the part
     value_mm: float | None = None  # of 1 in the columns Y, V and A; mm where it is not given
@@ -83,7 +95,7 @@ class Units(NamedTuple):
     is_lift: bool = False  # an arc without points may be the base circle, however long it is
 
 
-DEGREES_AND_MM = Units()
+DEGREES_AND_MM = Reading()
 
 
 class _Column(NamedTuple):
@@ -106,6 +118,14 @@ def _column(name: str, place: int) -> _Column | None:
     return None
 
 
+def _check_names(table: NumberTable) -> None:
+    """Refuse a name that seems to be a column of points in an unknown unit."""
+    for place, name in enumerate(table.names):
+        if _MISSPELT.match(name) and _column(name, place) is None:
+            problem = f"column {place + 1} has an unknown unit or name"
+            raise InputError(table.file, table.place, None, problem, _USE)
+
+
 def _columns_of(table: NumberTable) -> list[_Column]:
     """Return the columns of points by a header, or by their number without one."""
     if not table.names:
@@ -114,6 +134,7 @@ def _columns_of(table: NumberTable) -> list[_Column]:
             raise InputError(table.file, table.place, None, problem, _USE)
         keys = list(_WITHOUT_HEADER[table.n_columns])
         return [_Column(key, 1.0, place) for place, key in enumerate(keys)]
+    _check_names(table)
     columns = [
         found
         for place, name in enumerate(table.names)
@@ -129,38 +150,38 @@ def _columns_of(table: NumberTable) -> list[_Column]:
     return columns
 
 
-def _in_units(columns: list[_Column], units: Units, file: str, place: str) -> list[_Column]:
+def _in_units(columns: list[_Column], reading: Reading, file: str, place: str) -> list[_Column]:
     """Return columns with the units of a file, or refuse a header that names others."""
-    if units.value_mm is not None and any(
+    if reading.value_mm is not None and any(
         column.has_unit and column.key in "yva" for column in columns
     ):
         problem = "the header names a unit of length, and the part file another"
         remedy = "name the columns without a unit, or remove the unit from the part file"
         raise InputError(file, place, None, problem, remedy)
-    value_mm, turns = units.value_mm or 1.0, units.turns
+    value_mm, turns = reading.value_mm or 1.0, reading.turns
     factors = {"x": 1 / turns, "y": value_mm, "v": value_mm * turns, "a": value_mm * turns**2}
     return [
         column._replace(scale=column.scale * factors.get(column.key, 1.0)) for column in columns
     ]
 
 
-def parse_points(text: str, file: str, units: Units = DEGREES_AND_MM) -> PointFile:
+def parse_points(text: str, file: str, reading: Reading = DEGREES_AND_MM) -> PointFile:
     """Return the points of a text, or refuse it by the line that is wrong, with a remedy."""
     table = NumberTable(text, file, MAX_POINTS)
-    columns = _in_units(_columns_of(table), units, file, table.place)
+    columns = _in_units(_columns_of(table), reading, file, table.place)
     if not table.rows:
         raise InputError(file, table.place, None, "no points follow", "give those of one turn")
     values = table.values([Column(column.place, column.scale) for column in columns])
     rows = dict(zip((column.key for column in columns), values, strict=True))
-    return _sections(rows, table.lines, file, units)
+    return _sections(rows, table.lines, file, reading)
 
 
-def _sections(rows: dict[str, Floats], numbers: Ints, file: str, units: Units) -> PointFile:
+def _sections(rows: dict[str, Floats], numbers: Ints, file: str, reading: Reading) -> PointFile:
     has_motion = "v" in rows
     zero = np.zeros(numbers.size)
     columns = np.stack([rows["x"], rows["y"], rows.get("v", zero), rows.get("a", zero)])
     if "z" not in rows:
-        turn = _turn(columns, numbers, file, units, has_motion=has_motion)
+        turn = _turn(columns, numbers, file, reading, has_motion=has_motion)
         return PointFile(None, (turn,), has_motion)
     z, turns = rows["z"], []
     edges = np.flatnonzero(np.diff(z)) + 1
@@ -173,13 +194,13 @@ def _sections(rows: dict[str, Floats], numbers: Ints, file: str, units: Units) -
         raise InputError(file, f"line {numbers[i]}", None, problem, remedy)
     for low, high in zip(starts, [*edges, z.size], strict=True):
         turns.append(
-            _turn(columns[:, low:high], numbers[low:high], file, units, has_motion=has_motion)
+            _turn(columns[:, low:high], numbers[low:high], file, reading, has_motion=has_motion)
         )
     return PointFile(heights, tuple(turns), has_motion)
 
 
 def _turn(
-    columns: Floats, numbers: Ints, file: str, units: Units, *, has_motion: bool
+    columns: Floats, numbers: Ints, file: str, reading: Reading, *, has_motion: bool
 ) -> PointedTurn:
     """Return the points of a turn, its end left out, or refuse them."""
     x = columns[0]
@@ -199,12 +220,12 @@ def _turn(
         columns = columns[:, :-1]
     elif span > 360 - MIN_STEP_DEG:
         problem = f"the points span {span:.9g} degrees, a turn has 360"
-        remedy = f"give one turn, in degrees{units.if_longer if span > 360 else ''}"
+        remedy = f"give one turn, in degrees{reading.if_longer if span > 360 else ''}"
         raise InputError(file, last, None, problem, remedy)
     turn = PointedTurn(*columns)
     widest = float(turn.steps_deg.max())
     fewest = _FEWEST if has_motion else _FEWEST_ALONE
-    if turn.x_deg.size < fewest or (widest >= 180 and not units.is_lift):
+    if turn.x_deg.size < fewest or (widest >= 180 and not reading.is_lift):
         problem = f"{turn.x_deg.size} points span {span:.9g} degrees: the turn is not closed"
         raise InputError(file, last, None, problem, f"give at least {fewest} points all around")
     if has_motion:

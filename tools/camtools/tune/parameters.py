@@ -20,8 +20,7 @@ import numpy as np
 from pydantic import Field, ValidationError
 
 from camtools.base.errors import CamtoolsError, InputError
-from camtools.base.files import read_limited
-from camtools.base.text import utf8_text
+from camtools.base.files import read_limited, utf8_text
 from camtools.link.kept_values import INFOS
 from camtools.part.model import TomlTable, describe_all
 from camtools.sim.machine_file import read_machine

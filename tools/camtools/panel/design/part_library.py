@@ -12,9 +12,8 @@ import re
 from pathlib import Path
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.files import read_limited, write_all
+from camtools.base.files import read_limited, utf8_text, write_all
 from camtools.base.project import ROOT
-from camtools.base.text import utf8_text
 from camtools.part.model import MAX_FILE_BYTES
 
 EXAMPLES = ROOT / "tools" / "parts"

@@ -8,7 +8,7 @@ from typing import Any
 from nicegui import background_tasks, events, ui
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.text import utf8_text
+from camtools.base.files import utf8_text
 from camtools.panel.context import AppContext
 from camtools.panel.design.part_library import EXAMPLE, OWN, Draft
 from camtools.panel.design_service import DesignService, design_service_of

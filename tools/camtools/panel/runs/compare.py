@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from camtools.base.quantities import Floats
+from camtools.base.quantities import DEG_PER_TURN, Floats
 from camtools.base.text import Json
 from camtools.panel.runs.store import PART, Run, summary_of
 from camtools.panel.views.echart import COLOURS, INK, TURN, Options, axis, line, titled
@@ -29,7 +29,6 @@ from camtools.sim.results import (
 _DIFF_CONTEXT = 2
 _MAX_PART_BYTES = 1_000_000
 N_HEIGHTS, N_ANGLES = 60, 120  # cells of a map, points of a curve
-_DEG = 360.0
 _REMEMBERED = 4  # files of runs that are compared
 
 
@@ -209,7 +208,7 @@ def error_curves(folder: Path, ends: tuple[float, float]) -> ErrorCurves | None:
         worst = np.nanmax(np.where(np.isnan(cells), -np.inf, np.abs(cells)), axis=1)
     worst = np.where(np.isfinite(worst), worst, np.nan)
     middles = ends[0] + (ends[1] - ends[0]) * (np.arange(N_HEIGHTS) + 0.5) / N_HEIGHTS
-    angles = (np.arange(N_ANGLES, dtype=np.float64) + 0.5) * (_DEG / N_ANGLES)
+    angles = (np.arange(N_ANGLES, dtype=np.float64) + 0.5) * (DEG_PER_TURN / N_ANGLES)
     return ErrorCurves(middles, worst, cells, angles, following_over_angle(folder))
 
 
@@ -240,7 +239,7 @@ def section_error(folder: Path, z_mm: float, band_mm: float) -> tuple[Floats, Fl
     near = np.abs(surface.z_mm - z_mm) <= band_mm / 2
     if not near.any():
         return None
-    angle, error = np.mod(surface.turn[near], 1.0) * _DEG, surface.error_um[near]
+    angle, error = np.mod(surface.turn[near], 1.0) * DEG_PER_TURN, surface.error_um[near]
     order = np.argsort(angle)
     return angle[order], error[order]
 

@@ -29,6 +29,7 @@ from camtools.base.errors import CamtoolsError, GeometryError, InputError
 from camtools.base.number_table import NumberTable, read_whole_table
 from camtools.base.quantities import UM_PER_MM, Floats, rounded_up
 from camtools.base.text import Json
+from camtools.part.model import MAX_HEIGHT_MM
 from camtools.skirt.geometry.poly_surface import N_ANGLE, N_HEIGHT, Knots, PolySurface
 from camtools.skirt.geometry.profile import constant_spline
 from camtools.skirt.part.curves import Overshoot, through
@@ -39,7 +40,6 @@ HEADER = "angle_deg,z_mm,reduction_um"
 MIN_ANGLES, MAX_POINTS = 12, 200_000
 MAX_REDUCTION_MM = 15.0
 MAX_RADIUS_MM = 2000.0
-MAX_HEIGHT_MM = 1000.0
 _RADIUS = "radius_mm"
 _MM_PER_UNIT = {"reduction_um": 1e-3, "reduction_mm": 1.0, _RADIUS: 1.0}
 _SAME_MM = 1e-6  # at 0 and at 360 degrees
