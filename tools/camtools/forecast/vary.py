@@ -80,11 +80,6 @@ def _unknown(key: str, spread: Spread, machine: Mapping[str, Any], file: str) ->
 def read_vary(data: bytes, file: str, machine: Mapping[str, Any]) -> list[Unknown]:
     """Return the unknown numbers of a machine; refuse distributions that cannot be."""
     spreads = read_spreads(data, file)
-    for key, spread in spreads.items():
-        for name in ("later", "margins", "stable"):
-            if getattr(spread, name):
-                problem, remedy = "is for the usual spreads only", "remove it"
-                raise InputError(file, f"{key}.{name}", None, problem, remedy)
     return [_unknown(key, spread, machine, file) for key, spread in spreads.items() if spread.drawn]
 
 
