@@ -22,7 +22,8 @@ from tests.tools.cases.part_cases import ROOT
 
 NOBODY = 65534
 PLACES = {b"/usr/lib/linuxcnc/modules": b"./modules", b"/usr/bin/rtapi_app": b"./rtapi_app"}
-KEYS = ("0x48414c32", "0x48484c34")  # HAL's and its owner's shared memory
+# Shared memory and semaphores of HAL, of its owner, and of the buffers in linuxcnc.nml.
+KEYS = ("0x48414c32", "0x48484c34", *map(str, range(1001, 1006)))
 LOCK = Path(tempfile.gettempdir()) / "camturn-hal.lock"
 
 
@@ -114,7 +115,12 @@ class Halbox:
         """End the threads, unload everything."""
         for words in (("./halcmd", "stop"), ("./halcmd", "unload", "all"), ("./rtapi_app", "exit")):
             self.run(*words)
-        self.run("ipcrm", *(word for key in KEYS for word in ("-M", key)))
+        self.forget()
+
+    def forget(self) -> None:
+        """Remove what is shared; an interrupted test may have left it."""
+        options = (word for key in KEYS for option in ("-M", "-S") for word in (option, key))
+        self.run("ipcrm", *options, to="ipcrm.txt")
 
 
 def _fill(folder: Path, root: Path, modules: list[Path]) -> None:
@@ -171,6 +177,7 @@ def halbox(root: Path, modules: list[Path]) -> Iterator[Halbox]:
         box = Halbox(folder)
         try:
             _fill(folder, root, modules)
+            box.forget()
             yield box
         finally:
             box.stop()
