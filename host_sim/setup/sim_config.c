@@ -164,8 +164,8 @@ sim_config_t sim_config_defaults(void)
 {
     sim_config_t config = {.name = "default"};
     for (size_t i = 0; i < n_fields; i++) {
-        const uint32_t chosen = (uint32_t)fields[i].normal;
         const bool is_choice = fields[i].kind == common_setting_choice;
+        const uint32_t chosen = is_choice ? (uint32_t)fields[i].normal : 0u;
         memcpy((char *)&config.lathe + fields[i].offset,
                is_choice ? (const void *)&chosen : &fields[i].normal,
                is_choice ? sizeof chosen : sizeof fields[i].normal);
