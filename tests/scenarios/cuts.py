@@ -7,7 +7,7 @@ import numpy as np
 
 from camtools.base.errors import CamtoolsError
 from camtools.sim.binding import Rows, SimSession
-from tests.tools.cases.camsim_cases import BUILD, camsim
+from tests.tools.cases.camsim_cases import CAMSIM, camsim
 
 
 class Outcome:
@@ -24,7 +24,7 @@ class Outcome:
     def __init__(self, table: Path, *words: str | Path, is_traced: bool = False) -> None:
         self.trace: Rows = np.empty(0)
         self.summary: dict[str, Any] = {}
-        if "asan" in BUILD.name:  # whose library Python cannot load
+        if "host-asan" in CAMSIM.parts:  # whose library Python cannot load
             done = camsim("run", table, *words)
             self.status, self.message = done.returncode, done.stderr
             return

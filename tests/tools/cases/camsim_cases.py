@@ -21,7 +21,7 @@ from camtools.sim.simulate import cut as played
 
 ROOT = Path(__file__).resolve().parents[3]
 BUILD = (ROOT / (os.environ.get("CAMTURN_BUILD") or "build/host")).resolve()
-CAMSIM = BUILD / "host_sim" / "camsim"
+CAMSIM = Path(os.environ.get("CAMTURN_CAMSIM") or BUILD / "host_sim" / "camsim")
 
 
 def camsim(*words: str | Path, stdin: str = "") -> subprocess.CompletedProcess[str]:
