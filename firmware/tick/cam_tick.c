@@ -30,23 +30,17 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
     cam_fence_acquire_isr();
 }
 
-/// Calculate U's force from the last tick's command and enable. Disabling the drives also ends the
-/// force limit of homing against a stop.
-static void force_u(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+/// Calculate U's force from the last tick's command and enable; it leaves before anything else is
+/// calculated. Disabling the drives also ends the force limit of homing against a stop. A fault of
+/// the supervision takes effect in this tick, on the force in the next. Not inlined: a tick without
+/// it saves no registers for it.
+static __attribute__((noinline)) void servo_isr(cam_t *c, const cam_config_t *cfg,
+                                                cam_tick_record_t *r)
 {
     const bool is_on = cam_guard_holds_isr(&c->guard, &c->motion);
     c->motion.u_press_q6 = is_on ? c->motion.u_press_q6 : 0;
     c->force.servo.most_q6 = c->motion.u_press_q6;
     cam_force_step_isr(&c->force, &cfg->force, r, is_on, &c->motion);
-}
-
-/// The force of U leaves before anything else is calculated. A fault of its supervision takes
-/// effect in this tick, on the force in the next. Not inlined: a tick without it saves no registers
-/// for it.
-static __attribute__((noinline)) void servo_isr(cam_t *c, const cam_config_t *cfg,
-                                                cam_tick_record_t *r)
-{
-    force_u(c, cfg, r);
     hal_force_write_isr(r->force_q6);
     c->motion.faults |= cam_force_watch_isr(&c->force, &cfg->force, r, &c->motion);
 }
