@@ -283,23 +283,30 @@ static void go_on(void)
     }
 }
 
+/// Set a parameter, and let the interrupt take it. @return the answer
+static cam_err_t set(cam_param_id_t id, int32_t value)
+{
+    const cam_err_t err = cam_machine_set_param(&fuzz_rig.machine, id, value);
+    fuzz_try(err);
+    pass_ms(1);
+    return err;
+}
+
+static void set_surely(cam_param_id_t id, int32_t value)
+{
+    const cam_err_t err = set(id, value);
+    FUZZ_EXPECT(err == cam_ok, "%s: %s", cam_param_info(id)->name, cam_err_text(err));
+}
+
 /// A voice coil with a moving mass, whose force acts without a delay but the hold of a tick; the
 /// loop's corners are those of 20 kHz, in proportion.
 static void take_forces(uint32_t hz)
 {
-    const struct {
-        cam_param_id_t id;
-        int32_t value;
-    } loop[] = {{cam_param_servo_runaway_nm, 0},
-                {cam_param_servo_force_delay_ns, (int32_t)(500000000u / hz)},
-                {cam_param_servo_pole_hz, (int32_t)(hz / 5u)},
-                {cam_param_servo_crossover_hz, (int32_t)(hz / 47u)},
-                {cam_param_servo_integral_mHz, (int32_t)(hz * 2u)}};
-    for (size_t i = 0; i < sizeof loop / sizeof loop[0]; i++) {
-        const cam_err_t err = cam_machine_set_param(&fuzz_rig.machine, loop[i].id, loop[i].value);
-        FUZZ_EXPECT(err == cam_ok, "%s: %s", cam_param_info(loop[i].id)->name, cam_err_text(err));
-        pass_ms(1);
-    }
+    set_surely(cam_param_servo_runaway_nm, 0);
+    set_surely(cam_param_servo_force_delay_ns, (int32_t)(500000000u / hz));
+    set_surely(cam_param_servo_pole_hz, (int32_t)(hz / 5u));
+    set_surely(cam_param_servo_crossover_hz, (int32_t)(hz / 47u));
+    set_surely(cam_param_servo_integral_mHz, (int32_t)(hz * 2u));
     fuzz_rig.lathe.mass_kg = fuzz_rig.machine.params.servo_mass_g / 1e3;
 }
 
@@ -307,17 +314,10 @@ static void take_forces(uint32_t hz)
 static void learn(void)
 {
     static cam_params_t drive;
-    const struct {
-        cam_param_id_t id;
-        int32_t value;
-    } how[] = {{cam_param_learn_harmonics, 1 + (int32_t)any(12)},
-               {cam_param_ripple_turns, (int32_t)any(6)},
-               {cam_param_rehearse_turns, 2 + (int32_t)any(40)}};
     hal_host.slow.measures_u = true;
-    for (size_t i = 0; i < sizeof how / sizeof how[0]; i++) {
-        fuzz_try(cam_machine_set_param(&fuzz_rig.machine, how[i].id, how[i].value));
-        pass_ms(1);
-    }
+    set_surely(cam_param_learn_harmonics, 1 + (int32_t)any(12));
+    set_surely(cam_param_ripple_turns, (int32_t)any(6));
+    set_surely(cam_param_rehearse_turns, 2 + (int32_t)any(40));
     drive = fuzz_rig.machine.params;
     drive.k1_ns += (int32_t)any(100000);
     drive.k2_us2 += (int32_t)any(2000);
@@ -346,11 +346,9 @@ static void set_up(void)
         const int32_t before = cam_param_get(&m->params, ranges[i].id);
         const int32_t value =
             ranges[i].least + (int32_t)any((uint32_t)(ranges[i].most - ranges[i].least));
-        fuzz_try(cam_machine_set_param(m, ranges[i].id, value));
-        pass_ms(1);
+        (void)set(ranges[i].id, value);
         if (cam_machine_feasibility(m).err != cam_ok) {
-            fuzz_try(cam_machine_set_param(m, ranges[i].id, before));
-            pass_ms(1);
+            set_surely(ranges[i].id, before);
         }
     }
 }
