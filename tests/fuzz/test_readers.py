@@ -134,7 +134,7 @@ def expect_read_or_refused(reader: Reader, data: bytes) -> None:
 
 @pytest.mark.parametrize("name", sorted(READERS))
 def test_first_seed_is_read(name: str) -> None:
-    """Changes of a file that is refused at once would not reach the checks behind."""
+    """Changes of a file that is refused at once would not reach the later checks."""
     reader, seeds = READERS[name]
     reader(seeds[0])
 

@@ -42,7 +42,7 @@ _INDENT, _WIDTH = 32, 100
 
 
 def _commented(text: str, comment: str) -> str:
-    """Return lines with a comment behind them.
+    """Return a line and its comment, in as many lines as it takes.
 
     >>> print(_commented("a = 1", "what it is"))
     a = 1                           # what it is

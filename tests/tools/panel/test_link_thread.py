@@ -35,8 +35,8 @@ def test_what_was_given_as_a_connection_broke_is_not_carried_out_on_the_next(
             patch.setattr(thread, "snapshot", lambda: Snapshot(is_connected=True))
             thread.give(job)
         is_there = True
-        told = job.outcome.result(limit_s())
-        assert not told.is_done and told.text.startswith("not sent: ")
+        answer = job.outcome.result(limit_s())
+        assert not answer.is_done and answer.text.startswith("not sent: ")
         until(lambda: thread.snapshot().is_connected)
         assert thread.snapshot().state == "off"
     finally:

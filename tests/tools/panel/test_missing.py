@@ -36,9 +36,9 @@ def test_every_state_and_input_gives_sentences(state: str) -> None:
     for values in product(*INPUTS.values()):
         signals = dict(zip(INPUTS, values, strict=True))
         for is_connected in (True, False):
-            told = next_steps(state, signals, {}, is_connected=is_connected).sentences
-            assert told and all(text.endswith(".") for text in told)
-            assert len(set(told)) == len(told)
+            sentences = next_steps(state, signals, {}, is_connected=is_connected).sentences
+            assert sentences and all(text.endswith(".") for text in sentences)
+            assert len(set(sentences)) == len(sentences)
 
 
 @pytest.mark.parametrize("state", STATES)

@@ -71,8 +71,8 @@ def test_a_value_is_judged_before_it_is_sent() -> None:
 def test_the_course_of_learning_stays_small_and_keeps_its_newest() -> None:
     """However long it learns."""
     n = 5 * MOST_POINTS + 1
-    told = points_of([(turn, 1.0) for turn in range(1, n + 1)])
-    assert len(told) <= MOST_POINTS + 1 and told[-1] == [n, 1.0]
+    points = points_of([(turn, 1.0) for turn in range(1, n + 1)])
+    assert len(points) <= MOST_POINTS + 1 and points[-1] == [n, 1.0]
     assert points_of([(1, 0.0)]) == [] and "nothing learned yet" in words({})
 
 

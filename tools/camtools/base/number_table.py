@@ -96,7 +96,7 @@ def _cells(line: str, separator: str | None) -> list[str]:
 
 
 def _is_padded(words: list[str]) -> bool:
-    """Return whether commas with blanks behind them separate words, and none is a decimal sign."""
+    """Return whether commas before blanks separate the words, and none is a decimal sign."""
     has_sign = any("," in word[:-1] for word in words)
     return not has_sign and all(word.endswith(",") for word in words[:-1])
 
