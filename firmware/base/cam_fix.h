@@ -328,9 +328,9 @@ static inline bool cam_is_between(int64_t v, int64_t low, int64_t high)
 
 /// Angles and master positions. An angle is `theta_q32`: uint32, 2^32 = one turn, so that it wraps
 /// by design; a quarter turn is 0x40000000. A master position is `pos_q32`: int64, Q32.32 turns
-/// since the index was found, rising while the spindle turns in the sense of cutting. It cannot
-/// overflow in practice: 2^31 turns at 3000 r/min last 497 days, and every homing restarts the
-/// count.
+/// that rise while the spindle turns in the sense of cutting, and jump forwards where the index is
+/// found. It cannot overflow in practice: 2^31 turns at 3000 r/min last 497 days, and every homing
+/// takes them modulo 2^24.
 
 /// 2 pi * 2^24
 #define CAM_TWO_PI_Q24 INT64_C(105414357)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_build.h"
+#include "cam_doubles.h"  // CAM_PI, cam_limit, cam_nearest
 #include "cam_fix.h"      // CAM_TURN_Q32, cam_sat_i32
 #include "cam_feasible.h" // cam_changes_build, cam_demand_half_stroke_nm
 #include "cam_motion.h"   // cam_jerk_filter_most_q10
@@ -71,6 +72,17 @@ static void build_still(cam_spindle_config_t *c, const cam_table_t *table)
     c->still_q32 = cam_sat_i32(jitter_q32 > slope_q32 ? jitter_q32 : slope_q32);
 }
 
+/// What the spindle's inertia allows, with a quarter to spare, and by how many counts the encoder
+/// may contradict it: by its unevenness, the tolerance and what a window of 4 counts blurs.
+static void build_inertia(cam_spindle_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+{
+    const double plan_s = (double)cam_plan_ticks(tick_hz) / tick_hz;
+    const double turns = 1.25e-3 * p->spindle_acceleration_mrad_per_s2 / (2.0 * CAM_PI);
+    const double counts = 2.0 + p->index_tolerance_counts;
+    c->inertia_q32 = cam_nearest(cam_limit(turns * plan_s * plan_s * 0x1p32, 0x1p26));
+    c->inertia_window_q32 = cam_nearest(cam_limit(counts / p->counts_per_turn * 0x1p32, 0x1p29));
+}
+
 static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, int32_t sense,
                           uint32_t tick_hz, uint32_t clock_hz)
 {
@@ -88,6 +100,7 @@ static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, int32_
     c->max_counts = turn / 4;
     c->jump_window = cam_clamp_i32(cam_derived_limits_jump_counts(p, tick_hz), 0, c->max_counts);
     build_clock(c, p->late_percent, tick_hz, clock_hz);
+    build_inertia(c, p, tick_hz);
     // Observer with a double pole at w = 2 pi f: kp = 2 w T, ki = (w T)^2.
     const int64_t wt_q24 =
         cam_units_scale(CAM_TWO_PI_Q24, p->observer_bandwidth_mHz, (int64_t)tick_hz * 1000);

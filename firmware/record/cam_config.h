@@ -35,6 +35,8 @@ typedef struct {
     int32_t max_counts;               ///< [counts / tick] a quarter turn
     int32_t still_counts;             ///< [counts] by which a standing encoder may dither
     int32_t still_q32;                ///< [turn / 2^32] travel without an advance that is too far
+    int32_t inertia_q32;              ///< [turn / 2^32 per plan^2] largest acceleration
+    int32_t inertia_window_q32;       ///< [turn / 2^32] by which counts may contradict it
     uint32_t tick_clocks;             ///< [1 / clock_hz] period
     uint32_t early_clocks;            ///< [1 / clock_hz] shortest period that counts as on time
     uint32_t on_time_clocks;          ///< [1 / clock_hz] width of the window of periods on time

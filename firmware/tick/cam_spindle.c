@@ -2,6 +2,9 @@
 #include "cam_tick_inner.h"
 #include "cam_fix.h" // cam_angle_of_pos, cam_clamp_i32
 
+/// [turn / 2^32 per plan^2] A larger acceleration counts as this one.
+enum { most_inertia_q32 = 1 << 26 };
+
 /// Counts in the direction of cutting: ~c = -c - 1 mirrors the half-open interval of a count, so
 /// adding half a count centres it in both directions.
 static uint32_t sensed_counts(const cam_spindle_config_t *cfg, uint32_t counts)
@@ -41,7 +44,8 @@ static void start(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_s
     *angle = (cam_angle_t){.pos_q32 = s->pos_q32};
 }
 
-/// First index edge: the angle becomes known; the observer keeps its speed and its lag.
+/// First index edge: the angle becomes known; the observer keeps its speed and its lag. Its turns
+/// jump forwards, so that none counts as the one after the last.
 static void sync(cam_spindle_t *s, const cam_spindle_config_t *cfg)
 {
     const uint32_t before_q32 = measured_q32(s, cfg);
@@ -49,7 +53,8 @@ static void sync(cam_spindle_t *s, const cam_spindle_config_t *cfg)
     s->in_turn = 0;
     s->index_error = 0;
     move_in_turn(s, cfg, cam_wrap_diff(s->counts, s->index_counts));
-    s->pos_q32 = (int64_t)measured_q32(s, cfg) + lag_q32;
+    const int64_t turns_q32 = cam_angle_next_turn(s->pos_q32) & ((INT64_C(1) << 56) - 1);
+    s->pos_q32 = turns_q32 + 2 * CAM_TURN_Q32 + measured_q32(s, cfg) + lag_q32;
     s->is_synced = true;
 }
 
@@ -58,6 +63,7 @@ static void sync(cam_spindle_t *s, const cam_spindle_config_t *cfg)
 static int32_t note_off_time(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t period)
 {
     s->is_off_time = true;
+    s->is_plan_off_time = true;
     s->n_late += period > cfg->late_clocks ? 1u : 0u;
     s->max_period = period > s->max_period ? period : s->max_period;
     const uint32_t counted = period < cfg->most_clocks ? period : cfg->most_clocks;
@@ -210,6 +216,33 @@ uint32_t cam_spindle_check_index_isr(cam_spindle_t *s, const cam_spindle_config_
     }
     const int32_t since = cam_wrap_diff(s->counts, s->index_counts);
     return cam_is_within(since, cfg->index_overdue) ? 0u : CAM_FAULT_BIT(index_missing);
+}
+
+uint32_t cam_spindle_check_inertia_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                                       bool is_steady)
+{
+    const uint32_t angle_q32 = cam_angle_of_pos(s->pos_q32);
+    const int32_t moved_q32 = cam_wrap_diff(angle_q32, s->plan_q32);
+    const bool is_off_time = s->is_plan_off_time;
+    s->plan_q32 = angle_q32;
+    s->is_plan_off_time = false;
+    if (!is_steady) {
+        s->inert_q32 = moved_q32;
+        s->off_q32 = 0;
+        return 0;
+    }
+    if (is_off_time) { // its travel is that of another time
+        return 0;
+    }
+    const int32_t faster_q32 = cam_sat_sub(moved_q32, s->inert_q32);
+    s->off_q32 = cam_sat_add(s->off_q32, faster_q32);
+    const int32_t ripple_q32 = cam_mulhi(s->inert_q32, s->inert_q32) >> 3; // 0.02 w^2
+    const int32_t most_q32 = cam_clamp_i32(cfg->inertia_q32 + ripple_q32, 0, most_inertia_q32);
+    const int32_t wanted_q32 = (faster_q32 >> 1) + (s->off_q32 >> 4);
+    s->inert_q32 = cam_sat_add(s->inert_q32, cam_clamp_i32(wanted_q32, -most_q32, most_q32));
+    return cam_is_within(s->off_q32, cfg->inertia_window_q32 + 16 * most_q32)
+               ? 0u
+               : CAM_FAULT_BIT(encoder_jump);
 }
 
 void cam_spindle_forget_isr(cam_spindle_t *s, const hal_encoder_t *encoder)

@@ -93,6 +93,7 @@ static __attribute__((noinline)) void plan_isr(cam_t *c, const cam_config_t *cfg
     } else {
         faults = cam_spindle_check_index_isr(&c->spindle, &cfg->spindle, &r->in.encoder);
     }
+    faults |= cam_spindle_check_inertia_isr(&c->spindle, &cfg->spindle, m->is_playing);
     plan_by_state(c, cfg, r); // replaces m->faults
     m->was_off = false;
     faults |= cam_axis_command_plan_isr(&cfg->command, m, before);

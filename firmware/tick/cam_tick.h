@@ -38,11 +38,15 @@ typedef struct {
     int32_t index_error;   ///< [counts] sum of deviations since the first edge
     int32_t in_turn;       ///< [counts] 0 .. counts_per_turn - 1 since the index
     bool is_off_time;      ///< the last tick was visibly off its time
+    bool is_plan_off_time; ///< ... or one since the last plan
     uint32_t max_period;   ///< [1 / clock_hz] longest period
     uint32_t n_late;       ///< ticks beyond late_clocks
     int32_t behind;        ///< [counts] behind the farthest position, at most 0
     int32_t going_q32;     ///< [turn / 2^32 per tick] speed when the encoder last advanced
     int32_t still_q32;     ///< [turn / 2^32] travel at that speed since then
+    uint32_t plan_q32;     ///< [turn / 2^32] angle of the observer at the last plan
+    int32_t inert_q32;     ///< [turn / 2^32 per plan] speed that changes as the inertia allows
+    int32_t off_q32;       ///< [turn / 2^32] observer minus the travel at that speed
     int64_t pos_q32;       ///< [turn, Q32.32] observer
     int64_t speed_q64;     ///< [turn / 2^64 per tick] observer
 } cam_spindle_t;

@@ -44,6 +44,7 @@ static const char help[] =
     "--summary --seed --max-seconds (default: 60) --inject KIND@SECONDS[:VALUE];\n"
     "--inject is repeatable; seconds of cutting, or KIND@tSECONDS since the start:\n"
     "  estop  drive  lost-counts:N  encoder-jump:N  encoder-stuck  index-dead\n"
+    "  encoder-rate:PERCENT  encoder-dither:N\n"
     "  reverse  spindle-speed:RPM  spindle-stop  u-block  encoder-late:US\n"
     "  encoder-missing:N  encoder-repeated:N  encoder-swapped:N\n"
     "  heartbeat-lost:NODE  node-dead:NODE  node-fault:NODE\n"

@@ -147,6 +147,7 @@ static const char help[] =
     "A whole cut in virtual time.\v"
     "--inject is repeatable; seconds of cutting, or KIND@tSECONDS since the start:\n"
     "  estop  drive  bus  lost-counts:N  encoder-jump:N  encoder-stuck\n"
+    "  encoder-rate:PERCENT  encoder-dither:N\n"
     "  index-dead  late-tick:PERCENT  reverse  spindle-speed:RPM  spindle-stop\n"
     "  z-offset:MM  u-block  u-scale-stuck  u-reversed  u-push:N  u-limit:-1|0|1\n"
     "  swing-block  table-flip:BYTE  stop\n"

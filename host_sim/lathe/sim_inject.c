@@ -20,6 +20,8 @@ static const kind_t kinds[sim_n_injects] = {
     [sim_inject_lost_counts] = {"lost-counts", "counts", 1.0, 1e9, true, 0},
     [sim_inject_encoder_jump] = {"encoder-jump", "counts", -1e9, 1e9, true, 0},
     [sim_inject_encoder_stuck] = {.name = "encoder-stuck"},
+    [sim_inject_encoder_rate] = {"encoder-rate", "percent", -100.0, 900.0, false, 0},
+    [sim_inject_encoder_dither] = {"encoder-dither", "counts", 1.0, 1000.0, true, 0},
     [sim_inject_index_dead] = {.name = "index-dead"},
     [sim_inject_late_tick] = {"late-tick", "percent", 1.0, 10000.0, true, sim_inject_in_run},
     [sim_inject_clock_drift] = {"clock-drift", "ppm", -100000.0, 100000.0, false,
@@ -140,6 +142,13 @@ void sim_inject_apply(const sim_inject_t *inject, sim_lathe_t *l, int direction)
         break;
     case sim_inject_encoder_stuck:
         sim_lathe_stick_encoder(l);
+        break;
+    case sim_inject_encoder_rate:
+        l->count_rate = inject->value / 100.0;
+        break;
+    case sim_inject_encoder_dither:
+        sim_lathe_stick_encoder(l);
+        l->dither_counts = (uint32_t)inject->value;
         break;
     case sim_inject_index_dead:
         sim_lathe_kill_index(l);

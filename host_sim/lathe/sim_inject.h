@@ -12,6 +12,8 @@
 /// | lost-counts | counts | the encoder loses this many counts |
 /// | encoder-jump | counts | the encoder gains this many counts |
 /// | encoder-stuck | | the counter stops |
+/// | encoder-rate | percent | it counts faster by this, below 0 slower: -50 is half of the counts |
+/// | encoder-dither | counts | it stops and dithers by this many counts |
 /// | index-dead | | no more index edges |
 /// | late-tick | percent | one tick is late by this share of a period |
 /// | clock-drift | ppm | the controller's clock runs fast by this, below 0 slow |
@@ -61,6 +63,8 @@ typedef enum {
     sim_inject_lost_counts,
     sim_inject_encoder_jump,
     sim_inject_encoder_stuck,
+    sim_inject_encoder_rate,
+    sim_inject_encoder_dither,
     sim_inject_index_dead,
     sim_inject_late_tick,
     sim_inject_clock_drift,

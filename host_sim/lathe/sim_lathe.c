@@ -123,9 +123,10 @@ int32_t sim_lathe_measured_micro(const sim_lathe_t *l, int drive)
 static hal_encoder_t distorted(const sim_lathe_t *l)
 {
     hal_encoder_t reading = l->true_reading;
-    reading.counts = l->is_encoder_stuck ? l->stuck_counts : reading.counts + l->count_offset;
-    reading.index_counts =
-        l->is_encoder_stuck ? l->stuck_counts : reading.index_counts + l->count_offset;
+    const uint32_t offset = l->count_offset + (uint32_t)(int64_t)sim_floor(l->rated_counts);
+    const uint32_t dither = l->n_dithered * 7919u % (l->dither_counts + 1u);
+    reading.counts = l->is_encoder_stuck ? l->stuck_counts + dither : reading.counts + offset;
+    reading.index_counts = l->is_encoder_stuck ? l->stuck_counts : reading.index_counts + offset;
     if (l->is_index_dead) {
         reading.index_counts = l->last_index.index_counts;
         reading.n_index = l->last_index.n_index;
@@ -135,7 +136,10 @@ static hal_encoder_t distorted(const sim_lathe_t *l)
 
 hal_encoder_t sim_lathe_encoder(sim_lathe_t *l)
 {
+    const uint32_t before = l->true_reading.counts;
     l->true_reading = sim_encoder_read(&l->encoder, l->spindle.turn);
+    l->rated_counts += l->count_rate * (int32_t)(l->true_reading.counts - before);
+    l->n_dithered++;
     if (l->encoder.config.has_time_stamps != 0.0) {
         sim_encoder_stamp(&l->encoder, l->spindle.turn,
                           sim_spindle_true_rad_per_s(&l->spindle) / SIM_TWO_PI, l->unread_s);

@@ -196,6 +196,10 @@ typedef struct {
     double forced_rad_per_s;
     bool is_reversed;           ///< the spindle turns against its set-point
     uint32_t count_offset;      ///< [counts] added to the counter and to the index latch
+    double count_rate;          ///< [1] by which it counts faster
+    double rated_counts;        ///< [counts] gained by that rate
+    uint32_t dither_counts;     ///< [counts] by which a counter that is stuck dithers
+    uint32_t n_dithered;        ///< readings of it
     bool is_encoder_stuck;      ///< the counter keeps stuck_counts
     bool is_index_dead;         ///< no index edge arrives any more
     uint32_t stuck_counts;      ///< counter at the moment it stuck

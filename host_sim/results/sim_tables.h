@@ -3,12 +3,12 @@
 /// sim_tables.c.
 ///
 /// **trace**: one row per tick, or per several. The first columns are for people; the others hold
-/// the firmware's whole record. `turn` is the master position as
-/// the drawing's angle (whole turns since the index was found; falls with M4), `faults` the latched
-/// faults as a mask in the order of CAM_FAULTS in cam_state.h; true_turn .. error_nm are the
-/// lathe's truth at the instant of sensing; the rest is named as in cam_tick.h, with in_ and out_
-/// for inputs and outputs of the tick. A table that swings the tool adds two columns: the present
-/// set-point of the swing and the true swing.
+/// the firmware's whole record. `turn` is the master position as the drawing's angle (its whole
+/// turns jump forwards where the index is found; it falls with M4), `faults` the latched faults as
+/// a mask in the order of CAM_FAULTS in cam_state.h; true_turn .. error_nm are the lathe's truth at
+/// the instant of sensing; the rest is named as in cam_tick.h, with in_ and out_ for inputs and
+/// outputs of the tick. A table that swings the tool adds two columns: the present set-point of the
+/// swing and the true swing.
 ///
 /// **surface**: the worst sample of each cell: turn (drawing's angle, 0 .. 1), error_nm against the
 /// drawing, and with a target control_nm, the cell's largest error against it.

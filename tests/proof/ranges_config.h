@@ -27,6 +27,8 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(max_counts, 16, 1 << 22)                                                                     \
     X(still_counts, 3, 1 << 22)                                                                    \
     X(still_q32, 1024, INT32_MAX)                                                                  \
+    X(inertia_q32, 0, 1 << 26)                                                                     \
+    X(inertia_window_q32, 0, 1 << 29)                                                              \
     X(tick_clocks, 0, UINT32_MAX)                                                                  \
     X(early_clocks, 0, UINT32_MAX)                                                                 \
     X(on_time_clocks, 0, UINT32_MAX)                                                               \

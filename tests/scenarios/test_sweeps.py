@@ -1,4 +1,4 @@
-"""Faults at many moments of a cut: a stuck encoder, an emergency stop with a slow drive."""
+"""Faults at many moments of a cut: a wrong encoder, an emergency stop with a slow drive."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -9,10 +9,15 @@ from tests.scenarios.cuts import Outcome
 
 TableOf = Callable[[str], Path]
 GOUGE_UM = 3.0
-STUCK_TURNS = (2.03, 2.21, 2.37, 2.44, 2.71, 2.86)  # after the full amplitude is reached
-CUTS = [
-    *(("perkins240", rpm) for rpm in (20, 110, 400, 3000)),
-    ("perkins240_equal_volume", 230),
+WRONG_TURNS = (2.03, 2.21, 2.37, 2.44, 2.71, 2.86)  # after the full amplitude is reached
+STUCK = [
+    *(("stuck", "perkins240", rpm) for rpm in (20, 110, 400, 3000)),
+    ("stuck", "perkins240_equal_volume", 230),
+]
+RATES = [  # slower than 50 r/min the inertia allows what the index finds
+    *((rate, "perkins240", rpm) for rate in ("rate:-50", "rate:100") for rpm in (50, 400, 3000)),
+    *((dither, "perkins240", 110) for dither in ("dither:1", "dither:3", "dither:7")),
+    ("rate:100", "perkins240_equal_volume", 230),
 ]
 ESTOPS_S = [0.03 + 0.0137 * i for i in range(8)]
 SLOW = """[machine]
@@ -27,12 +32,15 @@ stroke_mm = {}
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("part", "rpm"), CUTS)
-def test_stuck_encoder_costs_no_part(table_of: TableOf, part: str, rpm: int) -> None:
+@pytest.mark.parametrize(("fault", "part", "rpm"), STUCK + RATES)
+def test_wrong_encoder_costs_no_part(table_of: TableOf, fault: str, part: str, rpm: int) -> None:
     """The fault is latched, and the tool was nowhere deeper than 3 um below the drawing."""
     words = ("--rpm", str(rpm), "--feed", "1", "--set", "rehearse_turns=0", "--inject")
-    for turns in STUCK_TURNS:
-        cut = Outcome(table_of(part), *words, f"encoder-stuck@{turns * 60.0 / rpm}")
+    kind, _, value = fault.partition(":")
+    for turns in WRONG_TURNS:
+        cut = Outcome(
+            table_of(part), *words, f"encoder-{kind}@{turns * 60.0 / rpm}:{value}".rstrip(":")
+        )
         assert cut.status == 1, cut.message
         assert {"spindle_stopped", "encoder_jump"} & set(cut.summary["first_faults"])
         assert cut.summary["cut"]["gouge_um"] <= GOUGE_UM

@@ -209,6 +209,28 @@ static void test_turning_back_is_not_a_turn(void)
 }
 
 /// The copy changes nothing; the configured gains stay what they are.
+/// As when the index becomes known.
+static void test_after_a_jump_each_turn_is_gathered_alone(void)
+{
+    for (int i = 20; i < 30; i++) {
+        setUp();
+        TEST_ASSERT_NOT_NULL(take_next());
+        TEST_ASSERT_TRUE(cam_turn_bins_release(&g));
+        turn_on(0.1);
+        pos_q32 += i * CAM_TURN_Q32 / 10; // to another turn than the next
+        for (int k = 0; k < 3; k++) {
+            const cam_turn_bin_t *bins = take_next();
+            TEST_ASSERT_NOT_NULL(bins);
+            int32_t n = 0;
+            for (uint32_t b = 0; b < cam_turn_bins_n; b++) {
+                n += bins[b].n;
+            }
+            TEST_ASSERT_INT32_WITHIN(1, ticks_per_turn, n);
+            TEST_ASSERT_TRUE(cam_turn_bins_release(&g));
+        }
+    }
+}
+
 static void test_a_copy_keeps_the_configuration_and_its_ties(void)
 {
     static cam_config_bank_t bank;

@@ -103,8 +103,15 @@ static void test_apply_reaches_the_encoder(void)
     TEST_ASSERT_EQUAL_UINT32(counts + 100u - 7u, read_on().counts);
     happen("encoder-jump@0:9");
     TEST_ASSERT_EQUAL_UINT32(counts + 200u + 2u, read_on().counts);
+    happen("encoder-rate@0:-50");
+    TEST_ASSERT_EQUAL_UINT32(counts + 252u, read_on().counts);
+    happen("encoder-rate@0:100");
+    TEST_ASSERT_EQUAL_UINT32(counts + 452u, read_on().counts);
     happen("encoder-stuck@0");
-    TEST_ASSERT_EQUAL_UINT32(counts + 200u + 2u, read_on().counts);
+    TEST_ASSERT_EQUAL_UINT32(counts + 452u, read_on().counts);
+    happen("encoder-dither@0:1");
+    const uint32_t even = read_on().counts + read_on().counts; // it stands and stands a count on
+    TEST_ASSERT_EQUAL_UINT32(2u * (counts + 452u) + 1u, even);
 }
 
 static void test_index_copies_the_counter_with_its_faults_until_it_dies(void)
