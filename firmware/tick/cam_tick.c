@@ -87,12 +87,10 @@ static __attribute__((noinline)) void plan_isr(cam_t *c, const cam_config_t *cfg
     const cam_axis_motion_t before[hal_n_axes] = {
         [hal_axis_x] = m->axis[hal_axis_x], [hal_axis_z] = m->axis[hal_axis_z]};
     c->until_plan = cfg->play.plan_ticks;
-    uint32_t faults = 0;
     if (m->was_off) { // every enable searches the index again, even after an off of a few ticks
         cam_spindle_forget_isr(&c->spindle, &r->in.encoder);
-    } else {
-        faults = cam_spindle_check_index_isr(&c->spindle, &cfg->spindle, &r->in.encoder);
     }
+    uint32_t faults = cam_spindle_check_index_isr(&c->spindle, &cfg->spindle, &r->in.encoder);
     faults |= cam_spindle_check_inertia_isr(&c->spindle, &cfg->spindle, m->is_playing);
     plan_by_state(c, cfg, r); // replaces m->faults
     m->was_off = false;

@@ -83,8 +83,11 @@ static void test_what_does_not_fit_the_tick_rate_is_refused(void)
     params.observer_bandwidth_mHz = 1600000;
     build();
     params.observer_bandwidth_mHz++;
+    params.stopped_ms *= 2;
+    const cam_config_t before = config;
     TEST_ASSERT_EQUAL_INT(cam_err_param_tick,
                           cam_build_config(&config, &params, &table, 3000000, hz, clock_hz).err);
+    TEST_ASSERT_EQUAL_MEMORY(&before.guard, &config.guard, sizeof config.guard);
 }
 
 /// The hold of a tick of 1 ms is taken off a gain that is smaller than it, but not off none.

@@ -92,6 +92,14 @@ static void test_a_turn_of_another_speed_than_the_last_does_not_count(void)
         how.speed_q32 += sign * (usual_speed_q32 / 1000);
         play();
         TEST_ASSERT_EQUAL_UINT32(0, t.ripple.n);
+        const int32_t odd_q32 = how.speed_q32 / (128 - sign); // a 128th of the new speed
+        how.speed_q32 += sign * (odd_q32 + 1);
+        TEST_ASSERT_FALSE(counts());
+        how.speed_q32 -= sign * (odd_q32 + 1);
+        play();
+        play();
+        how.speed_q32 += sign * (odd_q32 - 100);
+        TEST_ASSERT_TRUE(counts());
     }
 }
 

@@ -174,6 +174,9 @@ static void test_overrides_are_whole_after_a_restart_and_a_revert(void)
     TEST_ASSERT_EQUAL_INT32(1000000, m->params.spindle_override_ppm);
     TEST_ASSERT_EQUAL_INT32(2000, m->params.x_trim_nm);
     expect_kept(cam_kept_same);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_revert_params(m));
+    TEST_ASSERT_EQUAL_INT32(1000000, m->params.feed_override_ppm);
+    TEST_ASSERT_EQUAL_INT32(1000000, m->params.spindle_override_ppm);
 }
 
 /// Damaged, or beyond what this tick rate allows: the defaults are used, and a line says so. Of two

@@ -153,6 +153,10 @@ static void test_home_ends_where_the_state_is_another(void)
     TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_may_exchange(m));
     m->generation--;
     bring(cam_state_ready);
+    m->n_requests++;
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_home(m));
+    TEST_ASSERT_FALSE(m->homes_again); // nothing was begun
+    m->n_requests--;
     m->homes_again = true; // in another state than off there is nothing to enable
     cam_machine_poll(m);
     TEST_ASSERT_FALSE(m->homes_again);

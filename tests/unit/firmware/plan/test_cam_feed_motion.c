@@ -265,6 +265,11 @@ static void test_feed_of_which_nothing_is_left_ends_where_it_rests(void)
         TEST_ASSERT_EQUAL_INT32(cfg->feed_rate_q30, c.requested_q30);
         TEST_ASSERT_INT64_WITHIN(1 << 20, TURNS(100), c.end_q32);
     }
+    // At the 128th of the rate there is room for up and down, each in the 128th of a ramp.
+    cam_feed_motion_t c = resting;
+    c.fed_end_q32 = cfg->feed_q32 - cfg->ramp_q32 - cfg->ramp_q32 / 12000;
+    c = requested(c, TURNS(100));
+    TEST_ASSERT_TRUE(c.end_q32 - TURNS(100) > cfg->ramp_q32 / 64);
 }
 
 /// Before its first ring begins a ring-helix rests at once, for a hold and for a stop.

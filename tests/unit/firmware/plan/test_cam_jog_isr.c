@@ -317,6 +317,11 @@ static void test_stop_is_found_when_u_stands_under_its_largest_force(void)
     }
     (void)search(1, false, 550000); // one that moves or presses less is not at its stop yet
     TEST_ASSERT_EQUAL_INT(still_plans - 1, press(press_q6, still_plans - 1));
+    r.in.actual_nm[hal_axis_u] += 1000; // still stands
+    TEST_ASSERT_LESS_OR_EQUAL_INT(2, press(press_q6, 1000));
+    TEST_ASSERT_EQUAL_INT(cam_jog_release, h.phase);
+    (void)search(1, false, 550000);
+    TEST_ASSERT_EQUAL_INT(still_plans - 1, press(press_q6, still_plans - 1));
     r.in.actual_nm[hal_axis_u] += 1001;
     TEST_ASSERT_EQUAL_INT(still_plans - 1, press(press_q6, still_plans - 1));
     TEST_ASSERT_EQUAL_INT(1, press(press_q6 - 1, 1));

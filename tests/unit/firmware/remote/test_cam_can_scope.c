@@ -187,6 +187,12 @@ static void test_a_command_ends_a_piece_and_a_new_recording_too(void)
     TEST_ASSERT_EQUAL_INT32(cam_err_scope_range, fixture_can_answer(&last).result);
     TEST_ASSERT_EQUAL_INT32(0, fixture_can_answer(&last).value);
     TEST_ASSERT_FALSE(f.can.reading.is_on);
+    ask_for_piece(255); // another recording with as many words
+    go_on(10);
+    f.rig.machine.scope.number++;
+    go_on(10);
+    TEST_ASSERT_EQUAL_INT32(cam_err_scope_range, fixture_can_answer(&last).result);
+    TEST_ASSERT_FALSE(f.can.reading.is_on);
 }
 
 /// Of a recording that was released, too.
