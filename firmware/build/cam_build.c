@@ -472,8 +472,10 @@ static int32_t held_k2_q16(int32_t k2_us2, uint32_t tick_hz)
 
 enum {
     observer_hz = 300, ///< bandwidth of the observer, at most a twentieth of the tick rate
-    still_hz = 2000,   ///< half a millisecond
     scale_steps = 4,   ///< deviation that is accepted at least
+    least_unseen_nm = 100,
+    least_still_ticks = 3,
+    least_friction_mm_per_s2 = 5000,
     runaway_most_nm = 50000,
 };
 
@@ -488,18 +490,20 @@ static int32_t runaway_q6(const cam_params_t *p, const cam_force_config_t *c)
     return is_set ? p->servo_runaway_nm * 64 : (int32_t)cam_clamp_i64(own_q6, least_q6, most_q6);
 }
 
-/// @return [mN / 64] force under which a standing reading is frozen: twice the friction, and what
-///         deviates U by a quarter of runaway_q6, or moves it by a step of the scale and back while
-///         the reading may stand, less the delay
-static int32_t moving_q6(const cam_params_t *p, const cam_force_config_t *c, uint32_t tick_hz)
+/// When a reading that stands is frozen. Friction may hold a change of the force by twice itself;
+/// it counts as least_friction_mm_per_s2 where less or none is stated.
+static void build_frozen(cam_force_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
+    const double nm_per_tick2 = 1e9 / tick_hz / tick_hz; // by 1 m/s2
+    const double stated_m_per_s2 = 2.0 * p->servo_friction_mn / p->servo_mass_g;
+    const double least_m_per_s2 = 1e-3 * least_friction_mm_per_s2;
+    const double friction = stated_m_per_s2 > least_m_per_s2 ? stated_m_per_s2 : least_m_per_s2;
     const int64_t delay_ns = (int64_t)p->servo_force_delay_ns + p->u_scale_latency_ns;
-    const int64_t n = cam_clamp_i64(c->still_ticks - delay_ns * tick_hz / 1000000000, 1, INT32_MAX);
-    const int64_t step_q30 = (int64_t)p->u_scale_nm << 33; // 8 steps
-    const int64_t back_q6 = step_q30 / (n * n * c->motion_q24);
-    const int64_t share_q6 = (int64_t)c->runaway_q6 / 4 * c->vel_q24 / c->motion_q24;
-    const int64_t most_q6 = back_q6 > share_q6 ? back_q6 : share_q6;
-    return cam_sat_i32(most_q6 + 2 * (int64_t)p->servo_friction_mn * 64);
+    c->free_q42 = cam_nearest(cam_limit(nm_per_tick2 / p->servo_mass_g * 0x1p36, INT32_MAX));
+    c->friction_q10 = cam_nearest(cam_limit(friction * nm_per_tick2 * 1024.0, INT32_MAX));
+    c->quantum_q10 = p->u_scale_nm * 1024;
+    c->still_ticks = least_still_ticks + (uint32_t)((delay_ns * tick_hz + 999999999) / 1000000000);
+    c->unseen_nm = scale_steps * p->u_scale_nm + least_unseen_nm;
 }
 
 /// The position loop of a U that takes forces, and its supervision without the travel.
@@ -523,8 +527,7 @@ static cam_refusal_t build_force(cam_force_config_t *c, const cam_params_t *p, u
     c->pos_q18 = (int32_t)(omega_q24 >> 5);
     c->vel_q24 = (int32_t)((omega_q24 * omega_q24) >> 24);
     c->runaway_q6 = runaway_q6(p, c);
-    c->still_ticks = tick_hz / still_hz;
-    c->moving_q6 = moving_q6(p, c, tick_hz);
+    build_frozen(c, p, tick_hz);
     c->braking_nm = (int32_t)cam_clamp_i64(braking_nm, 1, INT32_MAX);
     c->limited_ticks = (uint32_t)cam_units_scale(p->servo_limited_ms, tick_hz, 1000);
     return refusal;

@@ -245,8 +245,11 @@ typedef struct {
     int32_t motion_q24;     ///< [nm per tick^2 per mN / 64] acceleration by a force, times 64
     int32_t pos_q18;        ///< [1] gain of the observer: position
     int32_t vel_q24;        ///< [1 / tick] ... and speed
-    int32_t moving_q6;      ///< [mN / 64] a larger force moves U
-    uint32_t still_ticks;   ///< its reading may stand under such a force for this long
+    int32_t free_q42;       ///< [nm / 2^42 per tick^2 per mN / 64] acceleration by a force
+    int32_t friction_q10;   ///< [nm / 1024 per tick^2] by a change of it that friction may hold
+    int32_t quantum_q10;    ///< [nm / 1024] step of the scale
+    uint32_t still_ticks;   ///< its reading may stand for this long
+    int32_t unseen_nm;      ///< [nm] by which U and its set-point may move while it stands
     int32_t runaway_q6;     ///< [nm / 64] accepted deviation of U from its observer
     int32_t travel_nm;      ///< [nm] U stays within this to either side
     int32_t braking_nm;     ///< [nm per tick^2] twice the acceleration on which braking relies

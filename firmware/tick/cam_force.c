@@ -41,15 +41,15 @@ static int32_t net_force_q6(const cam_force_config_t *cfg, const cam_tick_record
     return cam_sat_sub(r->force_q6, cam_sat_i32(held_q24 >> 18));
 }
 
-/// Compare the reading with the observer, then move the observer to the next tick. It wraps only
-/// 500 m away, where the deviation has long been a fault unless U presses on its stop.
+/// Compare the reading with the observer, then move the observer to the next tick. Their difference
+/// wraps only 33 m away, where the deviation has long been a fault.
 /// @param read_nm  in port coordinates: a new home does not move the observer
 /// @return [nm / 64] reading minus observer
 static int32_t observe(cam_force_t *f, const cam_force_config_t *cfg, int32_t read_nm,
                        int32_t net_q6)
 {
-    const int64_t read_q24 = (int64_t)read_nm * (INT64_C(1) << 24);
-    const int32_t off_q6 = cam_sat_i32(cam_wrap_sub_i64(read_q24, f->pos_q24) >> 18);
+    const uint32_t seen_q6 = (uint32_t)((uint64_t)f->pos_q24 >> 18);
+    const int32_t off_q6 = cam_wrap_diff((uint32_t)read_nm * 64u, seen_q6);
     const int64_t push_q30 = (int64_t)off_q6 * cfg->vel_q24 + (int64_t)net_q6 * cfg->motion_q24;
     const int64_t step_q24 = cam_wrap_add_i64(f->vel_q24, (int64_t)off_q6 * cfg->pos_q18);
     f->pos_q24 = cam_wrap_add_i64(f->pos_q24, step_q24);
@@ -57,13 +57,36 @@ static int32_t observe(cam_force_t *f, const cam_force_config_t *cfg, int32_t re
     return off_q6;
 }
 
-/// @return whether the reading has stood for too long under a force that must move U
-static bool is_frozen(cam_force_t *f, const cam_force_config_t *cfg, int32_t read_nm,
-                      int32_t net_q6)
+/// @return a speed, less an amount that stops U but does not turn it back
+static int32_t slowed(int32_t speed_q10, int32_t less_q10)
 {
-    const bool is_moving = read_nm != f->still_nm || cam_is_within(net_q6, cfg->moving_q6);
-    f->n_still = is_moving ? 0u : f->n_still + 1u;
-    f->still_nm = read_nm;
+    return speed_q10 - cam_clamp_i32(speed_q10, -less_q10, less_q10);
+}
+
+/// A reading that stands to the last digit is that of a U that stands. It is frozen if meanwhile
+/// the set-point has moved, and U must have: by the speed of its last step, less a quantum, and by
+/// what its force has changed since then. Constant forces, as that of the chip, do not count.
+/// @param read_nm, set_nm  in port coordinates, as for observe()
+static bool is_frozen(cam_force_t *f, const cam_force_config_t *cfg, int32_t read_nm,
+                      int32_t set_nm, int32_t force_q6)
+{
+    enum { most_nm = 1 << 20 };
+    const int32_t step_nm = cam_wrap_sub(read_nm, f->still_nm);
+    if (step_nm != 0) {
+        f->still_nm = read_nm;
+        f->stood_nm = set_nm;
+        f->stood_q6 = force_q6;
+        f->n_still = 0;
+        f->free_q10 = 0;
+        f->speed_q10 = slowed(cam_clamp_i32(step_nm, -most_nm, most_nm) * 1024, cfg->quantum_q10);
+        return false;
+    }
+    const int32_t more_q10 = cam_mulhi(cam_sat_sub(force_q6, f->stood_q6), cfg->free_q42);
+    f->speed_q10 = slowed(cam_sat_add(f->speed_q10, more_q10), cfg->friction_q10);
+    f->free_q10 = cam_sat_add(f->free_q10, f->speed_q10);
+    const bool is_moved = !cam_is_within(f->free_q10, cfg->unseen_nm * 1024) &&
+                          !cam_is_within(cam_wrap_sub(set_nm, f->stood_nm), cfg->unseen_nm);
+    f->n_still += is_moved ? 1u : 0u;
     return f->n_still > cfg->still_ticks;
 }
 
@@ -94,18 +117,23 @@ uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
 {
     const int32_t read_nm = r->in.actual_nm[hal_axis_u];
     const int32_t port_nm = cam_wrap_sub(read_nm, m->u.home_nm);
+    const int32_t set_nm = cam_wrap_sub(m->u.nm, m->u.home_nm);
     if (!f->is_on) {
         f->pos_q24 = (int64_t)port_nm * (INT64_C(1) << 24);
         f->vel_q24 = 0;
-        f->still_nm = read_nm;
+        f->still_nm = port_nm;
+        f->stood_nm = set_nm;
+        f->stood_q6 = 0;
         f->n_still = 0;
+        f->free_q10 = 0;
+        f->speed_q10 = 0;
         f->n_limited = 0;
         return 0;
     }
     const int32_t net_q6 = net_force_q6(cfg, r, f->vel_q24);
     const int32_t off_q6 = observe(f, cfg, port_nm, net_q6);
     const bool is_runaway =
-        is_frozen(f, cfg, read_nm, net_q6) || !cam_is_within(off_q6, cfg->runaway_q6);
+        is_frozen(f, cfg, port_nm, set_nm, r->force_q6) || !cam_is_within(off_q6, cfg->runaway_q6);
     const int32_t vel_nm = cam_sat_i32(cam_wrap_add_i64(f->vel_q24, 1 << 23) >> 24);
     const bool is_lost = m->state != cam_state_manual && is_beyond(cfg, read_nm, vel_nm);
     const uint32_t travel = is_lost || is_at_line(r->in.inputs, m) ? CAM_FAULT_BIT(u_travel) : 0u;

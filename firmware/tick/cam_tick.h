@@ -64,7 +64,11 @@ typedef struct {
     int64_t pos_q24;    ///< [nm / 2^24] observer, in port coordinates
     int64_t vel_q24;    ///< [nm / 2^24 per tick] observer
     int32_t still_nm;   ///< [nm] last reading
-    uint32_t n_still;   ///< [ticks] for which it has stood under force
+    uint32_t n_still;   ///< [ticks] for which it has stood though U must have moved
+    int32_t stood_nm;   ///< [nm] set-point when it last changed
+    int32_t stood_q6;   ///< [mN / 64] force of that tick
+    int32_t speed_q10;  ///< [nm / 1024 per tick] least speed of U since then
+    int32_t free_q10;   ///< [nm / 1024] by which U must have moved since then
     uint32_t n_limited; ///< [ticks] at the limit minus those below it, at least 0
 } cam_force_t;
 

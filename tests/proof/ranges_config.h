@@ -211,7 +211,10 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(motion_q24, 0, INT32_MAX)                                                                    \
     X(pos_q18, 0, 1 << 18)                                                                         \
     X(vel_q24, 0, 1 << 22)                                                                         \
-    X(moving_q6, 0, INT32_MAX)                                                                     \
+    X(free_q42, 0, INT32_MAX)                                                                      \
+    X(friction_q10, 0, INT32_MAX)                                                                  \
+    X(quantum_q10, 0, 10000 * 1024)                                                                \
+    X(unseen_nm, 0, 40100)                                                                         \
     X(runaway_q6, 0, INT32_MAX)                                                                    \
     X(travel_nm, 0, Q30 - 1)                                                                       \
     X(braking_nm, 0, INT32_MAX)

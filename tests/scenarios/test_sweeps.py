@@ -47,6 +47,18 @@ def test_wrong_encoder_costs_no_part(table_of: TableOf, fault: str, part: str, r
 
 
 @pytest.mark.long
+@pytest.mark.parametrize(("rpm", "deepest_um"), [(60, 80), (250, 45), (1000, 80), (3000, 80)])
+def test_frozen_scale_lets_u_go(table_of: TableOf, rpm: int, deepest_um: float) -> None:
+    """The force vanishes before U is far off; from there on it coasts."""
+    force = Path(__file__).parent / "cases/machines/force.toml"
+    words = ("--machine", force, "--rpm", str(rpm), "--feed", "1", "--inject")
+    for turns in WRONG_TURNS:
+        cut = Outcome(table_of("perkins240"), *words, f"u-scale-stuck@{turns * 60.0 / rpm}")
+        assert cut.summary["first_faults"] == ["u_runaway"]
+        assert cut.summary["cut"]["gouge_um"] <= deepest_um
+
+
+@pytest.mark.long
 @pytest.mark.parametrize("stroke_mm", [0.63, 1.0])
 @pytest.mark.parametrize(
     "drive", [(10000, 85, 0.7, 1.0), (10000, 85, 1.0, 0.0), (4000, 120, 0.5, 1.0)]

@@ -383,8 +383,8 @@ static void test_guard(void)
     TEST_ASSERT_EQUAL_INT32(550000, c->range_nm);
 }
 
-/// 1.5 kg, 200 N and an observer of 300 Hz; the force of a tick acts four ticks later. The reading
-/// may stand for ten ticks, less that delay.
+/// 1.5 kg, 200 N and an observer of 300 Hz; the force of a tick acts four ticks later, for which
+/// the reading may stand three ticks longer. Friction counts twice, at least 5 m/s2.
 static void test_force(void)
 {
     hal_host.slow.force.quantum_un = 20000;
@@ -397,24 +397,26 @@ static void test_force(void)
     const cam_force_config_t *c = &config.force;
     const double wt = 2.0 * acos(-1.0) * 300.0 / hz;
     const double motion = 1e9 / 1500.0 / hz / hz; // [nm / mN]
-    const double friction_q6 = 2.0 * 64000.0;
     TEST_ASSERT_TRUE(c->is_used);
     expect_near(ldexp(motion, 24), c->motion_q24);
     expect_near(ldexp(2.0 * wt, 18), c->pos_q18);
     expect_near(ldexp(wt * wt, 24), c->vel_q24);
-    TEST_ASSERT_EQUAL_UINT32(10, c->still_ticks);
+    TEST_ASSERT_EQUAL_UINT32(3 + 4, c->still_ticks);
+    TEST_ASSERT_EQUAL_INT32(10 * 1024, c->quantum_q10);
+    expect_near(ldexp(motion / 64.0, 42), c->free_q42);
+    TEST_ASSERT_EQUAL_INT32(140, c->unseen_nm);
     TEST_ASSERT_EQUAL_UINT32(600, c->limited_ticks);
     TEST_ASSERT_EQUAL_INT32(1000, c->braking_nm);
     TEST_ASSERT_EQUAL_INT32(params.u_stroke_nm / 2 + config.guard.approach_nm, c->travel_nm);
     TEST_ASSERT_EQUAL_INT32(50000 * 64, c->runaway_q6);
-    const double share_q6 = 12500.0 * 64.0 * wt * wt / motion;
-    TEST_ASSERT_DOUBLE_WITHIN(1e-4 * share_q6, share_q6 + friction_q6, c->moving_q6);
+    expect_near(5.0e9 / hz / hz * 1024.0, c->friction_q10);
+    params.servo_friction_mn = 6000;
     params.u_scale_nm = 10000;
     params.servo_runaway_nm = 777;
     build();
     TEST_ASSERT_EQUAL_INT32(777 * 64, c->runaway_q6);
-    const double back_q6 = 8.0 * 64.0 * 10000.0 / (6.0 * 6.0 * motion);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-4 * back_q6, back_q6 + friction_q6, c->moving_q6);
+    expect_near(2.0 * 4.0e9 / hz / hz * 1024.0, c->friction_q10);
+    TEST_ASSERT_EQUAL_INT32(40100, c->unseen_nm);
 }
 
 static void test_origin_shifts_all_targets(void)
