@@ -31,6 +31,7 @@ from camtools.lobe.part import LobePart
 from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
 from camtools.part.common import SwungTool
 from camtools.pipeline.load import Made
+from camtools.table.image import pack
 from tests.tools.cases.camsim_cases import cut
 from tests.tools.cases.cut_cases import PARTS, written
 from tests.tools.cases.lobe_cases import MACHINE, NM, QUICK, cam, evaluate
@@ -149,6 +150,41 @@ def test_derivatives_are_those_of_the_path(law: LiftLaw, radius_mm: float) -> No
     way = np.abs(places[1] - places[0]) / (2 * h)
     assert way == pytest.approx(here[1].ds_dphi, rel=1e-6)
     assert here[1].phi == pytest.approx(phi, abs=1e-12)
+
+
+def hollow_list(step_deg: int, digits: int) -> str:
+    """Return a part whose flanks are hollow: 8 mm in 65 degrees by 4-5-6-7, wheel of 50 mm."""
+    deg = np.arange(0, 361, step_deg)
+    x = np.clip(1 - np.abs(deg - 180) / 65, 0, 1)
+    lift = np.round(8 * x**4 * (35 - 84 * x + 70 * x**2 - 20 * x**3), digits)
+    listed = f'law = "list"\nangle_deg = {deg.tolist()}\nlift_mm = {lift.tolist()}\n'
+    ground = (PARTS / "cam-345-ground.toml").read_text()
+    for old, new in (
+        ('law = "poly345"\nlift_mm = 8\nhalf_angle_deg = 70\n', listed),
+        ("base_radius_mm = 20", "base_radius_mm = 18"),
+        ("wheel_radius_mm = 200", "wheel_radius_mm = 50"),
+        ('speed = "constant-surface"', 'speed = "uniform"'),
+        ("spindle_rpm = 60", "spindle_rpm = 30"),
+    ):
+        assert old in ground
+        ground = ground.replace(old, new)
+    return ground
+
+
+@pytest.mark.parametrize(("step_deg", "digits", "error_nm"), [(1, 7, "0.41"), (5, 4, "0.40")])
+def test_hollow_flank_has_one_contact_at_each_angle(
+    step_deg: int, digits: int, error_nm: str
+) -> None:
+    """Where dphi/dtheta is 0.15 on the flank and 1 at the nose, Newton's method runs in circles."""
+    part = cam(hollow_list(step_deg, digits))
+    made = generate_lobes(part)
+    assert f"{made.lift.error:.2f}" == error_nm
+    assert len(pack(made.table)) == 74080
+    phi = np.linspace(-np.pi, np.pi, 1 << 16, endpoint=False)
+    path = make_lobes(part)[0].at(phi)
+    assert np.abs(path.phi - phi).max() <= 1e-12
+    steps = np.diff(path.centre)
+    assert np.abs(steps - path.d1[:-1] * (phi[1] - phi[0])).max() < 3e-6
 
 
 def test_list_of_a_smooth_law_is_that_law() -> None:
