@@ -34,7 +34,7 @@ from camtools.pipeline.load import Made
 from camtools.table.image import pack
 from tests.tools.cases.camsim_cases import cut
 from tests.tools.cases.cut_cases import PARTS, written
-from tests.tools.cases.lobe_cases import MACHINE, NM, QUICK, cam, evaluate
+from tests.tools.cases.lobe_cases import MACHINE, NM, QUICK, cam, evaluate, ground_list
 from tests.tools.cases.lobe_tables import DISC, POLY345, POLY345_WHEEL
 from tests.tools.cases.part_cases import refused
 
@@ -152,31 +152,12 @@ def test_derivatives_are_those_of_the_path(law: LiftLaw, radius_mm: float) -> No
     assert here[1].phi == pytest.approx(phi, abs=1e-12)
 
 
-def hollow_list(step_deg: int, digits: int) -> str:
-    """Return a part whose flanks are hollow: 8 mm in 65 degrees by 4-5-6-7, wheel of 50 mm."""
-    deg = np.arange(0, 361, step_deg)
-    x = np.clip(1 - np.abs(deg - 180) / 65, 0, 1)
-    lift = np.round(8 * x**4 * (35 - 84 * x + 70 * x**2 - 20 * x**3), digits)
-    listed = f'law = "list"\nangle_deg = {deg.tolist()}\nlift_mm = {lift.tolist()}\n'
-    ground = (PARTS / "cam-345-ground.toml").read_text()
-    for old, new in (
-        ('law = "poly345"\nlift_mm = 8\nhalf_angle_deg = 70\n', listed),
-        ("base_radius_mm = 20", "base_radius_mm = 18"),
-        ("wheel_radius_mm = 200", "wheel_radius_mm = 50"),
-        ('speed = "constant-surface"', 'speed = "uniform"'),
-        ("spindle_rpm = 60", "spindle_rpm = 30"),
-    ):
-        assert old in ground
-        ground = ground.replace(old, new)
-    return ground
-
-
 @pytest.mark.parametrize(("step_deg", "digits", "error_nm"), [(1, 7, "0.41"), (5, 4, "0.40")])
 def test_hollow_flank_has_one_contact_at_each_angle(
-    step_deg: int, digits: int, error_nm: str
+    step_deg: int, digits: int, error_nm: str, tmp_path: Path
 ) -> None:
     """Where dphi/dtheta is 0.15 on the flank and 1 at the nose, Newton's method runs in circles."""
-    part = cam(hollow_list(step_deg, digits))
+    part = cam(ground_list(tmp_path / "a.csv", step_deg, digits, (8, 65)))
     made = generate_lobes(part)
     assert f"{made.lift.error:.2f}" == error_nm
     assert len(pack(made.table)) == 74080

@@ -44,7 +44,7 @@ from camtools.lobe.part import (
     is_turn,
 )
 from camtools.part.model import SAME_MM
-from camtools.part.smoothing import bands_um, first_enough, smoothed
+from camtools.part.smoothing import LEAST_UM, bands_um, first_enough, smoothed
 from camtools.table.points import (
     MAX_BYTES,
     MM_PER_INCH,
@@ -219,16 +219,27 @@ def bands_of(points: PointedTurn) -> list[float]:
     return [] if points.v.size else bands_um(points.x_deg, points.y_mm, 360.0)
 
 
-def band_for(points: PointedTurn) -> Smoothing | None:
-    """Return the smoothing that a list without one needs; None where it needs none."""
+def band_for(points: PointedTurn, *, of_jerk: bool = False) -> Smoothing | None:
+    """Return the smoothing that a list without one needs; None where it needs none.
+
+    What it needs lowers the peak of the acceleration, or that of the jerk: a list of many points
+    has noise in that which no rounding of its lifts shows.
+    """
+    bands = bands_of(points)
+    if of_jerk and not points.v.size:
+        bands = bands or [LEAST_UM]
+
+    def peak(curve: BSpline) -> float:
+        peaks = peaks_of(curve)
+        return peaks.jerk if of_jerk else peaks.acceleration
 
     def peaks(smoothing: Smoothing) -> tuple[float, float]:
-        return peaks_of(smoothing.before).acceleration, peaks_of(smoothing.after).acceleration
+        return peak(smoothing.before), peak(smoothing.after)
 
     def smooth(band_um: float) -> Smoothing:
         return smooth_list(points.x_deg, points.y_mm, band_um)
 
-    return first_enough(bands_of(points), smooth, peaks)
+    return first_enough(bands, smooth, peaks)
 
 
 class Rise(NamedTuple):
@@ -429,6 +440,7 @@ class Listed:
     smoothing: Smoothing | None = None  # what the part file had done to the points
     needed: Smoothing | None = None  # what would rid them of much noise about which it did nothing
     below_um: float = 0.0  # how far points were below the base circle, taken as on it
+    points: PointedTurn | None = None  # without a repeated end
 
     def evaluate(self, theta_rad: Floats) -> Lift:
         """See `LiftLaw.evaluate`."""
@@ -517,7 +529,7 @@ def _listed(lobe: Lobe, field: str) -> LiftLaw:
 def _curve_through(points: PointedTurn, band_um: float | None, field: str) -> Listed:
     if band_um is None:
         through = pieces_of(points) if points.v.size else periodic_spline(points.x_deg, points.y_mm)
-        return Listed(through, needed=band_for(points))
+        return Listed(through, needed=band_for(points), points=points)
     if points.v.size:
         problem = "the file has velocities and accelerations, which smoothing would contradict"
         raise GeometryError(f"{field}.smooth_um", problem, "remove these columns, or smooth_um")
