@@ -25,7 +25,8 @@ from camtools.lobe.generate import (
     needed_clearance_deg,
 )
 from camtools.lobe.kind import KIND
-from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345, RiseLaw, Risen, periodic_spline
+from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345, RiseLaw, Risen
+from camtools.lobe.list_curve import periodic_spline
 from camtools.lobe.motion import ShaftLobe, example_lobe, make_lobes
 from camtools.lobe.part import LobePart
 from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
