@@ -41,7 +41,7 @@ def turned(x: Floats) -> Floats:
 
 def three_arcs(step_deg: float, first_deg: float = 0.0) -> tuple[Floats, Floats]:
     """Return a list of three arcs to a nanometre."""
-    deg = first_deg + step_deg * np.arange(round(360 / step_deg))
+    deg: Floats = first_deg + step_deg * np.arange(round(360 / step_deg), dtype=np.float64)
     return deg, np.round(arcs(turned(np.radians(deg)))[0], 6)
 
 
