@@ -5,7 +5,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
+from camtools.lobe.generate import generate_lobes
 from camtools.lobe.lift import Listed, curve_of
 from camtools.lobe.list_curve import spline_through, steps_of
 from camtools.lobe.motion import make_lobes
@@ -60,20 +62,33 @@ def test_arcs_of_a_list_keep_their_radii(
     assert np.abs((BASE_MM + law.lift + law.d2 - radius)[is_apart]).max() < within_mm
 
 
+def arcs_text(template: str, more: str = "") -> str:
+    """Return a part of the repository with a lobe of three arcs under a flat face."""
+    deg, lift = three_arcs(1.0)
+    listed = f'law = "list"\nangle_deg = {deg.tolist()}\nlift_mm = {lift.tolist()}\n{more}'
+    text = (PARTS / f"{template}.toml").read_text()
+    text = text.replace('law = "poly345"\nlift_mm = 8\nhalf_angle_deg = 70\n', listed)
+    return text.replace("base_radius_mm = 20", 'base_radius_mm = 15\nfollower = "flat"')
+
+
 def test_sharpest_radius_of_three_arcs_is_that_of_the_nose() -> None:
     """In the part, ground under a flat face; the pieces of its drawing rise in angle."""
-    deg, lift = three_arcs(1.0)
-    text = (PARTS / "cam-345-ground.toml").read_text()
-    listed = f'law = "list"\nangle_deg = {deg.tolist()}\nlift_mm = {lift.tolist()}\n'
-    text = text.replace('law = "poly345"\nlift_mm = 8\nhalf_angle_deg = 70\n', listed)
-    text = text.replace("base_radius_mm = 20", 'base_radius_mm = 15\nfollower = "flat"')
-    [lobe] = make_lobes(cam(text))
+    [lobe] = make_lobes(cam(arcs_text("cam-345-ground")))
     assert lobe.shape.least_radius_mm == pytest.approx(NOSE_MM, abs=0.01)
     assert isinstance(lobe.law, Listed)
     curve = curve_of(lobe.law)
     assert np.all(np.diff(curve.x) > 0) and curve.c.shape == (6, curve.x.size - 1)
     theta = np.mod(DENSE - curve.x[0], 2 * np.pi) + curve.x[0]
     assert curve(theta) == pytest.approx(lobe.law.evaluate(DENSE).lift, abs=1e-9)
+
+
+def test_turned_arcs_need_a_smoothed_list() -> None:
+    """The swing would have to change its speed at once; the refusal names the key that helps."""
+    with pytest.raises(CamtoolsError, match="less jerk, of a list by smooth_um"):
+        generate_lobes(cam(arcs_text("cam-345")))
+    text = arcs_text("cam-345", "smooth_um = 0.5\n")
+    text = text.replace("spindle_rpm = 60\n", "spindle_rpm = 30\n")
+    assert generate_lobes(cam(text)).angle.error <= 1e-4
 
 
 def rise(theta: Floats) -> Floats:
