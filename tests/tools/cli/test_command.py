@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 from collections.abc import Callable
 from io import StringIO
 from pathlib import Path
@@ -49,6 +50,21 @@ def test_a_signal_is_a_signal(act: Callable[[], int], number: int, capsys: Captu
     """One line and 128 + its number, no trace back; from a finaliser it comes a moment later."""
     assert run_command("demo", act) == 128 + number
     assert capsys.readouterr().err == "demo: interrupted; nothing was written\n"
+
+
+def _warns() -> int:
+    np.float64(1) / np.float64(0)
+    return 0
+
+
+def test_no_warning_of_python_is_shown(capsys: Capture) -> None:
+    """Whatever Python's filters; that of the tests makes an error of it within a command, too."""
+    with warnings.catch_warnings(record=True) as shown:
+        warnings.simplefilter("always")
+        assert run_command("demo", _warns) == 0
+    assert not shown and capsys.readouterr() == ("", "")
+    with pytest.raises(RuntimeWarning):
+        run_command("demo", _warns)
 
 
 def test_a_signal_that_is_held_ends_the_command_afterwards(capsys: Capture) -> None:

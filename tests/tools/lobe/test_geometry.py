@@ -25,15 +25,17 @@ from camtools.lobe.generate import (
     needed_clearance_deg,
 )
 from camtools.lobe.kind import KIND
-from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345, RiseLaw, Risen, periodic_spline
+from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345, RiseLaw, Risen
+from camtools.lobe.list_curve import periodic_spline
 from camtools.lobe.motion import ShaftLobe, example_lobe, make_lobes
 from camtools.lobe.part import LobePart
 from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
 from camtools.part.common import SwungTool
 from camtools.pipeline.load import Made
+from camtools.table.image import pack
 from tests.tools.cases.camsim_cases import cut
 from tests.tools.cases.cut_cases import PARTS, written
-from tests.tools.cases.lobe_cases import MACHINE, NM, QUICK, cam, evaluate
+from tests.tools.cases.lobe_cases import MACHINE, NM, QUICK, cam, evaluate, ground_list
 from tests.tools.cases.lobe_tables import DISC, POLY345, POLY345_WHEEL
 from tests.tools.cases.part_cases import refused
 
@@ -149,6 +151,22 @@ def test_derivatives_are_those_of_the_path(law: LiftLaw, radius_mm: float) -> No
     way = np.abs(places[1] - places[0]) / (2 * h)
     assert way == pytest.approx(here[1].ds_dphi, rel=1e-6)
     assert here[1].phi == pytest.approx(phi, abs=1e-12)
+
+
+@pytest.mark.parametrize(("step_deg", "digits", "error_nm"), [(1, 7, "0.41"), (5, 4, "0.40")])
+def test_hollow_flank_has_one_contact_at_each_angle(
+    step_deg: int, digits: int, error_nm: str, tmp_path: Path
+) -> None:
+    """Where dphi/dtheta is 0.15 on the flank and 1 at the nose, Newton's method runs in circles."""
+    part = cam(ground_list(tmp_path / "a.csv", step_deg, digits, (8, 65)))
+    made = generate_lobes(part)
+    assert f"{made.lift.error:.2f}" == error_nm
+    assert len(pack(made.table)) == 74080
+    phi = np.linspace(-np.pi, np.pi, 1 << 16, endpoint=False)
+    path = make_lobes(part)[0].at(phi)
+    assert np.abs(path.phi - phi).max() <= 1e-12
+    steps = np.diff(path.centre)
+    assert np.abs(steps - path.d1[:-1] * (phi[1] - phi[0])).max() < 3e-6
 
 
 def test_list_of_a_smooth_law_is_that_law() -> None:

@@ -9,7 +9,7 @@ import pytest
 from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import Floats
 from camtools.lobe.channels import places_of
-from camtools.lobe.lift import Poly345, make_lift
+from camtools.lobe.lift import Poly345, make_lift, points_of
 from camtools.lobe.motion import extent_of, extent_texts, make_lobes
 from camtools.lobe.part import MAX_LOBES, LobePart
 from camtools.pipeline.load import load, parse, parse_for
@@ -321,6 +321,19 @@ def test_turn_of_the_crank_may_lack_the_base_circle(tmp_path: Path) -> None:
         law = make_lift(part.cam, part.cam.lobe[0], LOBE)
         found_mm = law.evaluate(np.radians(degrees / 2)).lift
         np.testing.assert_allclose(found_mm, lift_mm, atol=2e-9)
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", " "])
+def test_file_has_as_many_points_as_the_page_states(separator: str, tmp_path: Path) -> None:
+    """100 000 of them, whatever separates the cells; one more is refused."""
+    csv = tmp_path / "a.csv"
+    part = cam_of(with_law(f'law = "list"\ncsv = "{csv}"\n')).cam.lobe[0]
+    rows = [f"{0.0036 * i:.4f}{separator}0.001" for i in range(100_001)]
+    csv.write_text("\n".join([f"angle_deg{separator}lift_mm", *rows[:-1], ""]))
+    assert points_of(part, LOBE).x_deg.size == 100_000
+    csv.write_text("\n".join([f"angle_deg{separator}lift_mm", *rows, ""]))
+    with pytest.raises(GeometryError, match="has 100001 rows, at most 100000 are read; leave out"):
+        points_of(part, LOBE)
 
 
 @pytest.mark.parametrize("ends_deg", [(-71, 71), (-90, 90), (-70, 250)])

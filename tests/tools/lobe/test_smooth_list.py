@@ -16,9 +16,10 @@ from camtools.lobe.kind import KIND
 from camtools.lobe.lift import Listed, band_for
 from camtools.lobe.motion import make_lobes
 from camtools.pipeline.load import Made
+from camtools.table.image import pack
 from camtools.table.points import PointedTurn
-from tests.tools.cases.lobe_cases import QUICK, cam
-from tests.tools.cases.part_cases import ROOT
+from tests.tools.cases.lobe_cases import QUICK, cam, ground_list
+from tests.tools.cases.part_cases import ROOT, refused
 
 PARTS = ROOT / "tools" / "parts"
 TURNED = (PARTS / "cam-345.toml").read_text()
@@ -340,3 +341,18 @@ def test_crank_degrees_without_their_key_name_it(tmp_path: Path, header: str) ->
     )
     with pytest.raises(GeometryError, match=r', or set degrees_of = "crank"$'):
         law_of(TURNED.replace(LAW, CSV.format(tmp_path / "lift.csv")))
+
+
+@pytest.mark.parametrize(
+    ("step_deg", "rise", "n_bytes"),
+    [(0.036, (8, 65), 74080), pytest.param(0.01, (6, 80), 9568, marks=pytest.mark.long)],
+)
+def test_fine_list_is_refused_with_the_band_that_it_needs(
+    step_deg: float, rise: tuple[float, float], n_bytes: int, tmp_path: Path
+) -> None:
+    """Listed to 0.1 nm, far below the least band: the noise is in the jerk alone."""
+    text = ground_list(tmp_path / "a.csv", step_deg, 7, rise)
+    refusal = refused(lambda: generate_lobes(cam(text)))
+    assert refusal.endswith("; the list is noisy: cam.lobe.0.smooth_um = 0.001 smooths it")
+    band = text.replace('law = "list"', 'law = "list"\nsmooth_um = 0.001')
+    assert len(pack(generate_lobes(cam(band)).table)) == n_bytes

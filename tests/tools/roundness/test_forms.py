@@ -105,6 +105,16 @@ def test_circles_are_those_of_all_pairs_and_triples() -> None:
     )
 
 
+@pytest.mark.parametrize("n", [72, 360, 3600])
+def test_circle_around_an_oval_has_its_long_axis(n: int) -> None:
+    """Two points touch it, so that its centre is free across them; drawn 0.3 mm off the axis."""
+    phi = 2 * np.pi * np.arange(n) / n
+    at = (46 - 0.5 * np.sin(phi) ** 2) * np.exp(1j * phi) + 0.3
+    found = minimum_circumscribed(RoundProfile(np.angle(at), np.abs(at)))
+    assert found.radius_mm == pytest.approx(46, abs=1e-9)
+    assert (found.x_mm, found.y_mm) == pytest.approx((0.3, 0), abs=1e-6)
+
+
 def figures(profile: RoundProfile) -> list[float]:
     """Return what is told of a profile by each circle [mm]."""
     about_ls = roundness(profile, least_squares(profile))
@@ -167,7 +177,7 @@ def test_least_squares_line_leaves_nothing_along_itself() -> None:
 
 def test_zone_without_an_end_is_refused() -> None:
     """A program of which no solution is the best ends in a message, not in a number."""
-    with pytest.raises(CamtoolsError, match="zone of the profile cannot be found"):
+    with pytest.raises(CamtoolsError, match="zone of the profile: no solution was found"):
         solve(np.eye(2), np.zeros(2), np.array([1.0, -1.0]))
 
 

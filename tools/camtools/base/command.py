@@ -10,6 +10,7 @@ import os
 import signal
 import sys
 import threading
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -46,6 +47,14 @@ class Parser(argparse.ArgumentParser):
         self.exit(BAD_INPUT, f"{name}: {one_line(message)}; see {self.prog} --help\n")
 
 
+def no_warnings() -> None:
+    """Show no warning of Python from now on: users read results and errors, tests raise warnings.
+
+    A warning that a filter turns into an exception is raised as before.
+    """
+    warnings.showwarning = lambda *_args, **_more: None
+
+
 @contextmanager
 def _no_signal_is_lost() -> Iterator[None]:
     """Send a signal again that came in a finaliser, which swallows every exception."""
@@ -72,6 +81,7 @@ def run_command(name: str, action: Callable[[], int], *, kept: str = "nothing wa
     cannot be written; 128 + n on signal n, with a line about what it leaves (`kept`); 141 where
     nobody reads the output any more.
     """
+    no_warnings()
     name = shown_name(name)
     stopped: list[int] = []  # a library may turn the exception into one of its own
 

@@ -43,6 +43,7 @@ _COMMENTS = ("#", "//", "(*")
 _QUOTED_OR_NOTE = re.compile(r'(?<![^\s;,])(?:"(?:[^"]|"")*+"|//.*)')  # where a cell may begin
 _NOTHING = ' \t,;"'  # a line of nothing else is blank: a spreadsheet's empty row
 _MOST_SHOWN = 60
+_LARGEST = 1e30  # magnitude; far beyond every quantity, and its powers are numbers still
 
 
 def read_whole_table(path: Path, most_bytes: int) -> str:
@@ -185,7 +186,8 @@ class NumberTable:
     def values(self, columns: Sequence[Column]) -> Floats:
         """Return numbers in the units of the reader, shape (columns, rows).
 
-        Raises InputError with the line: too many or too few cells, or a number is not finite.
+        Raises InputError with the line: too many or too few cells, or a number that is not finite
+        or beyond 1e30.
         """
         places = [column.place for column in columns]
         rows: list[list[float]] = []
@@ -195,14 +197,13 @@ class NumberTable:
                 rows.append([float(cells[place]) for place in places])
             except ValueError:
                 rows.append([_number_or_nan(cells[place]) for place in places])
-        with np.errstate(over="ignore"):
-            units = np.array([column.per_unit for column in columns])
-            found: Floats = np.array(rows, dtype=np.float64).reshape(-1, len(places)) * units
-        wrong = np.argwhere(~np.isfinite(found))
+        units = np.array([column.per_unit for column in columns])
+        given = np.array(rows, dtype=np.float64).reshape(-1, len(places))
+        wrong = np.argwhere(~(np.abs(given) <= _LARGEST))
         if wrong.size:
             row, column = (int(k) for k in wrong[0])
-            raise self._no_number(row, columns[column])
-        return found.T
+            raise self._no_number(row, columns[column], given[row, column])
+        return np.asarray((given * units).T, dtype=np.float64)
 
     def _checked(self, row: int, line: str) -> list[str]:
         """Return as many cells of a line as there are columns, or refuse it."""
@@ -219,10 +220,11 @@ class NumberTable:
         has = "1 cell" if len(cells) == 1 else f"{len(cells)} cells"
         raise self.refusal(row, f"has {has}, {expected}", remedy)
 
-    def _no_number(self, row: int, column: Column) -> InputError:
+    def _no_number(self, row: int, column: Column, value: float) -> InputError:
         name = f" ({self.names[column.place]})" if self.names else ""
         sign = "a point" if self._separator == "," else "a point or a comma"
-        problem = f"cell {column.place + 1}{name} is no finite number"
+        is_what = f"is beyond {_LARGEST:g}" if np.isfinite(value) else "is no finite number"
+        problem = f"cell {column.place + 1}{name} {is_what}"
         return self.refusal(row, problem, f"write a number there, decimals with {sign}")
 
     def refusal(self, row: int, problem: str, remedy: str) -> InputError:

@@ -15,11 +15,12 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.quantities import Floats, SectionValues
+from camtools.base.solvers import inverted, neighbours
 
 QUARTER_RAD, TURN_RAD = np.pi / 2, 2 * np.pi
 _CELLS = 720  # of the quadrature; eight places each
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
-_NEWTON_STEPS = 6
+_AREA_ERROR = 1e-14  # of the whole area
 _DENSE = 20_001
 
 
@@ -76,11 +77,9 @@ class SectionCut:
     def angle_rad(self, area_mm2: Floats) -> Floats:
         """Return the angles up to which areas 0 .. S are cut, MATHS.md (22)."""
         borders, sums = self._cells
-        phi = np.interp(area_mm2, sums, borders)
-        for _ in range(_NEWTON_STEPS):
-            step = (self.area_mm2(phi) - area_mm2) / self.area_rate_mm2(phi)
-            phi = np.clip(phi - step, 0.0, self.pattern_rad)
-        return np.asarray(phi, dtype=np.float64)
+        bounds = neighbours(borders, sums, area_mm2)
+        within = _AREA_ERROR * self.total_mm2
+        return inverted(self.area_mm2, area_mm2, bounds, within, "removal of metal")
 
     def speed_ratio(self, phi_rad: Floats) -> Floats:
         """Return spindle speed over mean speed at constant removal rate, MATHS.md (24)."""

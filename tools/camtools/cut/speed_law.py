@@ -22,6 +22,7 @@ from scipy.optimize import linprog
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats, FloatsLike
+from camtools.base.solvers import unsolved
 
 N_GRID = 512  # places of a pattern at which limits are watched
 MIN_RATIO, MAX_RATIO = 0.25, 4.0  # slower is no use to a piston; what a table holds
@@ -312,6 +313,8 @@ def optimise(load: Load, limits: SpeedLimits, mean_rad_s: float) -> Law:
         square = np.maximum(found, MIN_RATIO**2)
         if np.mean(square**-0.5) <= 1 + _MEAN_ERROR:
             break
+    else:
+        raise unsolved("process.speed: law of least ripple")
     law = _law(load, np.sqrt(square), float("nan"))
     is_better = law.ripple < fallback.ripple and max(excess(law, limits, mean_rad_s).values()) <= 1
     return law if is_better else fallback

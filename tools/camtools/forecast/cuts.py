@@ -31,6 +31,7 @@ from typing import TYPE_CHECKING, NamedTuple, get_type_hints
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from camtools.base.command import no_warnings
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.files import write_all
 from camtools.base.parquet import parquet_bytes
@@ -130,6 +131,7 @@ def cut_one(task: Task, machine: str) -> CutOutcome:
 
 def cut_batch(task: Task, machines: Sequence[str]) -> list[CutOutcome]:
     """Cut on some machines, one after the other; raise where the simulator is another build."""
+    no_warnings()
     here = build_of(library_path("camsim"))
     if here != task.build:
         problem = f"a worker has another simulator ({here}, not {task.build})"

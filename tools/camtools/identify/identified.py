@@ -16,6 +16,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from camtools.base.quantities import Floats
+from camtools.base.solvers import unsolved
 from camtools.identify.fit import (
     FRICTION,
     K1,
@@ -96,7 +97,7 @@ def friction_of(values: Floats, u_nm: Floats, tick_s: float) -> Floats:
     return shares
 
 
-_ROUNDS = 5  # friction played with the constants found so far
+_MOST_ROUNDS = 20  # friction played with the constants found so far
 _MODE_ROUNDS = 3
 _RATHER_A_MODE = 2.0  # a gain that is off explains less than that
 _SETTLED_SIGMAS = 0.1
@@ -188,7 +189,7 @@ def _fit_plain(record: SettledRecord) -> tuple[Spectra, DriveFit]:
     """Return the lines and their fit with friction as played, where that explains more."""
     spectra = spectra_of(record.grid, *record.settled, record.quantum_nm)
     found = fit(spectra)
-    for _ in range(_ROUNDS):
+    for _ in range(_MOST_ROUNDS):
         if not (found.is_physical and is_rubbing(found)):
             break
         played = _rubbing(spectra, record, found.values)
@@ -199,11 +200,13 @@ def _fit_plain(record: SettledRecord) -> tuple[Spectra, DriveFit]:
         spectra, found = played, better
         if np.all(moved < _SETTLED_SIGMAS * better.sigmas):
             break
+    else:
+        raise unsolved("record: friction")
     return spectra, found
 
 
 def _fit_mode(spectra: Spectra, record: SettledRecord, plain: DriveFit) -> ModeFit | None:
-    """Return the fit with a mode, its own friction played."""
+    """Return the fit with a mode, its own friction played; each round leaves less than before."""
     found = fit_mode(spectra, plain)
     if found is None or not is_rubbing(plain) or found.plain_cost < _MODE_GAIN * found.cost:
         return found

@@ -19,6 +19,7 @@ from scipy.interpolate import make_interp_spline
 
 from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import NM_PER_MM, Floats
+from camtools.lobe.lift import Listed
 from camtools.lobe.motion import ShaftLobe, profiles_of
 from camtools.table.channel import (
     ANGLE_TURN,
@@ -285,7 +286,9 @@ def choose_angle(lobes: list[ShaftLobe], *, is_swung: bool) -> MadeChannel:
     error_deg = made.error * DEG_PER_UNIT
     if error_deg > (ANGLE_TOLERANCE_DEG if is_swung else _REPORTED_DEG):
         problem = f"the angle of the contact changes too fast, {error_deg:.2g} degrees are left"
-        raise CamtoolsError([f"cam.lobe: {problem}; give a lift with less jerk"])
+        is_listed = any(isinstance(lobe.law, Listed) for lobe in lobes)
+        remedy = "give a lift with less jerk" + (", of a list by smooth_um" if is_listed else "")
+        raise CamtoolsError([f"cam.lobe: {problem}; {remedy}"])
     return MadeChannel(made.channel, error_deg)
 
 

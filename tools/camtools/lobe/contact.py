@@ -23,9 +23,9 @@ import numpy as np
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
+from camtools.base.solvers import inverted
 from camtools.lobe.lift import LiftLaw
 
-_NEWTON_STEPS = 60
 _ANGLE_ERROR_RAD = 1e-13
 
 
@@ -127,19 +127,17 @@ def solved_at(
     """Return contacts and path of a follower at given lobe angles.
 
     `touch_at` gives them at directions of the lobe's own follower [rad]; dphi/dtheta must be above
-    0 all round. phi(theta) is inverted by Newton's method inside a bracket, to 1e-13 rad.
+    0 all round. phi(theta) is inverted to 1e-13 rad; raises CamtoolsError where it is not.
     """
-    low, high = phi_rad - np.pi / 2, phi_rad + np.pi / 2
-    theta = phi_rad.copy()
-    for _ in range(_NEWTON_STEPS):
-        touch, path = touch_at(theta)
-        off = path.phi - phi_rad
-        if float(np.abs(off).max()) <= _ANGLE_ERROR_RAD:
-            break
-        low, high = np.where(off < 0, theta, low), np.where(off > 0, theta, high)
-        guess = theta - off / path.phi1
-        theta = np.where((guess > low) & (guess < high), guess, (low + high) / 2)
-    return touch, path
+    half = np.pi / 2
+    theta = inverted(
+        lambda theta_rad: touch_at(theta_rad)[1].phi,
+        phi_rad,
+        (phi_rad - half, phi_rad + half),
+        _ANGLE_ERROR_RAD,
+        "cam.lobe: contact of the follower",
+    )
+    return touch_at(theta)
 
 
 def flat_contact(law: LiftLaw, base_mm: float, roller_mm: float, alpha_rad: Floats) -> Contact:

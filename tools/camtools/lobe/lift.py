@@ -30,11 +30,12 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.polynomial import Polynomial
-from scipy.interpolate import BSpline, PPoly, make_interp_spline
+from scipy.interpolate import BSpline, PPoly
 
 from camtools.base.errors import GeometryError, InputError
 from camtools.base.number_table import read_whole_table
 from camtools.base.quantities import UM_PER_MM, Floats, rounded_up
+from camtools.lobe.list_curve import periodic_spline, spline_through
 from camtools.lobe.part import (
     CRANK_HINT,
     MAX_LIFT_MM,
@@ -44,7 +45,7 @@ from camtools.lobe.part import (
     is_turn,
 )
 from camtools.part.model import SAME_MM
-from camtools.part.smoothing import bands_um, first_enough, smoothed
+from camtools.part.smoothing import LEAST_UM, bands_um, first_enough, smoothed
 from camtools.table.points import (
     MAX_BYTES,
     MM_PER_INCH,
@@ -183,18 +184,6 @@ class Smoothing(NamedTuple):
         return float(np.abs(self.off_um).max())
 
 
-def periodic_spline(angle_deg: Floats, lift_mm: Floats) -> BSpline:
-    """Return the periodic quintic spline through points whose angles span a turn at most.
-
-    Where they span it, both ends have the same lift.
-    """
-    n = lift_mm.size - is_turn(angle_deg[-1] - angle_deg[0])
-    # the end is made from the beginning: written out, both differ in the last digits
-    angle_deg = np.append(angle_deg[:n], angle_deg[0] + 360)
-    lift_mm = np.append(lift_mm[:n], lift_mm[0])
-    return make_interp_spline(np.radians(angle_deg), lift_mm, k=5, bc_type="periodic")
-
-
 def smooth_list(angle_deg: Floats, lift_mm: Floats, band_um: float) -> Smoothing:
     """Return a list with the least third derivative within a band to either side of its lifts.
 
@@ -219,16 +208,27 @@ def bands_of(points: PointedTurn) -> list[float]:
     return [] if points.v.size else bands_um(points.x_deg, points.y_mm, 360.0)
 
 
-def band_for(points: PointedTurn) -> Smoothing | None:
-    """Return the smoothing that a list without one needs; None where it needs none."""
+def band_for(points: PointedTurn, *, of_jerk: bool = False) -> Smoothing | None:
+    """Return the smoothing that a list without one needs; None where it needs none.
+
+    What it needs lowers the peak of the acceleration, or that of the jerk: a list of many points
+    has noise in that which no rounding of its lifts shows.
+    """
+    bands = bands_of(points)
+    if of_jerk and not points.v.size:
+        bands = bands or [LEAST_UM]
+
+    def peak(curve: BSpline) -> float:
+        peaks = peaks_of(curve)
+        return peaks.jerk if of_jerk else peaks.acceleration
 
     def peaks(smoothing: Smoothing) -> tuple[float, float]:
-        return peaks_of(smoothing.before).acceleration, peaks_of(smoothing.after).acceleration
+        return peak(smoothing.before), peak(smoothing.after)
 
     def smooth(band_um: float) -> Smoothing:
         return smooth_list(points.x_deg, points.y_mm, band_um)
 
-    return first_enough(bands_of(points), smooth, peaks)
+    return first_enough(bands, smooth, peaks)
 
 
 class Rise(NamedTuple):
@@ -422,18 +422,23 @@ class Disc:
 class Listed:
     """Points joined by a periodic curve of quintics: lift [mm] over the angle [rad].
 
-    It is a spline of four continuous derivatives, or pieces through velocities and accelerations.
+    It is a spline, of four continuous derivatives where the acceleration of the points does not
+    step, or pieces through velocities and accelerations.
     """
 
     spline: BSpline | PPoly
     smoothing: Smoothing | None = None  # what the part file had done to the points
     needed: Smoothing | None = None  # what would rid them of much noise about which it did nothing
     below_um: float = 0.0  # how far points were below the base circle, taken as on it
+    points: PointedTurn | None = None  # without a repeated end
 
     def evaluate(self, theta_rad: Floats) -> Lift:
         """See `LiftLaw.evaluate`."""
-        values = (np.asarray(self.spline(theta_rad, nu=n), dtype=np.float64) for n in range(4))
-        return Lift(*values)
+        curve = self.spline
+        ends = curve.x[[0, -1]] if isinstance(curve, PPoly) else curve.t[[curve.k, -curve.k - 1]]
+        # a place that rounds to beyond the end of the turn would be nowhere on the curve
+        at = np.clip(ends[0] + np.mod(theta_rad - ends[0], ends[1] - ends[0]), *ends)
+        return Lift(*(np.asarray(curve(at, nu=n), dtype=np.float64) for n in range(4)))
 
 
 def pieces_of(points: PointedTurn) -> PPoly:
@@ -448,7 +453,9 @@ def curve_of(law: Listed) -> PPoly:
     if isinstance(law.spline, PPoly):
         return law.spline
     pieces, k = PPoly.from_spline(law.spline), law.spline.k
-    return PPoly(pieces.c[:, k:-k], pieces.x[k:-k])  # as many knots at each end lie outside
+    c, x = pieces.c[:, k:-k], pieces.x[k:-k]  # as many knots at each end lie outside
+    is_piece = np.diff(x) > 0  # a step of the acceleration is several knots
+    return PPoly(c[:, is_piece], x[np.append(is_piece, True)])
 
 
 def make_lift(cam: Camshaft, lobe: Lobe, field: str) -> LiftLaw:
@@ -516,8 +523,8 @@ def _listed(lobe: Lobe, field: str) -> LiftLaw:
 
 def _curve_through(points: PointedTurn, band_um: float | None, field: str) -> Listed:
     if band_um is None:
-        through = pieces_of(points) if points.v.size else periodic_spline(points.x_deg, points.y_mm)
-        return Listed(through, needed=band_for(points))
+        through = pieces_of(points) if points.v.size else spline_through(points.x_deg, points.y_mm)
+        return Listed(through, needed=band_for(points), points=points)
     if points.v.size:
         problem = "the file has velocities and accelerations, which smoothing would contradict"
         raise GeometryError(f"{field}.smooth_um", problem, "remove these columns, or smooth_um")

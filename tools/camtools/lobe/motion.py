@@ -27,10 +27,20 @@ from camtools.lobe.contact import (
     solved_at,
     touch_of,
 )
-from camtools.lobe.lift import LiftLaw, Listed, Smoothing, bands_of, make_lift, peaks_of, points_of
+from camtools.lobe.lift import (
+    LiftLaw,
+    Listed,
+    Smoothing,
+    band_for,
+    bands_of,
+    make_lift,
+    peaks_of,
+    points_of,
+)
 from camtools.lobe.part import Camshaft, Lobe, LobePart, LobeProcess
 from camtools.part.common import PartInfo
 from camtools.part.smoothing import (
+    LEAST_UM,
     PeakChange,
     band_words,
     check_share,
@@ -109,8 +119,11 @@ def smoothing_takes_um(laws: list[LiftLaw]) -> float:
 def noise_hint(laws: list[LiftLaw], form_error_um: float) -> str:
     """Return what noise of lists may have to do with a refusal; nothing without any."""
     for i, law in enumerate(laws):
-        if isinstance(law, Listed) and law.needed is not None:
-            words = band_words(law.needed.band_um, law.needed.largest_um, form_error_um)
+        if not isinstance(law, Listed) or law.points is None:
+            continue
+        needed = law.needed or band_for(law.points, of_jerk=True)
+        if needed is not None:
+            words = band_words(needed.band_um, needed.largest_um, form_error_um)
             return f"; the list is noisy: cam.lobe.{i}.{words} smooths it"
     return ""
 
@@ -214,7 +227,8 @@ def _with_band(error: GeometryError, part: LobePart, lobe: Lobe, field: str) -> 
     if lobe.law != "list":
         return error
     form_error_um = part.process.form_error_um
-    wider = (band for band in bands_of(points_of(lobe, field)) if band > (lobe.smooth_um or 0))
+    bands = bands_of(points_of(lobe, field)) or [LEAST_UM]
+    wider = (band for band in bands if band > (lobe.smooth_um or 0))
     for band_um in wider:
         allowed_um = form_error_for(band_um, form_error_um)
         process = part.process.model_copy(update={"form_error_um": allowed_um})

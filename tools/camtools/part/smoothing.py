@@ -21,6 +21,7 @@ from scipy.sparse.linalg import spsolve
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import UM_PER_MM, Floats, plain_number, rounded_up
+from camtools.base.solvers import unsolved
 from camtools.base.text import Json
 
 LEAST_UM, MOST_UM = 0.001, 50.0
@@ -29,9 +30,9 @@ SmoothUm = Annotated[float, Field(ge=LEAST_UM, le=MOST_UM)]
 T = TypeVar("T")
 
 ORDER = 3  # of the derivative that is least
-_MOST_STEPS = 60
+_MOST_STEPS = 200
 _CENTRING, _STAY_INSIDE = 0.1, 0.95  # of a step of the interior-point method
-_GAP = 1e-9  # of the largest gradient: bounds and multipliers agree
+_GAP = 1e-9  # of the largest gradient, or of itself where that vanishes within the bounds
 _NOISE_ORDER = 6  # differences in which nothing of a smooth curve is left
 _NORMAL_MEDIAN = 0.6745  # of |noise| over its standard deviation
 _LEAST_ROWS = 12
@@ -87,8 +88,8 @@ def _least_in_box(matrix: csr_array, start: Floats) -> Floats:
     lower, upper = np.ones(r.size), np.ones(r.size)  # multipliers of both bounds
     for _ in range(_MOST_STEPS):
         gradient, gap = hessian @ r + slope, (lower @ (1 + r) + upper @ (1 - r)) / (2 * r.size)
-        if gap <= _GAP * float(np.abs(gradient).max()):
-            break
+        if gap <= _GAP * max(_GAP, float(np.abs(gradient).max())):
+            return np.asarray(r, dtype=np.float64)
         low, high = _CENTRING * gap / (1 + r), _CENTRING * gap / (1 - r)
         stiff = lower / (1 + r), upper / (1 - r)
         step = spsolve(hessian + diags_array(sum(stiff), format="csc"), low - high - gradient)
@@ -96,7 +97,7 @@ def _least_in_box(matrix: csr_array, start: Floats) -> Floats:
         share = _share_inside(np.append(1 + r, 1 - r), np.append(step, -step))
         others = _share_inside(np.append(lower, upper), np.append(d_lower, d_upper))
         r, lower, upper = r + share * step, lower + others * d_lower, upper + others * d_upper
-    return np.asarray(r, dtype=np.float64)
+    raise unsolved("smooth_um")
 
 
 def _share_inside(room: Floats, step: Floats) -> float:

@@ -26,6 +26,7 @@ from scipy.interpolate import PPoly
 from camtools.base.cache import recall
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM, UM_PER_MM, Floats, omega_rad_s
+from camtools.base.solvers import unsolved
 from camtools.cut.feasibility import HighestSpeed, Peaks, drift_of, peaks_of
 from camtools.cut.passes import checked_passes, judge_passes, records_of
 from camtools.polygon.outline import (
@@ -203,8 +204,8 @@ def blend_of(joint: OutlineJoint, deviation_mm: float) -> Blend:
         found = blend(at).deviation_mm()
         low, high = (at, high) if found <= deviation_mm else (low, at)
         if deviation_mm * (1 - _SAME) < found <= deviation_mm:
-            break
-    return blend(low)
+            return blend(low)
+    raise unsolved("polygon.blend_um")
 
 
 def blended(outline: Outline, deviation_um: float) -> Blended:

@@ -20,15 +20,17 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 from scipy.optimize import brentq
+from scipy.optimize.elementwise import find_minimum
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats, Ints
+from camtools.base.solvers import converged, inverted, neighbours
 from camtools.skirt.geometry.poly_surface import N_ANGLE, N_HEIGHT, TURN_RAD, PolySurface
 from camtools.table.channel import MAX_LOG2_REPEAT, segment_coefficients
 
 HALF_TURN_RAD = np.pi
 _REACH = 0.999  # share of the angle at which a curve turns its back to the axis
-_GRID, _NEWTON_STEPS = 2049, 6
+_GRID = 2049
 
 
 class Polar(NamedTuple):
@@ -157,18 +159,21 @@ class Flank:
         p, p1, _, _ = self.support(alpha)
         return np.asarray(alpha + np.arctan2(p1, p), dtype=np.float64)
 
+    @cached_property
+    def _sampled(self) -> tuple[Floats, Floats]:
+        """Return rising directions of the normal, and the angles of the contour there."""
+        alpha = np.linspace(-self._last_alpha, self._last_alpha, _GRID)
+        return alpha, self._angle(alpha)
+
     def normal_at(self, beta: Floats) -> Floats:
-        """Return the normal's direction at angles counted from the middle of a side, by Newton.
+        """Return the normal's direction at angles within reach, from the middle of a side on.
 
         The error left is rounding: the radius is exact to 1e-13 of itself.
         """
-        grid = np.linspace(-self._last_alpha, self._last_alpha, _GRID)
-        alpha = np.interp(beta, self._angle(grid), grid)
-        for _ in range(_NEWTON_STEPS):
-            p, p1, p2, _ = self.support(alpha)
-            slope = p * (p + p2) / (p**2 + p1**2)
-            alpha = alpha - (self._angle(alpha) - beta) / slope
-        return np.asarray(alpha, dtype=np.float64)
+        alpha, angle = self._sampled
+        beta = np.clip(beta, angle[0], angle[-1])
+        bounds = neighbours(alpha, angle, beta)
+        return inverted(self._angle, beta, bounds, 0.0, "polygon: flank")
 
     def polar(self, phi_rad: Floats) -> Polar:
         """See `Curve.polar`."""
@@ -245,16 +250,14 @@ class Outline:
 
 
 def extremes_of(outline: Outline) -> tuple[float, float]:
-    """Return the least and the largest radius [mm]; between samples Newton finds the place."""
+    """Return the least and the largest radius [mm], sought next to those of samples."""
     phi = all_around(outline)
     r = outline.polar(phi).r
-    places = phi[[int(r.argmin()), int(r.argmax())]]
-    for _ in range(3):
-        at = outline.polar(places)
-        step = np.where(np.abs(at.d2) > 0, at.d1 / np.where(at.d2 == 0, 1.0, at.d2), 0.0)
-        places = places - np.where(np.abs(step) < TURN_RAD / _MEASURED, step, 0.0)
-    there = outline.polar(places).r
-    return min(float(r.min()), float(there[0])), max(float(r.max()), float(there[1]))
+    i, sign = np.array([r.argmin(), r.argmax()]), np.array([1.0, -1.0])
+    near = np.unwrap(phi[[i - 1, i, (i + 1) % phi.size]], axis=0)
+    found = find_minimum(lambda at, sign: sign * outline.polar(at).r, tuple(near), args=(sign,))
+    least, largest = sign * converged(found, "polygon: extreme radius").f_x
+    return float(least), float(largest)
 
 
 class Measures(NamedTuple):

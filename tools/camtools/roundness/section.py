@@ -20,8 +20,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import linprog
 
-from camtools.base.errors import CamtoolsError
-from camtools.base.quantities import Floats, Ints
+from camtools.base.quantities import Bools, Floats, Ints
+from camtools.base.solvers import unsolved
 
 _BLOCKS = 48
 _ROUNDING = 1e-13
@@ -33,11 +33,14 @@ _OPTIONS = {
     "dual_feasibility_tolerance": _TOLERANCE,
 }
 _MOST_ROUNDS = 30
-_STILL_MM = 1e-12
+_STILL_MM = 1e-9  # of its square over the radius nothing is left
+_CHANGE_COST = 1e-6
 
 
-def solve(rows: Floats, least: Floats, cost: Floats) -> Floats:
+def solve(rows: Floats, least: Floats, cost: Floats, is_positive: Bools | None = None) -> Floats:
     """Return the y that minimises cost y with rows y >= least, kept to 1e-13 of the largest bound.
+
+    No part of y is negative for which `is_positive` is true.
 
     Few of some thousand rows decide, and HiGHS takes long for all: it is given the row with the
     largest bound of each block, and then the most violated ones, too, until there are none.
@@ -49,13 +52,15 @@ def solve(rows: Floats, least: Floats, cost: Floats) -> Floats:
     def worst(short: Floats) -> Ints:
         return np.array([block[int(short[block].argmax())] for block in blocks])
 
-    used = worst(bounds)
+    used, lowest = worst(bounds), np.full(cost.size, -np.inf)
+    if is_positive is not None:
+        lowest[is_positive] = 0.0
+    ranges = np.column_stack([lowest, np.full(cost.size, np.inf)])
     while True:
-        limits = {"A_ub": -rows[used], "b_ub": -bounds[used], "bounds": (None, None)}
+        limits = {"A_ub": -rows[used], "b_ub": -bounds[used], "bounds": ranges}
         y = linprog(cost, **limits, options=_OPTIONS).x
         if y is None:
-            problem = "a zone of the profile cannot be found"
-            raise CamtoolsError([f"{problem}; report it with the file of the sections"])
+            raise unsolved("zone of the profile")
         short = bounds - rows @ y
         broken = worst(short)
         broken = np.setdiff1d(broken[short[broken] > _ROUNDING], used)
@@ -130,8 +135,8 @@ def _refined(profile: RoundProfile, step: Callable[[Floats, Floats], Floats]) ->
         change_mm, dx_mm, dy_mm = (float(mm) for mm in step(basis, radius_mm - mean_mm)[:3])
         x_mm, y_mm = x_mm + dx_mm, y_mm + dy_mm
         if np.hypot(dx_mm, dy_mm) < _STILL_MM:
-            break
-    return Circle(x_mm, y_mm, mean_mm + change_mm)
+            return Circle(x_mm, y_mm, mean_mm + change_mm)
+    raise unsolved("circle of a section")
 
 
 def least_squares(profile: RoundProfile) -> Circle:
@@ -143,11 +148,26 @@ def least_squares(profile: RoundProfile) -> Circle:
     return _refined(profile, step)
 
 
+def _shortest(rows: Floats, least: Floats, cost: Floats) -> Floats:
+    """Return `solve`, of equal solutions that with the least changes of what has no cost.
+
+    Only two points of an oval touch the circle around it: across them its centre is free. Such a
+    change is the difference of two numbers, none negative and each of a small cost.
+    """
+    n, is_free = cost.size, cost == 0
+    both = np.column_stack([rows, -rows[:, is_free]])
+    is_positive = np.pad(is_free, (0, both.shape[1] - n), constant_values=True)
+    costs = np.where(is_positive, _CHANGE_COST, np.resize(cost, is_positive.size))
+    y = solve(both, least, costs, is_positive)
+    y[:n][is_free] -= y[n:]
+    return y[:n]
+
+
 def _strip(basis: Floats, off_mm: Floats) -> Floats:
     """Return the combination of a basis nearest to all values, and last its largest distance."""
     above, below = (np.column_stack([sign * basis, np.ones(off_mm.size)]) for sign in (1, -1))
     cost = np.append(np.zeros(basis.shape[1]), 1.0)
-    return solve(np.concatenate([above, below]), np.concatenate([off_mm, -off_mm]), cost)
+    return _shortest(np.concatenate([above, below]), np.concatenate([off_mm, -off_mm]), cost)
 
 
 def minimum_zone(profile: RoundProfile) -> Zone:
@@ -161,7 +181,7 @@ def minimum_zone(profile: RoundProfile) -> Zone:
 def _one_sided(profile: RoundProfile, side: float) -> Circle:
     """Return the least circle outside (side 1) or the largest inside (-1) of a profile."""
     circle = _refined(
-        profile, lambda basis, mm: solve(side * basis, side * mm, np.array([side, 0.0, 0.0]))
+        profile, lambda basis, mm: _shortest(side * basis, side * mm, np.array([side, 0.0, 0.0]))
     )
     far_mm = about(profile, circle.x_mm, circle.y_mm).radius_mm
     return circle._replace(radius_mm=float(far_mm.max() if side > 0 else far_mm.min()))

@@ -23,6 +23,7 @@ from scipy.optimize import least_squares
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
+from camtools.base.solvers import converged
 from camtools.identify.fit import stacked
 from camtools.identify.foreign_record import FORCES, LENGTHS, POSITIONS, Table, parse_table
 from camtools.identify.recording import LINE_HZ, Grid, Spectra, spectra_of
@@ -128,6 +129,8 @@ def _solve(residual: _Residual, begin: Floats, most: int | None = None) -> tuple
     begin = np.clip(begin, _LOW[: begin.size] + 1e-9, _HIGH[: begin.size])
     bounds = (_LOW[: begin.size], _HIGH[: begin.size])
     found = least_squares(residual, begin, bounds=bounds, x_scale="jac", max_nfev=most)
+    if most is None:
+        found = converged(found, "record: constants")
     return np.asarray(found.x), float(2.0 * found.cost)
 
 

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from camtools.base.cache import Memory, recall, remembering
+from camtools.base.command import no_warnings
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import MM_PER_M, UM_PER_MM, Floats, omega_rad_s
 from camtools.cut.verdict import margins_of, refused_of
@@ -283,6 +284,7 @@ def _drop(_number: int, _frame: FrameType | None) -> None:
 
 def main(memory_mb: int) -> None:
     """Answer requests until standard input ends."""
+    no_warnings()
     signal.signal(signal.SIGUSR1, _drop)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # control-C ends the panel, which ends this
     kinds()

@@ -22,6 +22,7 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from camtools.base.quantities import Floats, FloatsLike, Ints, SectionValues
+from camtools.base.solvers import unsolved
 from camtools.skirt.geometry.sections import SkirtSurface, fold
 
 N_ANGLE, N_HEIGHT = 6, 8  # coefficients of a piece
@@ -200,7 +201,9 @@ def over_height(pieces: Pieces, breaks_mm: Floats) -> tuple[Floats, Floats]:
         low, high, n_halved = todo.pop()
         nodes = np.stack([pieces(low + (high - low) * w) for w in _NODES], axis=-1)
         c = nodes @ _TO_POWERS.T
-        if n_halved < _MAX_HALVINGS and _misfit_mm(pieces, c, low, high) > _FIT_MM:
+        if _misfit_mm(pieces, c, low, high) > _FIT_MM:
+            if n_halved == _MAX_HALVINGS:
+                raise unsolved(f"sections at {low:.6g} mm of height")
             middle = (low + high) / 2
             todo += [(middle, high, n_halved + 1), (low, middle, n_halved + 1)]
             continue

@@ -39,6 +39,7 @@ from scipy.interpolate import (
 )
 
 from camtools.base.quantities import Floats
+from camtools.base.solvers import unsolved
 from camtools.part.model import MIN_STEP_MM, HeightMm, TomlTable, rising, wrong
 
 Interpolation = Literal["linear", "pchip", "akima", "spline"]
@@ -212,7 +213,7 @@ class PeakOvality(_Law):
 
 MAX_KINK_DEG = 0.01  # between segments that the drawing calls tangent
 ARC_ERROR_MM = 5e-11  # largest distance of the cubics from an arc: half of 1e-4 nm
-_MAX_HALVINGS = 12
+_MAX_HALVINGS = 40
 
 
 class SegmentError(Exception):
@@ -378,8 +379,9 @@ def breaks_of(piece: Piece) -> list[float]:
     todo, found = [(piece.from_mm, piece.to_mm, 0)], []
     while todo:
         low, high, n_halved = todo.pop()
-        is_arc = not isinf(piece.radius_mm) and n_halved < _MAX_HALVINGS
-        if is_arc and _cubic_error_mm(piece, low, high) > ARC_ERROR_MM:
+        if not isinf(piece.radius_mm) and _cubic_error_mm(piece, low, high) > ARC_ERROR_MM:
+            if n_halved == _MAX_HALVINGS:
+                raise unsolved(f"arc of radius_mm = {piece.radius_mm:g}")
             middle = (low + high) / 2
             todo += [(middle, high, n_halved + 1), (low, middle, n_halved + 1)]
         else:

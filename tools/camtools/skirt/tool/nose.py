@@ -36,6 +36,7 @@ import numpy as np
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Bools, Floats, FloatsLike, Ints, SectionValues
+from camtools.base.solvers import unsolved
 from camtools.part.common import MIN_NOSE_MM, Tool
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
 
@@ -113,8 +114,8 @@ def find_contact(
         z[todo], is_free[todo], is_found = search.step(phi[todo], z[todo], todo)
         todo = todo[~is_found]
         if todo.size == 0:
-            break
-    return NoseContact(z, z - centre_mm, is_free)
+            return NoseContact(z, z - centre_mm, is_free)
+    raise unsolved("tool.nose_mm: contact")
 
 
 class _Search:

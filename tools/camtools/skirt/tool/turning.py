@@ -22,6 +22,7 @@ import numpy as np
 
 from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import NM_PER_MM, Floats, FloatsLike, omega_rad_s
+from camtools.base.solvers import inverted, neighbours
 from camtools.cut.feasibility import HighestSpeed
 from camtools.cut.path import ToolPath, ramp_of, step_of
 from camtools.cut.verdict import check_table
@@ -133,7 +134,7 @@ def judged(
 
 
 TOLERANCE_NM = 50.0  # of Z: its drive is a thousand times coarser
-_NEWTON = 6
+_TURNS_ERROR = 1e-12  # of all turns
 _DENSE = 4001
 _GROWTH = 1.15
 
@@ -153,14 +154,15 @@ def height_at_mm(
     first, last = ends_mm
     dense, turns = turned or _turned(law, ends_mm)
     mean = (last - first) / turns[-1]
-    wanted = (np.asarray(helix_mm) - first) / mean
-    z = np.interp(wanted, turns, dense)
-    for _ in range(_NEWTON):
-        order = np.argsort(z)
-        off = np.empty_like(z)
-        off[order] = law.turns(first, z[order])
-        z = np.clip(z + (wanted - off) * law.at_mm(z), first, last)
-    return np.asarray(np.where(helix_mm <= first, first, np.where(helix_mm >= last, last, z)))
+    wanted = (np.clip(helix_mm, first, last) - first) / mean
+
+    def turns_to(z_mm: Floats) -> Floats:
+        rising, place = np.unique(z_mm, return_inverse=True)
+        return law.turns(first, rising)[place]
+
+    within, bounds = _TURNS_ERROR * turns[-1], neighbours(dense, turns, wanted)
+    z_mm = inverted(turns_to, wanted, bounds, within, "process.feed_law")
+    return np.asarray(np.where(helix_mm <= first, first, np.where(helix_mm >= last, last, z_mm)))
 
 
 def way_channel(law: FeedLaw, range_nm: tuple[int, int]) -> Channel:
