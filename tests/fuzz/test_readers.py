@@ -73,6 +73,13 @@ RECORD = f"time_ms;force_n;position_um\n{MOVED}".encode()
 TRACE = "".join(f"{angle},0,{angle % 7}\n" for angle in range(0, 360, 5))
 GAUGED = f"angle_deg,height_mm,deviation_um\n{TRACE}".encode()
 TURN = b"X_deg;Y_mm\n" + b"".join(b"%d;%d,5\n" % (45 * i, i % 8) for i in range(9))
+ROWS = TURN.partition(b"\n")[2].replace(b",", b".")
+MAKERS = (
+    b"9\n" + ROWS,
+    b"CYCLIC;YES;\nTABLE_BEGIN;;\n" + ROWS.replace(b"\n", b";SPLINE\n") + b"TABLE_END;;\n",
+    b"Tabletype = 7 # ID\nLines = 9\nBegintable\n" + ROWS.replace(b";", b" ") + b"EndTable\n",
+    b"Header=a\nYFactor=8\nXFactor=360\nXOffset=0\nCamPoints\n" + b"0.5\n" * 9,
+)
 PARAMETERS = "".join(f"{name} = {info.low}\n" for name, info in INFOS.items()).encode()
 
 LEARNED = learned_text([1] * N_VALUES, "x").encode()
@@ -87,7 +94,7 @@ READERS: dict[str, tuple[Reader, tuple[bytes, ...]]] = {
     "sections": (text_of(parse_sections), (*files("tools/parts/scan90.csv"), POINTS)),
     "record": (text_of(parse_record), (RECORD,)),
     "measured": (text_of(parse_measured), (GAUGED, HEIGHTS, POINTS)),
-    "points": (text_of(parse_points), (TURN, HEIGHTS, POINTS, b"0;1\n1;2\n")),
+    "points": (text_of(parse_points), (TURN, HEIGHTS, POINTS, b"0;1\n1;2\n", *MAKERS)),
 }
 WORDS = tuple(
     b'nan|-inf|1e308|1e-320|99999999999999999999|\x00|\xff\xfe|[[|]]|"""|=|true|\r|,|;|\xef\xbb\xbf|-0|'
