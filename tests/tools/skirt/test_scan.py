@@ -13,16 +13,14 @@ from hypothesis import strategies as st
 from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import Floats
 from camtools.skirt.geometry.scan import (
-    HEADER,
-    MAX_POINTS,
     Scan,
     filtered,
     joined,
     ovality_of,
     parse_scan,
-    read_scan_text,
     scan_surface,
 )
+from camtools.skirt.geometry.section_file import HEADER, MAX_POINTS, read_scan_text
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import generate

@@ -26,6 +26,7 @@ from camtools.table.maker_forms import Found, check_rows, found_in, placed
 MAX_POINTS = 100_000
 MAX_BYTES = 20_000_000
 MIN_STEP_DEG = 0.001
+LEAST_APART_MM = 0.01  # heights of two sections
 SAME_MM = 1e-6  # of the first and the last point of a closed turn
 ROUGH_SHARE, FINE_SHARE = 0.3, 0.05  # of the largest step: what V and A may contradict
 _SAME_DEG = 1e-6
@@ -203,6 +204,21 @@ def parse_points(text: str, file: str, reading: Reading = DEGREES_AND_MM) -> Poi
     return _sections(rows, table.lines, file, reading)
 
 
+def check_apart(z_mm: Floats, file: str) -> None:
+    """Refuse heights that are so near to each other that they are meant to be the same."""
+    heights = np.unique(z_mm)
+    steps = np.diff(heights, append=np.inf)
+    if steps.min(initial=np.inf) >= LEAST_APART_MM:
+        return
+    first = int((steps < LEAST_APART_MM).argmax())
+    last = first + int((steps[first:] >= LEAST_APART_MM).argmax())
+    names = [f"{height:.7g}" for height in heights[first : last + 1]]
+    shown = names if len(names) < 4 else [*names[:2], "..", names[-1]]
+    problem = f"the heights {', '.join(shown)} mm are less than {LEAST_APART_MM:g} mm apart"
+    remedy = "give all points of a section the same z_mm, the one that was set"
+    raise InputError(file, "z_mm", None, problem, remedy)
+
+
 def _sections(rows: dict[str, Floats], numbers: Ints, file: str, reading: Reading) -> PointFile:
     has_motion = "v" in rows
     zero = np.zeros(numbers.size)
@@ -211,6 +227,7 @@ def _sections(rows: dict[str, Floats], numbers: Ints, file: str, reading: Readin
         turn = _turn(columns, numbers, file, reading, has_motion=has_motion)
         return PointFile(None, (turn,), has_motion)
     z, turns = rows["z"], []
+    check_apart(z, file)
     edges = np.flatnonzero(np.diff(z)) + 1
     starts = np.concatenate([[0], edges]).astype(np.int64)
     heights = z[starts]

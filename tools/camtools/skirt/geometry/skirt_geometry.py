@@ -34,7 +34,6 @@ from camtools.skirt.geometry.profile import (
 )
 from camtools.skirt.geometry.scan import (
     Scan,
-    Sections,
     check_heights,
     check_scan,
     gaps_of,
@@ -45,6 +44,7 @@ from camtools.skirt.geometry.scan import (
     scan_surface,
     waves_of,
 )
+from camtools.skirt.geometry.section_file import Sections
 from camtools.skirt.geometry.sections import ALL_AROUND_RAD, Law, SkirtSurface, law_of
 from camtools.skirt.geometry.sides import TurnedSurface, is_plain, sides_of, turn_of
 from camtools.skirt.part.curves import through
