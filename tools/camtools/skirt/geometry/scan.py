@@ -26,6 +26,7 @@ from scipy.interpolate import (
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import UM_PER_MM, Floats, rounded_up
 from camtools.base.text import Json
+from camtools.skirt.geometry.outliers import REMEDY_OF_OUTLIERS, outliers
 from camtools.skirt.geometry.poly_surface import N_ANGLE, N_HEIGHT, Knots, PolySurface
 from camtools.skirt.geometry.profile import constant_spline
 from camtools.skirt.geometry.section_file import (
@@ -365,11 +366,12 @@ def all_gaps(sections: Sections) -> list[Gap]:
 
 
 def coverage(sections: Sections) -> Json:
-    """Return what was measured, and the gaps in the angle that the curves bridge."""
+    """Return what was measured, the gaps in the angle that the curves bridge, and outliers."""
     return {
         "heights_mm": sections.z_mm.tolist(),
         "points": sum(angle.size for angle in sections.angles_deg),
         "gaps": [gap._asdict() for gap in all_gaps(sections)],
+        "outliers": [outlier._asdict() for outlier in outliers(sections)],
     }
 
 
@@ -385,19 +387,25 @@ def gaps_of(z_mm: float, angle_deg: Floats, values_mm: Floats) -> Iterator[Gap]:
         yield Gap(UM_PER_MM * float(beyond), z_mm, float(angle_deg[i]), to_deg)
 
 
-def check_scan(scan: Scan, section: SectionShape) -> None:
-    """Refuse sections whose curves over the height leave the points of two heights too far."""
+def check_scan(scan: Scan, section: SectionShape, sections: Sections) -> None:
+    """Refuse sections whose curves over the height leave the points of two heights too far.
+
+    `sections` are the points as they were measured; one that is off its neighbours is named.
+    """
     values_um = scan.reduction_mm * UM_PER_MM
     kind = joined_by(scan, section.interpolation)
     worst, i = overshoot_between(scan.z_mm, values_um, kind)
-    if worst.beyond > section.overshoot_um:
-        problem = (
-            f"between the heights {worst.low_mm:g} and {worst.high_mm:g} mm the section at "
-            f"{scan.angle_deg[i]:g} degrees goes {worst.beyond:.4g} um beyond both, at height "
-            f"{worst.z_mm:.6g} mm"
-        )
-        remedy = (
-            'set interpolation = "pchip", measure more heights, or allow it: overshoot_um = '
-            f"{rounded_up(worst.beyond):g}"
-        )
-        raise GeometryError("piston.section.interpolation", problem, remedy)
+    if worst.beyond <= section.overshoot_um:
+        return
+    problem = (
+        f"between the heights {worst.low_mm:g} and {worst.high_mm:g} mm the section at "
+        f"{scan.angle_deg[i]:g} degrees goes {worst.beyond:.4g} um beyond both, at height "
+        f"{worst.z_mm:.6g} mm"
+    )
+    allowing = f"allow it: overshoot_um = {rounded_up(worst.beyond):g}"
+    off = outliers(sections)
+    if off:
+        remedy = f"{REMEDY_OF_OUTLIERS}, or {allowing}"
+        raise GeometryError("piston.section.csv", f"{off[0].words}, and {problem}", remedy)
+    remedy = f'set interpolation = "pchip", measure more heights, or {allowing}'
+    raise GeometryError("piston.section.interpolation", problem, remedy)

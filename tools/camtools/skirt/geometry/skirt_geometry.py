@@ -337,7 +337,7 @@ def _measured(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
     ends = float(heights[0]), float(heights[-1])
     sections = measured_sections(section, ends, radius)
     scan, joined_mm = joined(sections)
-    check_scan(scan, section)
+    check_scan(scan, section, sections)
     drawn = scan_surface(scan, factor, section.interpolation)
     off_um = UM_PER_MM * off_points_mm(drawn, sections, factor)
     geometry = Geometry(
