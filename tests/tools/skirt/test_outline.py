@@ -126,6 +126,13 @@ REFUSED = [
     ),
     (text_of(POINTS), "", "", "has one height only, 0 mm; measure more, or set single_height"),
     (text_of(POINTS / 2), ALONE, "", "a radius of 19.9 mm, the profile has 40 mm"),
+    (
+        text_of(POINTS * np.where(np.arange(36) == 9, 60, 1)[:, None]),
+        ALONE,
+        "line 11 = ",
+        "2000 mm",
+    ),
+    (text_of(POINTS * 4e306), ALONE, "line 2 = ", "beyond 0 .. 2000 mm"),
     (text_of(POINTS[::4]), ALONE, "", "has 9 angles, needs at least 12"),
 ]
 

@@ -92,6 +92,7 @@ def test_each_form_gives_the_law(name: str) -> None:
 KAS = CASES["Kollmorgen"].text
 REFUSED = [
     (f"361\n{PAIRS}".replace("\n7.0000;0.000000", ""), "says that it has 361 points, but 360 foll"),
+    (isg(6, PAIRS).replace("= 361 #", "= \u00b2 #").replace("\n7.0", "\n6.0"), "angle 6 follows 6"),
     ("3\n0;1;2\n1;1;2\n2;1;2\n", "line 2: a cam table of SEW with 3 columns; only those with 2"),
     (KAS.replace("TABLE_END;;\n", ""), "Kollmorgen without the line TABLE_END; copy it again"),
     (KAS.replace("TABLE_BEGIN;;\n", ""), "Kollmorgen without the line TABLE_BEGIN"),
@@ -101,6 +102,7 @@ REFUSED = [
     (isg(7, PAIRS).replace("Begintable", "Begin"), "ISG without the line Begintable"),
     (asc(SHARES, "8,0"), "YFactor = '8,0': is no finite number; write one, decimals with a point"),
     (asc(SHARES, "password"), "YFactor: is no finite number"),
+    (asc(SHARES.replace("0.25", "9", 1), "1e308"), "line 11 = '9': no finite number in degrees"),
     (asc(SHARES, "-inf"), "YFactor = '-inf': is no finite number"),
 ]
 

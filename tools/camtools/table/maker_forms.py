@@ -57,7 +57,7 @@ class Form(NamedTuple):
 FORMS = {
     "sew": Form(
         "SEW",
-        known_by=r"\d+\n[^\n]*\S[;\s]",
+        known_by=r"[0-9]{1,9}\n[^\n]*\S[;\s]",
         head="{n}\n",
         row="{x!r};{y!r}\n",
     ),
@@ -91,6 +91,7 @@ FORMS = {
 }
 WRITTEN = tuple(name for name, form in FORMS.items() if form.row)
 _SETTING = re.compile(r"([\w-][\w -]*)[=;,]([^#]*)")
+_COUNT = re.compile(r"[0-9]{1,9}")
 _COMMENT = re.compile(r"\s*(#|//|\(\*|$)")
 
 
@@ -135,7 +136,8 @@ def found_in(text: str, file: str) -> Found | None:
 
 def _settings(header: list[str]) -> dict[str, str]:
     """Return the settings of a header; a number alone is that of the points."""
-    found = {"lines": header[-1].strip()} if header[-1].strip().isdigit() else {}
+    last = header[-1].strip()
+    found = {"lines": last} if _COUNT.fullmatch(last) else {}
     for line in header:
         setting = _SETTING.match(line.strip())
         if setting:
@@ -151,7 +153,7 @@ def check_rows(found: Found, table: NumberTable) -> None:
         read = " or ".join(str(n) for n in columns)
         raise InputError(table.file, table.place, None, problem, f"only those with {read} are read")
     stated = found.settings.get("lines", "")
-    if stated.isdigit() and int(stated) != len(table.rows):
+    if _COUNT.fullmatch(stated) and int(stated) != len(table.rows):
         problem = f"says that it has {stated} points, but {len(table.rows)} follow"
         remedy = "copy it again: it may have been cut short; or correct the number"
         raise InputError(table.file, "", None, problem, remedy)

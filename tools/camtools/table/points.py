@@ -97,7 +97,7 @@ class Reading(NamedTuple):
     value_mm: float | None = None  # of 1 in the columns Y, V and A; mm where it is not given
     counts_per_turn: float | None = None  # of the file's angle; degrees where it is not given
     if_longer: str = ""  # what else to do about points that span up to two turns
-    if_counts: str = ""  # .. and about points that span more
+    if_counts: str = ", counts of an encoder scaled to them"  # .. and about those that span more
     is_lift: bool = False  # an arc without points may be the base circle, however long it is
 
     @property
@@ -196,9 +196,14 @@ def parse_points(text: str, file: str, reading: Reading = DEGREES_AND_MM) -> Poi
         raise InputError(file, table.place, None, "no points follow", "give those of one turn")
     values = table.values([Column(column.place, column.scale) for column in columns])
     rows = dict(zip((column.key for column in columns), values, strict=True))
-    if layout is not None:
-        rows = placed(layout, rows, DEG_PER_TURN / reading.deg, file)
-    rows = _in_units(rows, reading)
+    with np.errstate(over="ignore", invalid="ignore"):
+        if layout is not None:
+            rows = placed(layout, rows, DEG_PER_TURN / reading.deg, file)
+        rows = _in_units(rows, reading)
+    beyond = ~np.isfinite(np.stack(list(rows.values()))).all(axis=0)
+    if beyond.any():
+        problem, remedy = "no finite number in degrees and mm", "correct the number or its unit"
+        raise table.refusal(int(beyond.argmax()), problem, remedy)
     if table.n_columns == 3 and not table.names and (np.diff(_unwrapped(rows["x"])) <= 0).any():
         raise _unnamed(table)
     return _sections(rows, table.lines, file, reading)

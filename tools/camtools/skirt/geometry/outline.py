@@ -30,6 +30,7 @@ def is_outline(table: NumberTable) -> bool:
     return not _NAMES.isdisjoint(table.names)
 
 
+@np.errstate(over="ignore")  # a point may be beyond all radii
 def polar_points(table: NumberTable, centre_mm: tuple[float, float]) -> tuple[Floats, Ints]:
     """Return angle [deg], height and radius [mm] of outlines, (3, n), and the row of each point.
 
