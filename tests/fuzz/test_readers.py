@@ -4,6 +4,7 @@ Real files are changed byte by byte, and pieces of one are put into another. CAM
 how often each reader is asked; a longer run takes other changes each time.
 """
 
+import math
 import os
 import zlib
 from collections.abc import Callable
@@ -21,7 +22,8 @@ from camtools.link.kept_values import parse as parse_parameters
 from camtools.measured.points import parse_points as parse_measured
 from camtools.pipeline.load import parse as parse_part
 from camtools.sim.machine_file import read_machine
-from camtools.skirt.geometry.scan import parse_scan, parse_sections
+from camtools.skirt.geometry.scan import parse_scan
+from camtools.skirt.geometry.section_file import parse_sections
 from camtools.table.channel import ImageError
 from camtools.table.image import unpack
 from camtools.table.points import parse_points
@@ -73,6 +75,16 @@ RECORD = f"time_ms;force_n;position_um\n{MOVED}".encode()
 TRACE = "".join(f"{angle},0,{angle % 7}\n" for angle in range(0, 360, 5))
 GAUGED = f"angle_deg,height_mm,deviation_um\n{TRACE}".encode()
 TURN = b"X_deg;Y_mm\n" + b"".join(b"%d;%d,5\n" % (45 * i, i % 8) for i in range(9))
+ROWS = TURN.partition(b"\n")[2].replace(b",", b".")
+OUTLINE = b"x_mm,y_mm\n" + b"".join(
+    b"%d,%d\n" % (40 * math.cos(0.3 * i), 30 * math.sin(0.3 * i)) for i in range(21)
+)
+MAKERS = (
+    b"9\n" + ROWS,
+    b"CYCLIC;YES;\nTABLE_BEGIN;;\n" + ROWS.replace(b"\n", b";SPLINE\n") + b"TABLE_END;;\n",
+    b"Tabletype = 7 # ID\nLines = 9\nBegintable\n" + ROWS.replace(b";", b" ") + b"EndTable\n",
+    b"Header=a\nYFactor=8\nXFactor=360\nXOffset=0\nCamPoints\n" + b"0.5\n" * 9,
+)
 PARAMETERS = "".join(f"{name} = {info.low}\n" for name, info in INFOS.items()).encode()
 
 LEARNED = learned_text([1] * N_VALUES, "x").encode()
@@ -84,10 +96,10 @@ READERS: dict[str, tuple[Reader, tuple[bytes, ...]]] = {
     "parameters": (named(parse_parameters), (PARAMETERS, b"[u]\nu_stroke_nm = 1000000\n")),
     "learned": (named(learned_values), (LEARNED, b"k1 = 1\nc = [1, 2]\npart = 'x'\n")),
     "scan": (text_of(parse_scan), files("tools/parts/scan90.csv")),
-    "sections": (text_of(parse_sections), (*files("tools/parts/scan90.csv"), POINTS)),
+    "sections": (text_of(parse_sections), (*files("tools/parts/scan90.csv"), POINTS, OUTLINE)),
     "record": (text_of(parse_record), (RECORD,)),
     "measured": (text_of(parse_measured), (GAUGED, HEIGHTS, POINTS)),
-    "points": (text_of(parse_points), (TURN, HEIGHTS, POINTS, b"0;1\n1;2\n")),
+    "points": (text_of(parse_points), (TURN, HEIGHTS, POINTS, b"0;1\n1;2\n", *MAKERS)),
 }
 WORDS = tuple(
     b'nan|-inf|1e308|1e-320|99999999999999999999|\x00|\xff\xfe|[[|]]|"""|=|true|\r|,|;|\xef\xbb\xbf|-0|'

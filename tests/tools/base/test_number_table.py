@@ -18,8 +18,8 @@ from camtools.measured.points import HEADER as GAUGED
 from camtools.measured.points import parse_points as parse_gauged
 from camtools.part.model import read_tree
 from camtools.sim.machine_file import machine_bytes, read_machine
-from camtools.skirt.geometry.scan import HEADER as SCAN
-from camtools.skirt.geometry.scan import parse_sections
+from camtools.skirt.geometry.section_file import HEADER as SCAN
+from camtools.skirt.geometry.section_file import parse_sections
 from camtools.table.points import parse_points
 from camtools.tune import parameters
 

@@ -254,12 +254,12 @@ def csv_law(folder: Path, rows: tuple[Floats, Floats], header: str, more: str = 
     return law_of(TURNED.replace(LAW, CSV.format(folder / "lift.txt") + more))
 
 
-def test_crank_degrees_shares_and_inches(tmp_path: Path) -> None:
-    """The same lobe from angles of the crank, shares of the largest lift, and inches."""
+def test_crank_degrees_shares_inches_and_counts(tmp_path: Path) -> None:
+    """The same lobe from angles of the crank, shares of the largest lift, inches and counts."""
     lift = lobe(cycloid, np.radians(DEG))[0]
     plain = law_of(with_list(lift)).evaluate(DENSE)
     share, inch = (2 * DEG, lift / LIFT_MM), (DEG, lift / 25.4)
-    crank = 'degrees_of = "crank"\n'
+    crank, counts = 'degrees_of = "crank"\n', "counts_per_turn = 11520\n"
     listed = f'law = "list"\n{crank}angle_deg = {(2 * DEG).tolist()}\nlift_mm = {lift.tolist()}\n'
     own = TURNED.replace(LAW, CSV.format(tmp_path / "own.csv") + crank)
     rows = "".join(f"{2 * a},{b}\n" for a, b in zip(DEG.tolist(), lift.tolist(), strict=True))
@@ -268,6 +268,7 @@ def test_crank_degrees_shares_and_inches(tmp_path: Path) -> None:
         csv_law(tmp_path, share, "", f"{crank}largest_lift_mm = {LIFT_MM}\n"),
         csv_law(tmp_path, inch, "angle_deg lift\n", 'lift_unit = "inch"\n'),
         csv_law(tmp_path, inch, "angle_deg lift_inch\n"),
+        csv_law(tmp_path, (32 * DEG, 4000 * lift), "", f"{counts}counts_per_mm = 4000\n"),
         law_of(TURNED.replace(LAW, listed)),
         law_of(own),
     ):
@@ -295,23 +296,27 @@ def test_motion_of_the_crank_is_that_of_the_cam(tmp_path: Path) -> None:
 
 
 def test_units_that_contradict_are_refused(tmp_path: Path) -> None:
-    """A header against the part file, shares above 1, a turn of the cam against the crank."""
+    """A header or a key against another key, shares above 1, a turn of the cam as of the crank."""
     lift = lobe(cycloid, np.radians(DEG))[0]
     for header, more, told in (
         ("angle_deg lift_mm\n", 'lift_unit = "inch"\n', "line 1: the header names a unit of le"),
+        ("X_deg y\n", "counts_per_turn = 360\n", "line 1: the header names a unit of angle, and"),
         ("", f"largest_lift_mm = {LIFT_MM}\n", "shares of 0 .. 8, not 0 .. 1; give shares of 0"),
         ("", 'degrees_of = "crank"\n', "of the crank: one turn of the cam?; add points of lift 0"),
     ):
         with pytest.raises(GeometryError) as refused:
             csv_law(tmp_path, (DEG, lift), header, more)
         assert told in refused.value.lines[0]
+    with pytest.raises(CamtoolsError, match="lift_unit = 'inch': and counts_per_mm both say"):
+        csv_law(tmp_path, (DEG, lift), "", 'lift_unit = "inch"\ncounts_per_mm = 9\n')
 
 
 @pytest.mark.parametrize(
     ("more", "told"),
     [
-        ('lift_unit = "inch"\n', "lift_unit = 'inch': is for the lifts of a csv, lift_mm is in mm"),
-        ("largest_lift_mm = 8\n", "largest_lift_mm = 8.0: is for the lifts of a csv"),
+        ('lift_unit = "inch"\n', "lift_unit = 'inch': is for a csv, the lists of the part file"),
+        ("largest_lift_mm = 8\n", "largest_lift_mm = 8.0: is for a csv"),
+        ("counts_per_turn = 4096\n", "counts_per_turn = 4096.0: is for a csv"),
         ("ramp_height_mm = 0.3\n", "ramp_um_per_deg: is missing"),
         ("ramp_um_per_deg = 9\n", "ramp_height_mm: is missing"),
         ("smooth_um = 0\n", "smooth_um = 0: "),

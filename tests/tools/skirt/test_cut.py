@@ -17,7 +17,8 @@ from camtools.base.quantities import Floats, omega_rad_s
 from camtools.pipeline.load import Made, load
 from camtools.sim.results import removal_of
 from camtools.sim.simulate import Result
-from camtools.skirt.geometry.scan import joined, read_scan_text
+from camtools.skirt.geometry.scan import joined
+from camtools.skirt.geometry.section_file import read_scan_text
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.kind import KIND
 from camtools.skirt.part.part_file import SkirtPart

@@ -12,20 +12,20 @@ from hypothesis import strategies as st
 
 from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import Floats
+from camtools.skirt.geometry.outliers import outliers
 from camtools.skirt.geometry.scan import (
-    HEADER,
-    MAX_POINTS,
     Scan,
     filtered,
     joined,
     ovality_of,
     parse_scan,
-    read_scan_text,
     scan_surface,
 )
+from camtools.skirt.geometry.section_file import HEADER, MAX_POINTS, Sections, read_scan_text
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import generate
+from camtools.table.points import parse_points
 from tests.tools.cases.camsim_cases import cut, form_um, plain
 from tests.tools.cases.cut_cases import PARTS, made_skirt, written
 from tests.tools.cases.part_cases import changed, load_part, refused
@@ -149,7 +149,7 @@ GOOD = csv_of((0.0, 60.0))
 BAD = {
     "header": (csv_of(first="angle_deg,z_mm,r"), "line 1: needs one column of the value: red"),
     "no rows": (HEADER + "\n", "has 0 angles"),
-    "angle": (GOOD + "361,0,1\n", "no angle of 0 .. 360"),
+    "angle": (GOOD + "361,0,1\n", "line 74 = '361,0,1': no angle of 0 .. 360"),
     "closed": (GOOD + "360,0,1\n", "height 0 mm: 360 degrees differ by 1 um from 0 degrees"),
     "millimetres": (GOOD + "5,0,99999\n", "beyond -15 .. 15 mm"),
     "radius": (
@@ -331,6 +331,140 @@ def test_gaps_without_points(tmp_path: Path) -> None:
     text = mm_text(lambda _: np.concatenate([[0.0, 10, 20, 30], np.arange(60.0, 360, 5)]))
     found = points_of(tmp_path, text).surface.delta(np.radians(np.array([45.0])), 8.0).delta
     assert abs(float(found[0]) - float(reduction_mm(np.array(45.0), np.array(8.0)))) < 3e-4
+
+
+def oval_um(deg: Floats, z_mm: float) -> Floats:
+    """Return an oval of 100 um at height 0 and 150 um at 30."""
+    return np.asarray((50 + z_mm / 1.2) * (1 - np.cos(np.radians(2 * deg))))
+
+
+EVERY_3_DEG = np.arange(0.0, 360, 3)
+TENS_MM = (0.0, 10.0, 20.0, 30.0)
+
+
+def oval_part(
+    folder: Path, values_um: dict[float, Floats], more: str = "", height_mm: str = "[0, 30]"
+) -> SkirtPart:
+    """Return a part of 80 mm with a point every 3 degrees at these heights."""
+    rows = [
+        f"{deg:g},{z_mm!r},{um:.6f}\n"
+        for z_mm, values in values_um.items()
+        for deg, um in zip(EVERY_3_DEG, values, strict=True)
+    ]
+    (folder / "points.csv").write_text("angle_deg,z_mm,reduction_um\n" + "".join(rows))
+    text = PART.format(more=more, direction=1).replace("[0, 24]", height_mm)
+    (folder / "points.toml").write_text(text)
+    return load_part(folder / "points.toml")
+
+
+@pytest.mark.parametrize(
+    ("off_um", "names"), [((0, 1, 2), "0, 0.001, 0.002"), ((0, 3, 9, 5), "0, 0.003, .., 0.009")]
+)
+def test_heights_of_a_machine_that_does_not_hold_them_are_named(
+    off_um: tuple[int, ...], names: str, tmp_path: Path
+) -> None:
+    """Points of a section with micrometres between them would be sections of their own."""
+    rows = [
+        (deg, z_mm + off_um[i % len(off_um)] / 1000, um)
+        for z_mm in TENS_MM
+        for i, (deg, um) in enumerate(zip(EVERY_3_DEG, oval_um(EVERY_3_DEG, z_mm), strict=True))
+    ]
+    polar = "".join(f"{deg:g},{z_mm:g},{um:.3f}\n" for deg, z_mm, um in rows)
+    drawn = "".join(
+        f"{40 * np.cos(np.radians(deg)):.6f},{40 * np.sin(np.radians(deg)):.6f},{z_mm:g}\n"
+        for deg, z_mm, _ in rows
+    )
+    for header, points in ((HEADER, polar), ("x_mm,y_mm,z_mm", drawn)):
+        with pytest.raises(CamtoolsError) as info:
+            points_of(tmp_path, f"{header}\n{points}")
+        [line] = info.value.lines
+        assert f"z_mm: the heights {names} mm are less than 0.01 mm apart; give all points" in line
+    with pytest.raises(CamtoolsError, match=f"the heights {names} mm are less"):
+        parse_points(f"X_deg,z_mm,y_um\n{polar}", "a.csv")
+
+
+def off_at_45(off_um: float = 525.0) -> dict[float, Floats]:
+    """Return the oval with one point at height 10 mm that is off."""
+    values = {z_mm: oval_um(EVERY_3_DEG, z_mm) for z_mm in TENS_MM}
+    values[10.0][15] += off_um
+    return values
+
+
+OFF = "the point at 45 degrees, height 10 mm, is 525 um off its neighbours"
+
+
+def test_a_point_off_its_neighbours_is_named(tmp_path: Path) -> None:
+    """Where the heights are joined too far, where something else is refused, and in a table."""
+    line = refused(lambda: make_geometry(oval_part(tmp_path, off_at_45())))
+    assert line.startswith(f"piston.section.csv: {OFF}, and between the heights 20 and 30 mm")
+    assert "; measure this point again, or remove its line, or allow it: overshoot_um = " in line
+    made = made_skirt(oval_part(tmp_path, off_at_45(), 'harmonics = 4\ninterpolation = "linear"'))
+    assert f"  caution: {OFF}\n" in made.text()
+    with pytest.raises(CamtoolsError) as info:
+        generate(oval_part(tmp_path, off_at_45(-525), 'interpolation = "pchip"'))
+    first, second = info.value.lines
+    assert first == f"piston.section.csv: {OFF}; measure this point again, or remove its line"
+    assert second.startswith("tool.clearance_deg: the heel of 7 degrees rubs")
+    assert str(info.value) == f"{first}\n{second}"
+    without = (tmp_path / "points.csv").read_text().replace("\n45,10.0,-466.666667", "")
+    assert "caution" not in made_skirt(written_scan(tmp_path, without)).text()
+
+
+def written_scan(folder: Path, text: str) -> SkirtPart:
+    """Return the part of the folder with this scan."""
+    (folder / "points.csv").write_text(text)
+    return load_part(folder / "points.toml")
+
+
+def sections_of(rows: list[Floats], deg: Floats = EVERY_3_DEG) -> Sections:
+    """Return sections of reductions [um], a height of 1 mm apart."""
+    n = len(rows)
+    return Sections(np.arange(float(n)), (deg,) * n, tuple(row / 1000 for row in rows))
+
+
+def test_noise_waves_and_corners_are_no_outliers() -> None:
+    """Nor are two wrong points together; single ones are, from 1 um on, at uneven angles too."""
+    rng, oval = np.random.default_rng(3), oval_um(EVERY_3_DEG, 0.0)
+    corner = np.minimum(oval, 200 - oval) + 40 * np.abs(np.sin(np.radians(EVERY_3_DEG - 51)))
+    steps = np.where(EVERY_3_DEG > 200, 30.0, 0.0)
+    noisy = [row + noise for row in (oval, corner) for noise in rng.normal(0, 2, (50, 120))]
+    twice = oval + 50.0 * np.isin(EVERY_3_DEG, (90, 93))
+    assert outliers(sections_of([oval, corner, steps, twice, 0 * oval, *noisy])) == []
+    uneven = EVERY_3_DEG + np.sin(EVERY_3_DEG)
+    for off_um in (-500.0, 1.1):
+        for i in (0, 1, 60, 118, 119):
+            row = oval_um(uneven, 0.0)
+            row[i] += off_um
+            [found] = outliers(sections_of([oval_um(uneven, 0.0), row], uneven))
+            assert (found.z_mm, found.angle_deg) == (1.0, uneven[i])
+            assert found.off_um == pytest.approx(off_um, abs=0.02)
+    assert outliers(sections_of([oval + 0.9 * (EVERY_3_DEG == 9)])) == []
+
+
+@pytest.mark.parametrize(
+    ("sign", "told"),
+    [
+        (-1.0, "  caution: the surface exceeds the profile's diameter by up to 0.3 mm, at 90 degr"),
+        (1.0, ""),
+    ],
+)
+def test_diameters_beyond_the_profile_are_named(sign: float, told: str, tmp_path: Path) -> None:
+    """A scan with the wrong sign has 2 x 150 um more diameter than the profile."""
+    values = {z_mm: sign * oval_um(EVERY_3_DEG, z_mm) for z_mm in TENS_MM}
+    shown = made_skirt(oval_part(tmp_path, values)).text()
+    assert told in shown and ("exceeds" in shown) == bool(told)
+    if told:
+        assert "height 30 mm; reductions are positive towards the axis\n" in shown
+
+
+def test_a_little_more_diameter_is_no_caution(tmp_path: Path) -> None:
+    """Of 4 um of 100; with one side beyond and the other as far within there is no more of it."""
+    low = {z_mm: oval_um(EVERY_3_DEG, z_mm) - 2 for z_mm in TENS_MM}
+    shown = made_skirt(oval_part(tmp_path, low)).text()
+    assert "  the surface exceeds the profile's diameter by up to 0.004 mm, at 0 degrees" in shown
+    aside = {z_mm: oval_um(EVERY_3_DEG, z_mm) for z_mm in TENS_MM}
+    aside = {z: um + 20 * np.cos(np.radians(EVERY_3_DEG)) for z, um in aside.items()}
+    assert "exceeds" not in made_skirt(oval_part(tmp_path, aside)).text()
 
 
 def true_um(phi: Floats, z_mm: Floats) -> Floats:

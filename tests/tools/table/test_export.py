@@ -223,7 +223,8 @@ def accelerated(line: str) -> str:
 WRONG = [
     (["X_deg;Y_mm;V_mm_per_deg", *MOVING], "line 1", "no column of A"),
     (["Y_mm", "1", "2"], "line 1", "no column of X"),
-    (["1;2;3", "2;3;4"], "line 1", "has 3 columns and no header"),
+    (["5;0;1", "5;30;2", "5;60;3"], "line 1", "has 3 columns and no header"),
+    (["0", "1", "2"], "line 1", "has 1 columns and no header"),
     (["X_deg;X_deg", *GOOD], "line 1", "no column of Y"),
     ([*GOOD[:3], GOOD[4], GOOD[3], *GOOD[5:]], "line 5", "angle 135 follows 180 degrees"),
     ([*GOOD[:-1], "360;0.5"], "line 9", "the turn is not closed: Y ends at 0.5, began at 0"),
@@ -282,6 +283,7 @@ def test_options_of_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[st
         (["--export-height", "3"], "--export-height: has no effect without --export"),
         (["--export", "xyva", "--export-height", "63"], "outside of the table, 0 .. 62 mm"),
         (["--export", "text", "--export-points", "3"], "--export-points 3: must be 4 .. 100000"),
+        (["--export", "sew"], "--export sew: a file holds one section; give its height, --export-"),
     ):
         assert mktables([*words, *more]) == 2
         assert message in capsys.readouterr().err

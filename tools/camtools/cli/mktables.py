@@ -45,7 +45,8 @@ def mktables(
     export: Annotated[
         str | None,
         Option(
-            "also write the table as text: points with velocity and acceleration, or values only",
+            "also write the table as text: points with velocity and acceleration, values only, or "
+            "these in the form of SEW or Kollmorgen",
             choices=FORMS,
         ),
     ] = None,
@@ -59,8 +60,8 @@ def mktables(
     export_points: Annotated[
         int | None,
         Option(
-            f"points per turn, {MIN_POINTS} .. {MAX_POINTS} (default: the knots for xyva, 360 for "
-            "text)",
+            f"points per turn, {MIN_POINTS} .. {MAX_POINTS} (default: the knots for xyva, else "
+            "360)",
             "N",
         ),
     ] = None,

@@ -61,21 +61,29 @@ _ZERO_MM = 1e-3  # lifts that are less below the base circle are on it
 _BASE_MM = 0.01  # above the least lift: of points that end the base circle
 
 
+def _reading(lobe: Lobe) -> Reading:
+    """Return how the file of a list is read, by the keys of its lobe."""
+    value_mm = lobe.largest_lift_mm or (MM_PER_INCH if lobe.lift_unit == "inch" else None)
+    if lobe.counts_per_mm is not None:
+        value_mm = 1 / lobe.counts_per_mm
+    hint = CRANK_HINT[lobe.turns_listed], ", or set counts_per_turn and counts_per_mm of counts"
+    if lobe.counts_per_turn is not None:
+        hint = ", or correct counts_per_turn", ", or correct counts_per_turn"
+    return Reading(lobe.turns_listed, value_mm, lobe.counts_per_turn, *hint, is_lift=True)
+
+
 def _points_of_file(text: str, file: str, lobe: Lobe) -> PointedTurn:
     """Return the points of a text, as they are; lifts no further below 0 count as 0: `_on_base`."""
-    inch_mm = MM_PER_INCH if lobe.lift_unit == "inch" else None
-    turns, most_mm = lobe.turns_listed, lobe.largest_lift_mm or MAX_LIFT_MM
-    hint = CRANK_HINT[turns]
-    value_mm = lobe.largest_lift_mm or inch_mm
-    found = parse_points(text, file, Reading(turns, value_mm, hint, is_lift=True))
+    found = parse_points(text, file, _reading(lobe))
     turn = found.sections[0]
     if len(found.sections) > 1:
         problem = f"has {len(found.sections)} heights"
         raise InputError(file, "Z_mm", None, problem, "give the points of one lobe")
     low, high = float(turn.y_mm.min()), float(turn.y_mm.max())
+    most_mm = lobe.largest_lift_mm or MAX_LIFT_MM
     if low < -_ZERO_MM or high > most_mm + SAME_MM:
         problem = f"lifts of {low:g} .. {high:g} mm, not 0 .. {most_mm:g}"
-        remedy = "give mm above the base circle"
+        remedy = "give mm above the base circle, or set counts_per_mm"
         if lobe.largest_lift_mm:
             problem = f"shares of {low / most_mm:g} .. {high / most_mm:g}, not 0 .. 1"
             remedy = "give shares of 0 .. 1 of largest_lift_mm, or remove it"

@@ -139,6 +139,15 @@ class Lobe(TomlTable):
     largest_lift_mm: Annotated[LiftMm | None, _LIST] = Field(
         None, description="the lifts of the csv are shares 0 .. 1 of it"
     )
+    counts_per_mm: Annotated[float | None, _LIST] = Field(
+        None, ge=1e-3, le=1e9, description="the lifts of the csv are counts of an encoder"
+    )
+    counts_per_turn: Annotated[float | None, _LIST] = Field(
+        None,
+        ge=1,
+        le=1e9,
+        description="the angles of the csv are counts of an encoder: of cam or crank, `degrees_of`",
+    )
     smooth_um: Annotated[SmoothUm | None, _LIST] = Field(
         None,
         description="the smoothest curve within this of every point; points of zero lift stay 0",
@@ -237,14 +246,17 @@ class Lobe(TomlTable):
 
     def _check_units(self) -> None:
         """Refuse units of a file where there is none or where they disagree, and half a ramp."""
-        given = {"lift_unit", "largest_lift_mm"} & self.model_fields_set
-        if given and (self.csv is None or len(given) > 1):
+        of_lift = {"lift_unit", "largest_lift_mm", "counts_per_mm"} & self.model_fields_set
+        given = of_lift | ({"counts_per_turn"} & self.model_fields_set)
+        if given and self.csv is None:
             field = max(given)
-            problem = "is for the lifts of a csv, lift_mm is in mm"
+            problem = "is for a csv, the lists of the part file are degrees and mm"
             remedy = "remove it, or move the points into a csv"
-            if self.csv is not None:
-                problem, remedy = "shares of largest_lift_mm have no unit", "remove one of both"
             raise wrong("unit", problem, remedy, field=field, value=getattr(self, field))
+        if len(of_lift) > 1:
+            field, other = sorted(of_lift, reverse=True)[:2]
+            problem = f"and {other} both say what the lifts of the csv are"
+            raise wrong("unit", problem, "keep one", field=field, value=getattr(self, field))
         if (self.ramp_height_mm is None) != (self.ramp_um_per_deg is None):
             missing = "ramp_height_mm" if self.ramp_height_mm is None else "ramp_um_per_deg"
             problem = "is missing, the other key of the ramp needs it"

@@ -2,7 +2,8 @@
 
 A cam of kind XYVA of CODESYS is a polynomial of degree five between points of master position X,
 slave position Y, velocity V = dY/dX and acceleration A: just what the knots of a table are. Drives
-of other makers read two columns, angle and value. Angles are the drawing's, in degrees.
+of other makers read two columns, angle and value, some within lines of their own (`maker_forms`).
+Angles are the drawing's, in degrees.
 
 >>> name_of_height(12.5), name_of_height(-3.0)
 ('z12.5', 'z-3')
@@ -30,8 +31,10 @@ from camtools.table.channel import (
 )
 from camtools.table.evaluate import knot_interval, locate, power_rows
 from camtools.table.image import Table
+from camtools.table.maker_forms import FORMS as MAKER_FORMS
+from camtools.table.maker_forms import WRITTEN
 
-FORMS = ("xyva", "text")
+FORMS = ("xyva", "text", *WRITTEN)
 _TEXT_POINTS = 360
 
 
@@ -139,6 +142,8 @@ def _header(quantity: _Quantity, form: str, *, with_height: bool) -> list[str]:
 
 
 def _one_turn(quantity: _Quantity, points: ExportedPoints, form: str) -> str:
+    if form in WRITTEN:
+        return MAKER_FORMS[form].written(points.x_deg.tolist(), points.y.tolist())
     if form == "text":
         return "\n".join(_rows(points[:2], "", " ")) + "\n"
     header = ";".join(_header(quantity, form, with_height=False))
@@ -176,7 +181,11 @@ def export_files(table: Table, export: Export) -> dict[str, bytes]:
             problem = f"--export-height {z_mm:g}: outside of the table, {low:g} .. {high:g} mm"
             raise CamtoolsError([f"{problem}; give a height of the part"])
     start, form = table.part_name, export.form
-    files = {f"{start}_x_{form}.csv": _over_height(table, form)}
+    if form in WRITTEN and table.angle is None and not export.heights_mm:
+        problem = f"--export {form}: a file holds one section"
+        raise CamtoolsError([f"{problem}; give its height, --export-height MM"])
+    over_height = "xyva" if form == "xyva" else "text"
+    files = {f"{start}_x_{over_height}.csv": _over_height(table, over_height)}
     for channel in table.channels:
         if channel.kind in _QUANTITIES:
             name = f"{start}_{quantity_of(table, channel).name}"
@@ -188,9 +197,10 @@ def _channel_files(
     table: Table, channel: Channel, export: Export, name: str
 ) -> Iterator[tuple[str, str]]:
     form, quantity, per_turn = export.form, quantity_of(table, channel), export.per_turn
+    end = f"{form}.csv" if form in WRITTEN else f"{form}.txt"
     for z_mm in export.heights_mm:
         points = points_of(table, channel, z_mm, per_turn)
-        yield f"{name}_{name_of_height(z_mm)}_{form}.txt", _one_turn(quantity, points, form)
+        yield f"{name}_{name_of_height(z_mm)}_{end}", _one_turn(quantity, points, form)
     if export.heights_mm:
         return
     if table.angle is None:
@@ -200,4 +210,4 @@ def _channel_files(
         drawn = in_sense(channel, table.direction)
         knots = np.asarray(drawn.knots[i], dtype=np.float64)
         points = _sampled(table, drawn, knots, 0.0, per_turn)
-        yield f"{name}_profile{i + 1}_{form}.txt", _one_turn(quantity, points, form)
+        yield f"{name}_profile{i + 1}_{end}", _one_turn(quantity, points, form)

@@ -1,7 +1,9 @@
 r"""Points of one turn as text: value over angle, with velocity and acceleration or without them.
 
-A header names columns and units; two or four columns of numbers without one are angle, value and
-angle, value, velocity, acceleration in degrees and mm.
+A header names columns and units; without one two columns of numbers are angle and value, of three
+the last is ignored, four are angle, value, velocity and acceleration, in degrees and mm.
+[Forms of other makers](maker_forms.py) are read, too. A turn may begin anywhere: its angle may fall
+once, from the end of the turn to its begin.
 
 >>> text = "X_deg;Y_mm\n" + "".join(f"{45 * i};{i % 8},5\n" for i in range(9))
 >>> found = parse_points(text, "a.txt")
@@ -19,10 +21,12 @@ from camtools.base.errors import InputError
 from camtools.base.number_table import Column, NumberTable, read_whole_table
 from camtools.base.quantities import DEG_PER_RAD, DEG_PER_TURN, Floats, Ints
 from camtools.table.channel import segment_coefficients
+from camtools.table.maker_forms import Found, check_rows, found_in, placed
 
 MAX_POINTS = 100_000
 MAX_BYTES = 20_000_000
 MIN_STEP_DEG = 0.001
+LEAST_APART_MM = 0.01  # heights of two sections
 SAME_MM = 1e-6  # of the first and the last point of a closed turn
 ROUGH_SHARE, FINE_SHARE = 0.3, 0.05  # of the largest step: what V and A may contradict
 _SAME_DEG = 1e-6
@@ -46,7 +50,7 @@ _UNITS = {
 }
 _COLUMNS = {key: re.compile(f"(?:{words})(?:{_UNITS[key]})?") for key, words in _WORDS.items()}
 _MISSPELT = re.compile(rf"height|(?:{'|'.join(_WORDS.values())})(?![^\W\d_])")  # no letter follows
-_WITHOUT_HEADER = {2: ("x", "y"), 4: ("x", "y", "v", "a")}
+_WITHOUT_HEADER = {1: ("y",), 2: ("x", "y"), 3: ("x", "y"), 4: ("x", "y", "v", "a")}
 _USE = "name the columns z_mm, X_deg, Y_mm, V_mm_per_deg, A_mm_per_deg2, or fewer of them"
 
 
@@ -91,8 +95,15 @@ class Reading(NamedTuple):
 
     turns: int = 1  # of the file's angle for one turn of the part
     value_mm: float | None = None  # of 1 in the columns Y, V and A; mm where it is not given
-    if_longer: str = ""  # what else to do about points that span more than a turn
+    counts_per_turn: float | None = None  # of the file's angle; degrees where it is not given
+    if_longer: str = ""  # what else to do about points that span up to two turns
+    if_counts: str = ", counts of an encoder scaled to them"  # .. and about those that span more
     is_lift: bool = False  # an arc without points may be the base circle, however long it is
+
+    @property
+    def deg(self) -> float:
+        """Return how far the part turns [deg] by 1 of the file's angle."""
+        return DEG_PER_TURN / (self.counts_per_turn or DEG_PER_TURN) / self.turns
 
 
 DEGREES_AND_MM = Reading()
@@ -126,12 +137,18 @@ def _check_names(table: NumberTable) -> None:
             raise InputError(table.file, table.place, None, problem, _USE)
 
 
-def _columns_of(table: NumberTable) -> list[_Column]:
+def _unnamed(table: NumberTable) -> InputError:
+    problem = f"has {table.n_columns} columns and no header"
+    return InputError(table.file, table.place, None, problem, _USE)
+
+
+def _columns_of(table: NumberTable, layout: Found | None) -> list[_Column]:
     """Return the columns of points by a header, or by their number without one."""
+    if layout is not None:
+        check_rows(layout, table)
     if not table.names:
-        if table.n_columns not in _WITHOUT_HEADER:
-            problem = f"has {table.n_columns} columns and no header"
-            raise InputError(table.file, table.place, None, problem, _USE)
+        if table.n_columns not in _WITHOUT_HEADER or (table.n_columns == 1 and layout is None):
+            raise _unnamed(table)
         keys = list(_WITHOUT_HEADER[table.n_columns])
         return [_Column(key, 1.0, place) for place, key in enumerate(keys)]
     _check_names(table)
@@ -150,30 +167,61 @@ def _columns_of(table: NumberTable) -> list[_Column]:
     return columns
 
 
-def _in_units(columns: list[_Column], reading: Reading, file: str, place: str) -> list[_Column]:
-    """Return columns with the units of a file, or refuse a header that names others."""
-    if reading.value_mm is not None and any(
-        column.has_unit and column.key in "yva" for column in columns
+def _check_units(columns: list[_Column], reading: Reading, file: str, place: str) -> None:
+    """Refuse a header that names units where the part file names others."""
+    for keys, given, what in (
+        ("yva", reading.value_mm, "length"),
+        ("xva", reading.counts_per_turn, "angle"),
     ):
-        problem = "the header names a unit of length, and the part file another"
-        remedy = "name the columns without a unit, or remove the unit from the part file"
-        raise InputError(file, place, None, problem, remedy)
-    value_mm, turns = reading.value_mm or 1.0, reading.turns
-    factors = {"x": 1 / turns, "y": value_mm, "v": value_mm * turns, "a": value_mm * turns**2}
-    return [
-        column._replace(scale=column.scale * factors.get(column.key, 1.0)) for column in columns
-    ]
+        if given is not None and any(c.has_unit and c.key in keys for c in columns):
+            problem = f"the header names a unit of {what}, and the part file another"
+            remedy = "name the columns without a unit, or remove the unit from the part file"
+            raise InputError(file, place, None, problem, remedy)
+
+
+def _in_units(rows: dict[str, Floats], reading: Reading) -> dict[str, Floats]:
+    """Return columns in degrees of the part and mm."""
+    value_mm, deg = reading.value_mm or 1.0, reading.deg
+    factors = {"x": deg, "y": value_mm, "v": value_mm / deg, "a": value_mm / deg**2}
+    return {key: row * factors.get(key, 1.0) for key, row in rows.items()}
 
 
 def parse_points(text: str, file: str, reading: Reading = DEGREES_AND_MM) -> PointFile:
     """Return the points of a text, or refuse it by the line that is wrong, with a remedy."""
-    table = NumberTable(text, file, MAX_POINTS)
-    columns = _in_units(_columns_of(table), reading, file, table.place)
+    layout = found_in(text, file)
+    table = NumberTable(text if layout is None else layout.text, file, MAX_POINTS)
+    columns = _columns_of(table, layout)
+    _check_units(columns, reading, file, table.place)
     if not table.rows:
         raise InputError(file, table.place, None, "no points follow", "give those of one turn")
     values = table.values([Column(column.place, column.scale) for column in columns])
     rows = dict(zip((column.key for column in columns), values, strict=True))
+    with np.errstate(over="ignore", invalid="ignore"):
+        if layout is not None:
+            rows = placed(layout, rows, DEG_PER_TURN / reading.deg, file)
+        rows = _in_units(rows, reading)
+    beyond = ~np.isfinite(np.stack(list(rows.values()))).all(axis=0)
+    if beyond.any():
+        problem, remedy = "no finite number in degrees and mm", "correct the number or its unit"
+        raise table.refusal(int(beyond.argmax()), problem, remedy)
+    if table.n_columns == 3 and not table.names and (np.diff(_unwrapped(rows["x"])) <= 0).any():
+        raise _unnamed(table)
     return _sections(rows, table.lines, file, reading)
+
+
+def check_apart(z_mm: Floats, file: str) -> None:
+    """Refuse heights that are so near to each other that they are meant to be the same."""
+    heights = np.unique(z_mm)
+    steps = np.diff(heights, append=np.inf)
+    if steps.min(initial=np.inf) >= LEAST_APART_MM:
+        return
+    first = int((steps < LEAST_APART_MM).argmax())
+    last = first + int((steps[first:] >= LEAST_APART_MM).argmax())
+    names = [f"{height:.7g}" for height in heights[first : last + 1]]
+    shown = names if len(names) < 4 else [*names[:2], "..", names[-1]]
+    problem = f"the heights {', '.join(shown)} mm are less than {LEAST_APART_MM:g} mm apart"
+    remedy = "give all points of a section the same z_mm, the one that was set"
+    raise InputError(file, "z_mm", None, problem, remedy)
 
 
 def _sections(rows: dict[str, Floats], numbers: Ints, file: str, reading: Reading) -> PointFile:
@@ -184,6 +232,7 @@ def _sections(rows: dict[str, Floats], numbers: Ints, file: str, reading: Readin
         turn = _turn(columns, numbers, file, reading, has_motion=has_motion)
         return PointFile(None, (turn,), has_motion)
     z, turns = rows["z"], []
+    check_apart(z, file)
     edges = np.flatnonzero(np.diff(z)) + 1
     starts = np.concatenate([[0], edges]).astype(np.int64)
     heights = z[starts]
@@ -199,11 +248,22 @@ def _sections(rows: dict[str, Floats], numbers: Ints, file: str, reading: Readin
     return PointFile(heights, tuple(turns), has_motion)
 
 
+def _unwrapped(x_deg: Floats) -> Floats:
+    """Return angles that rise through the end of a turn; others are returned as they are."""
+    falls = np.flatnonzero(np.diff(x_deg) < 0)
+    if falls.size != 1:
+        return x_deg
+    late = np.arange(x_deg.size) > falls[0]
+    rising = x_deg + DEG_PER_TURN * (late - float(x_deg[0] >= DEG_PER_TURN))
+    is_turn = rising[-1] - rising[0] < DEG_PER_TURN + _SAME_DEG
+    return rising if is_turn and (np.diff(rising) > 0).all() else x_deg
+
+
 def _turn(
     columns: Floats, numbers: Ints, file: str, reading: Reading, *, has_motion: bool
 ) -> PointedTurn:
     """Return the points of a turn, its end left out, or refuse them."""
-    x = columns[0]
+    columns[0] = x = _unwrapped(columns[0])
     low = np.flatnonzero(np.diff(x) < MIN_STEP_DEG)
     if low.size:
         i = int(low[0]) + 1
@@ -220,7 +280,8 @@ def _turn(
         columns = columns[:, :-1]
     elif span > 360 - MIN_STEP_DEG:
         problem = f"the points span {span:.9g} degrees, a turn has 360"
-        remedy = f"give one turn, in degrees{reading.if_longer if span > 360 else ''}"
+        more = reading.if_longer if span < 2 * DEG_PER_TURN + 1 else reading.if_counts
+        remedy = f"give one turn, in degrees{more if span > 360 else ''}"
         raise InputError(file, last, None, problem, remedy)
     turn = PointedTurn(*columns)
     widest = float(turn.steps_deg.max())

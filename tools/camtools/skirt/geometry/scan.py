@@ -1,6 +1,4 @@
-r"""Measured sections of a part file: read, checked between their heights, made a surface.
-
-The header of a file names the unit.
+r"""Measured sections of a part file: checked between their heights, made a surface.
 
 Over the angle a periodic quintic spline runs through the values of each height; over the height
 each angle's values are joined as `curves.through` joins points. Every piece follows from knots:
@@ -25,105 +23,22 @@ from scipy.interpolate import (
     make_interp_spline,
 )
 
-from camtools.base.errors import CamtoolsError, GeometryError, InputError
-from camtools.base.number_table import NumberTable, read_whole_table
+from camtools.base.errors import GeometryError
 from camtools.base.quantities import UM_PER_MM, Floats, rounded_up
 from camtools.base.text import Json
-from camtools.part.model import MAX_HEIGHT_MM
+from camtools.skirt.geometry.outliers import REMEDY_OF_OUTLIERS, outliers
 from camtools.skirt.geometry.poly_surface import N_ANGLE, N_HEIGHT, Knots, PolySurface
 from camtools.skirt.geometry.profile import constant_spline
+from camtools.skirt.geometry.section_file import (
+    MAX_REDUCTION_MM,
+    MIN_ANGLES,
+    Sections,
+    parse_sections,
+    read_scan_text,
+)
 from camtools.skirt.part.curves import Overshoot, through
 from camtools.skirt.part.keys import SectionShape
 from camtools.table.points import gaps_after
-
-HEADER = "angle_deg,z_mm,reduction_um"
-MIN_ANGLES, MAX_POINTS = 12, 200_000
-MAX_REDUCTION_MM = 15.0
-MAX_RADIUS_MM = 2000.0
-_RADIUS = "radius_mm"
-_MM_PER_UNIT = {"reduction_um": 1e-3, "reduction_mm": 1.0, _RADIUS: 1.0}
-_SAME_MM = 1e-6  # at 0 and at 360 degrees
-_MAX_BYTES = 100 * MAX_POINTS  # a line of three numbers with all their digits
-
-
-class Sections(NamedTuple):
-    """Sections as they were measured, each at its own angles."""
-
-    z_mm: Floats  # shape (m,); heights, rising
-    angles_deg: tuple[Floats, ...]  # of each height the drawing's angles, rising, 0 .. 360
-    values_mm: tuple[Floats, ...]  # .. and what was measured there
-    is_radius: bool = False  # values are radii; else reductions of the profile's radius
-
-
-def parse_sections(text: str, file: str) -> Sections:
-    """Return the sections of a text.
-
-    Raises InputError: with the line: wrong header, no numbers, a point twice, too few at a height.
-    """
-    table = NumberTable(text, file, MAX_POINTS)
-    kinds = {"angle": {"angle_deg": 1.0}, "height": {"z_mm": 1.0}, "value": _MM_PER_UNIT}
-    columns = table.columns(kinds, HEADER)
-    is_radius = columns[2].name == _RADIUS
-    values = table.values(columns)
-    _check_ranges(values, table, is_radius=is_radius)
-    points: dict[float, dict[float, float]] = {}
-    for row, (angle, z_mm, value_mm) in enumerate(values.T.tolist()):
-        section = points.setdefault(z_mm, {})
-        if angle in section:
-            raise table.refusal(row, "this point appears twice", "remove one of them")
-        section[angle] = value_mm
-    for z_mm, section in points.items():
-        _close(file, z_mm, section)
-    return _sections(file, points, is_radius=is_radius)
-
-
-def _check_ranges(values: Floats, table: NumberTable, *, is_radius: bool) -> None:
-    angle_deg, z_mm, value_mm = values
-    is_wrong = (angle_deg < 0) | (angle_deg > 360)
-    if is_wrong.any():
-        problem, remedy = "no angle of 0 .. 360", "give degrees from the long axis"
-        raise table.refusal(int(is_wrong.argmax()), problem, remedy)
-    least_mm, most_mm = (0.0, MAX_RADIUS_MM) if is_radius else (-MAX_REDUCTION_MM, MAX_REDUCTION_MM)
-    is_wrong = (value_mm < least_mm) | (value_mm > most_mm) | (np.abs(z_mm) > MAX_HEIGHT_MM)
-    if is_wrong.any():
-        problem = f"beyond {least_mm:g} .. {most_mm:g} mm or a height of {MAX_HEIGHT_MM:g} mm"
-        remedy = "give what the header names, the height in mm"
-        raise table.refusal(int(is_wrong.argmax()), problem, remedy)
-
-
-def _close(file: str, z_mm: float, section: dict[float, float]) -> None:
-    """Take 360 degrees as 0; both may be given where they agree."""
-    if 360.0 not in section:
-        return
-    end_mm = section.pop(360.0)
-    if abs(section.setdefault(0.0, end_mm) - end_mm) > _SAME_MM:
-        off_um = (end_mm - section[0.0]) * 1000
-        problem = f"360 degrees differ by {off_um:.6g} um from 0 degrees, which is the same point"
-        raise InputError(file, f"height {z_mm:g} mm", None, problem, "remove the wrong one")
-
-
-def _sections(file: str, points: dict[float, dict[float, float]], *, is_radius: bool) -> Sections:
-    counts = [(f"height {z_mm:g} mm", len(points[z_mm])) for z_mm in sorted(points)]
-    for place, n in counts or [("angle_deg", 0)]:
-        if n < MIN_ANGLES:
-            problem = f"has {n} angles, needs at least {MIN_ANGLES}"
-            raise InputError(file, place, None, problem, "measure more points per turn")
-    rows = [np.array(sorted(points[z_mm].items())).T for z_mm in sorted(points)]
-    angles, values = (tuple(row[k] for row in rows) for k in (0, 1))
-    return Sections(np.array(sorted(points)), angles, values, is_radius)
-
-
-def read_scan_text(path: Path) -> Sections:
-    """Return the sections of a file.
-
-    Raises CamtoolsError: it cannot be read, is no file or too large, or see `parse_sections`.
-    """
-    try:
-        text = read_whole_table(path, _MAX_BYTES)
-    except InputError as error:
-        raise CamtoolsError([f"piston.section.csv: {line}" for line in error.lines]) from error
-    return parse_sections(text, path.name)
-
 
 # a quintic by its value and two derivatives at both ends, and a cubic by value and slope
 _QUINTIC = np.array(
@@ -393,7 +308,7 @@ def measured_sections(
     Raises CamtoolsError: the file is no good, or its heights do not cover the profile's.
     """
     assert section.csv is not None
-    scan = read_scan_text(Path(section.csv))
+    scan = read_scan_text(Path(section.csv), section.centre)
     check_heights(scan.z_mm, ends_mm, is_single=section.single_height is True)
     found = reductions(scan, lambda z: np.asarray(radius(z), dtype=np.float64))
     check_gaps(found, section.overshoot_um)
@@ -451,11 +366,12 @@ def all_gaps(sections: Sections) -> list[Gap]:
 
 
 def coverage(sections: Sections) -> Json:
-    """Return what was measured, and the gaps in the angle that the curves bridge."""
+    """Return what was measured, the gaps in the angle that the curves bridge, and outliers."""
     return {
         "heights_mm": sections.z_mm.tolist(),
         "points": sum(angle.size for angle in sections.angles_deg),
         "gaps": [gap._asdict() for gap in all_gaps(sections)],
+        "outliers": [outlier._asdict() for outlier in outliers(sections)],
     }
 
 
@@ -471,19 +387,25 @@ def gaps_of(z_mm: float, angle_deg: Floats, values_mm: Floats) -> Iterator[Gap]:
         yield Gap(UM_PER_MM * float(beyond), z_mm, float(angle_deg[i]), to_deg)
 
 
-def check_scan(scan: Scan, section: SectionShape) -> None:
-    """Refuse sections whose curves over the height leave the points of two heights too far."""
+def check_scan(scan: Scan, section: SectionShape, sections: Sections) -> None:
+    """Refuse sections whose curves over the height leave the points of two heights too far.
+
+    `sections` are the points as they were measured; one that is off its neighbours is named.
+    """
     values_um = scan.reduction_mm * UM_PER_MM
     kind = joined_by(scan, section.interpolation)
     worst, i = overshoot_between(scan.z_mm, values_um, kind)
-    if worst.beyond > section.overshoot_um:
-        problem = (
-            f"between the heights {worst.low_mm:g} and {worst.high_mm:g} mm the section at "
-            f"{scan.angle_deg[i]:g} degrees goes {worst.beyond:.4g} um beyond both, at height "
-            f"{worst.z_mm:.6g} mm"
-        )
-        remedy = (
-            'set interpolation = "pchip", measure more heights, or allow it: overshoot_um = '
-            f"{rounded_up(worst.beyond):g}"
-        )
-        raise GeometryError("piston.section.interpolation", problem, remedy)
+    if worst.beyond <= section.overshoot_um:
+        return
+    problem = (
+        f"between the heights {worst.low_mm:g} and {worst.high_mm:g} mm the section at "
+        f"{scan.angle_deg[i]:g} degrees goes {worst.beyond:.4g} um beyond both, at height "
+        f"{worst.z_mm:.6g} mm"
+    )
+    allowing = f"allow it: overshoot_um = {rounded_up(worst.beyond):g}"
+    off = outliers(sections)
+    if off:
+        remedy = f"{REMEDY_OF_OUTLIERS}, or {allowing}"
+        raise GeometryError("piston.section.csv", f"{off[0].words}, and {problem}", remedy)
+    remedy = f'set interpolation = "pchip", measure more heights, or {allowing}'
+    raise GeometryError("piston.section.interpolation", problem, remedy)

@@ -34,7 +34,6 @@ from camtools.skirt.geometry.profile import (
 )
 from camtools.skirt.geometry.scan import (
     Scan,
-    Sections,
     check_heights,
     check_scan,
     gaps_of,
@@ -45,6 +44,7 @@ from camtools.skirt.geometry.scan import (
     scan_surface,
     waves_of,
 )
+from camtools.skirt.geometry.section_file import Sections
 from camtools.skirt.geometry.sections import ALL_AROUND_RAD, Law, SkirtSurface, law_of
 from camtools.skirt.geometry.sides import TurnedSurface, is_plain, sides_of, turn_of
 from camtools.skirt.part.curves import through
@@ -337,7 +337,7 @@ def _measured(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
     ends = float(heights[0]), float(heights[-1])
     sections = measured_sections(section, ends, radius)
     scan, joined_mm = joined(sections)
-    check_scan(scan, section)
+    check_scan(scan, section, sections)
     drawn = scan_surface(scan, factor, section.interpolation)
     off_um = UM_PER_MM * off_points_mm(drawn, sections, factor)
     geometry = Geometry(

@@ -254,6 +254,8 @@ class Ovality(_Drawn):
     _check_length = field_validator("ovality_mm")(as_long)
 
 
+PlaceMm = Annotated[float, Field(ge=-4000, le=4000)]
+CentreMm = Annotated[list[PlaceMm], Field(min_length=2, max_length=2)]
 MAX_DELETE = 6
 
 DeleteCount = Annotated[int, Field(ge=0, le=MAX_DELETE)]
@@ -360,6 +362,11 @@ class SectionShape(TomlTable):
         "units and separators](PISTONS.md#measured-sections-scan-and-replay); of points [any "
         "columns](TABLES.md#export-and-import)",
     )
+    centre_mm: Annotated[CentreMm | None, _TABLE] = Field(
+        None,
+        description="x and y of the part's axis in the coordinates of an [outline]"
+        "(PISTONS.md#measured-sections-scan-and-replay) `x_mm,y_mm`; without it 0, 0",
+    )
     harmonics: Annotated[int | None, _TABLE] = Field(
         None, ge=1, le=500, description="keeps waves up to this number per turn"
     )
@@ -426,6 +433,11 @@ class SectionShape(TomlTable):
         return self
 
     _beside_the_part = field_validator("csv")(beside_the_part)
+
+    @property
+    def centre(self) -> tuple[float, float] | None:
+        """Return x and y of the axis in the coordinates of an outline [mm]."""
+        return None if self.centre_mm is None else (self.centre_mm[0], self.centre_mm[1])
 
 
 class Antithrust(TomlTable):

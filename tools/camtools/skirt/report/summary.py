@@ -20,6 +20,7 @@ from camtools.measured.correction_step import round_text
 from camtools.part.common import Tool
 from camtools.part.smoothing import share_text
 from camtools.skirt.geometry.corner import Corner
+from camtools.skirt.geometry.outliers import Outlier
 from camtools.skirt.geometry.poly_surface import TURN_RAD, PolySurface, piecewise
 from camtools.skirt.geometry.profile import (
     noise_facts,
@@ -31,11 +32,11 @@ from camtools.skirt.geometry.profile import (
 )
 from camtools.skirt.geometry.run_in import CorrectedSurface, HeldSurface
 from camtools.skirt.geometry.scan import coverage
-from camtools.skirt.geometry.sections import SkirtSurface
+from camtools.skirt.geometry.sections import ALL_AROUND_RAD, SkirtSurface
 from camtools.skirt.geometry.sides import SidesSurface, TurnedSurface
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
 from camtools.skirt.part.curves import Piece
-from camtools.skirt.part.keys import Ovality, Profile
+from camtools.skirt.part.keys import GIVEN_BY_POINTS, Ovality, Profile
 from camtools.skirt.part.part_file import Piston, SkirtPart
 from camtools.skirt.table.accuracy import Accuracy
 from camtools.skirt.table.generate import GeneratedSkirt, peaks_of_table
@@ -206,6 +207,26 @@ def where_sides_meet(geometry: Geometry) -> Json | None:
     return {"meet": sides.meet, "step_um": sides.step_mm(z_mm[inside]) * 1000}
 
 
+_MOST_BEYOND_MM = 1e-3  # of the diameter, which noise may have
+
+
+def beyond_profile(geometry: Geometry) -> Json | None:
+    """Return where the drawn surface has most more diameter than the profile, and how much [mm]."""
+    z_mm = geometry.breaks_mm()
+    z_mm = z_mm[(z_mm >= geometry.skirt_mm[0]) & (z_mm <= geometry.skirt_mm[1])]
+    less = np.stack([geometry.drawing.delta(ALL_AROUND_RAD, float(z)).delta for z in z_mm])
+    more_mm = -(less + np.roll(less, less.shape[1] // 2, axis=1))
+    i, j = np.unravel_index(int(more_mm.argmax()), more_mm.shape)
+    if more_mm[i, j] <= _MOST_BEYOND_MM:
+        return None
+    return {
+        "diameter_mm": float(more_mm[i, j]),
+        "z_mm": float(z_mm[i]),
+        "angle_deg": float(np.degrees(ALL_AROUND_RAD[j % (ALL_AROUND_RAD.size // 2)])),
+        "is_inverted": bool(more_mm[i, j] > -more_mm.min()),  # it is hardly less anywhere
+    }
+
+
 def _piece(piece: Piece, scale: int) -> Json:
     return {
         "to_mm": piece.to_mm,
@@ -247,6 +268,8 @@ def _extras(result: GeneratedSkirt) -> Json:
     }
     known: Json = {name: facts_of(result.part.piston) for name, facts_of in facts.items()}
     known["sides"] = where_sides_meet(result.geometry)
+    if result.part.piston.section.shape in GIVEN_BY_POINTS:
+        known["beyond_profile"] = beyond_profile(result.geometry)
     extras |= {name: fact for name, fact in known.items() if fact}
     if result.geometry.correction is not None:
         extras["correction"] = result.geometry.correction.document()
@@ -306,6 +329,7 @@ def emit_text(summary: Json) -> str:
         + _profile_text(summary)
         + "".join(f"  {text} (overshoot_um)\n" for text in summary.get("overshoots", []))
         + _scan_text(summary)
+        + _beyond_text(summary)
         + _sides_text(summary)
         + _refit_text(summary)
         + _speed_text(summary)
@@ -411,7 +435,22 @@ def _scan_text(summary: Json) -> str:
             f"  the heights have different angles; splines join them within "
             f"{scan['joined_um']:.2g} um\n"
         )
+    if scan["outliers"]:
+        text += f"  caution: {Outlier(**scan['outliers'][0]).words}\n"
     return text
+
+
+def _beyond_text(summary: Json) -> str:
+    if "beyond_profile" not in summary:
+        return ""
+    found = summary["beyond_profile"]
+    text = (
+        f"the surface exceeds the profile's diameter by up to {found['diameter_mm']:.4g} mm, at "
+        f"{found['angle_deg']:g} degrees, height {found['z_mm']:g} mm"
+    )
+    if found["is_inverted"]:
+        text = f"caution: {text}; reductions are positive towards the axis"
+    return f"  {text}\n"
 
 
 def _covered_text(scan: Json) -> str:

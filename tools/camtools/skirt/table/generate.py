@@ -12,8 +12,8 @@ point; the format has 4096 per turn and the generator makes no channel above a m
 (True, True)
 """
 
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -24,6 +24,7 @@ from camtools.cut.correction import Correction
 from camtools.cut.feasibility import HighestSpeed, Peaks, drift_of, highest_speed, peaks_of
 from camtools.cut.passes import checked_passes, judge_passes, records_of
 from camtools.skirt.geometry.corner import refuse_deviation
+from camtools.skirt.geometry.outliers import REMEDY_OF_OUTLIERS, outliers
 from camtools.skirt.geometry.run_in import corrected, with_run
 from camtools.skirt.geometry.skirt_geometry import Geometry, keeping
 from camtools.skirt.part.part_file import SkirtPart
@@ -180,6 +181,20 @@ def _geometry_of(part: SkirtPart, passes: list[SkirtPart]) -> Geometry:
     return geometry
 
 
+@contextmanager
+def naming_outliers(geometry: Geometry) -> Iterator[None]:
+    """Add a line to a refusal of a measured part with a point that is off its neighbours."""
+    try:
+        yield
+    except CamtoolsError as error:
+        found = outliers(geometry.measured[0]) if geometry.measured is not None else []
+        if found:
+            line = f"piston.section.csv: {found[0].words}; {REMEDY_OF_OUTLIERS}"
+            error.lines = [line, *error.lines]
+            error.args = ("\n".join(error.lines),)
+        raise
+
+
 def generate(
     part: SkirtPart, tolerance_nm: float | None = None, correction: Correction | None = None
 ) -> GeneratedSkirt:
@@ -196,7 +211,15 @@ def generate(
     geometry = _geometry_of(part, passes)
     if correction is not None:
         geometry = corrected(geometry, correction)
-    process = part.process
+    with naming_outliers(geometry):
+        return _generated(part, geometry, passes, tolerance_nm)
+
+
+def _generated(
+    part: SkirtPart, geometry: Geometry, passes: list[SkirtPart], tolerance_nm: float | None
+) -> GeneratedSkirt:
+    """Return the table of a geometry, see `generate`."""
+    process, correction = part.process, geometry.correction
     heel = check_heel(geometry, part.tool, process.direction)
     air = with_run(geometry, process.run_in_mm, process.run_out_mm)
     tip = tip_geometry(air, part.tool)
