@@ -21,7 +21,10 @@ Each line has as many cells as the header names, or as the first line of numbers
 ...     table.values(table.columns({"lift": {"lift_mm": 1.0}}, "angle_deg,lift_mm"))
 ... except InputError as error:
 ...     str(error).split("; ")[0]
-"a.csv: line 2 = '0,1,5': has 3 cells, the header names 2"
+'a.csv: line 2: has 3 cells, the header names 2'
+
+A part file from somebody else may name any file of the reader's, a list of passwords for one: no
+error shows a line or a name of the file.
 """
 
 import csv
@@ -32,7 +35,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.base.errors import InputError, numbers_shown
+from camtools.base.errors import InputError
 from camtools.base.files import read_text
 from camtools.base.quantities import Floats
 
@@ -41,8 +44,8 @@ Units = Mapping[str, float]
 
 _COMMENTS = ("#", "//", "(*")
 _QUOTED_OR_NOTE = re.compile(r'(?<![^\s;,])(?:"(?:[^"]|"")*+"|//.*)')  # where a cell may begin
+_MOST = 1e12  # of a number in the unit of the reader: squares and sums of many stay finite
 _NOTHING = ' \t,;"'  # a line of nothing else is blank: a spreadsheet's empty row
-_MOST_SHOWN = 60
 
 
 def read_whole_table(path: Path, most_bytes: int) -> str:
@@ -56,8 +59,8 @@ def read_whole_table(path: Path, most_bytes: int) -> str:
     if last and not text.endswith(("\n", "\r")) and not last.lstrip().startswith(_COMMENTS):
         problem = "the file stops within this line, so it may have been cut short"
         remedy = "copy it again, or end the line if it is complete"
-        place, shown = f"line {len(text.splitlines())}", numbers_shown(last[-_MOST_SHOWN:])
-        raise InputError(path.name, place, shown, problem, remedy)
+        place = f"line {len(text.splitlines())}"
+        raise InputError(path.name, place, None, problem, remedy)
     return text
 
 
@@ -185,7 +188,8 @@ class NumberTable:
     def values(self, columns: Sequence[Column]) -> Floats:
         """Return numbers in the units of the reader, shape (columns, rows).
 
-        Raises InputError with the line: too many or too few cells, or a number is not finite.
+        Raises InputError with the line: too many or too few cells, or a number is not finite, or
+        above _MOST.
         """
         places = [column.place for column in columns]
         rows: list[list[float]] = []
@@ -198,10 +202,10 @@ class NumberTable:
         with np.errstate(over="ignore"):
             units = np.array([column.per_unit for column in columns])
             found: Floats = np.array(rows, dtype=np.float64).reshape(-1, len(places)) * units
-        wrong = np.argwhere(~np.isfinite(found))
+        wrong = np.argwhere(~(np.abs(found) <= _MOST))
         if wrong.size:
             row, column = (int(k) for k in wrong[0])
-            raise self._no_number(row, columns[column])
+            raise self._no_number(row, columns[column], is_finite=np.isfinite(rows[row][column]))
         return found.T
 
     def _checked(self, row: int, line: str) -> list[str]:
@@ -219,13 +223,16 @@ class NumberTable:
         has = "1 cell" if len(cells) == 1 else f"{len(cells)} cells"
         raise self.refusal(row, f"has {has}, {expected}", remedy)
 
-    def _no_number(self, row: int, column: Column) -> InputError:
+    def _no_number(self, row: int, column: Column, *, is_finite: bool) -> InputError:
         name = f" ({self.names[column.place]})" if self.names else ""
+        cell = f"cell {column.place + 1}{name}"
+        if is_finite:
+            most = _MOST / abs(column.per_unit)
+            return self.refusal(row, f"{cell} is beyond {most:.6g}", "correct the number")
         sign = "a point" if self._separator == "," else "a point or a comma"
-        problem = f"cell {column.place + 1}{name} is no finite number"
-        return self.refusal(row, problem, f"write a number there, decimals with {sign}")
+        remedy = f"write a number there, decimals with {sign}"
+        return self.refusal(row, f"{cell} is no finite number", remedy)
 
     def refusal(self, row: int, problem: str, remedy: str) -> InputError:
-        """Return the error of a row; its text is shown if nothing but numbers is in it."""
-        shown = numbers_shown(self.rows[row][:_MOST_SHOWN])
-        return InputError(self.file, f"line {self.lines[row]}", shown, problem, remedy)
+        """Return the error of a row."""
+        return InputError(self.file, f"line {self.lines[row]}", None, problem, remedy)

@@ -75,7 +75,7 @@ def read_spreads(data: bytes, file: str) -> Mapping[str, Spread]:
     for table, keys in read_tree(data, file).items():
         if not isinstance(keys, dict) or not keys:
             problem = "not a table of a machine file"
-            raise InputError(file, table, keys, problem, "write [TABLE.KEY], as [u.bandwidth_hz]")
+            raise InputError(file, table, None, problem, "write [TABLE.KEY], as [u.bandwidth_hz]")
         for name, content in keys.items():
             key = f"{table}.{name}"
             if not isinstance(content, dict):
