@@ -167,7 +167,7 @@ camsim run \\
 
 def test_pages_are_read_as_a_shell_does() -> None:
     """Settings, notes, redirections and brackets are no words; lines may continue."""
-    found = [f"{one.line} {' '.join(one.words)}" for one in commands_of("a.md", PAGE)]
+    found = [f"{one.line} {' '.join(one.words)}" for one in commands_of("README.md", PAGE)]
     assert found == ["2 tools/run x", "3 cp a b", "3 kill %1", "6 camsim run --feed 1", "9 tools/x"]
 
 
