@@ -102,7 +102,7 @@ LATE = "[u.delay_us]\ndistribution = "
         ("[u\n", "v.toml: not TOML"),
         ("", "v.toml: 0 numbers to vary; give 1 .. 100"),
         ("u = 1\n", "v.toml: u: not a table of a machine file; write [TABLE.KEY]"),
-        ("[u]\ndelay_us = 1\n", "v.toml: u.delay_us = 1: not a table; write [u.delay_us]"),
+        ("[u]\ndelay_us = 1\n", "v.toml: u.delay_us: not a table; write [u.delay_us]"),
         ('[u.x]\ndistribution = "uniform"\nlow = 0\nhigh = 1\n', "u.x: not a number of a machine"),
         (LATE + '"flat"\n', "u.delay_us.distribution = 'flat'"),
         (LATE + '"uniform"\nlow = 0\n', "u.delay_us.high: is missing"),

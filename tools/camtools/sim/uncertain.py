@@ -80,7 +80,7 @@ def read_spreads(data: bytes, file: str) -> Mapping[str, Spread]:
             key = f"{table}.{name}"
             if not isinstance(content, dict):
                 problem = "not a table"
-                raise InputError(file, key, content, problem, f"write [{key}] and its keys below")
+                raise InputError(file, key, None, problem, f"write [{key}] and its keys below")
             try:
                 spreads[key] = validated(Spread, content, file, {})
             except CamtoolsError as error:
