@@ -70,7 +70,7 @@ typedef enum {
     X(lost_counts, "encoder counts lost or gained between two index edges")                        \
     X(index_missing, "no index edge where one was due")                                            \
     X(reverse, "spindle turns against the sense of cutting")                                       \
-    X(spindle_stopped, "the spindle does not turn")                                                \
+    X(spindle_stopped, "the spindle does not turn in the sense of cutting")                        \
     X(overspeed, "spindle faster than this table allows")                                          \
     X(following_error, "U does not follow")                                                        \
     X(setpoint_speed, "U set-point moves faster than U can")                                       \

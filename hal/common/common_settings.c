@@ -34,6 +34,12 @@ bool common_settings_refuse(const common_settings_t *s, const char *section, con
     return refuse_line(s, "%.40s.%.40s = %.*s: %s", section, key, s->value_width, text, why);
 }
 
+bool common_settings_refuse_key(const common_settings_t *s, const char *section, const char *key,
+                                const char *why)
+{
+    return refuse_line(s, "%.40s.%.40s: %s", section, key, why);
+}
+
 /// @return [characters] before the first of the characters `ends` outside quotes
 static size_t before(const char *text, const char *ends)
 {

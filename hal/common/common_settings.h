@@ -72,6 +72,11 @@ bool common_settings_read(common_settings_t *s, FILE *stream);
 bool common_settings_refuse(const common_settings_t *s, const char *section, const char *key,
                             const char *text, const char *why);
 
+/// Refuse a key, perhaps of a file of another kind, whose values nobody should see:
+/// "FILE:LINE: section.key: why". @return false
+bool common_settings_refuse_key(const common_settings_t *s, const char *section, const char *key,
+                                const char *why);
+
 /// Convert a TOML number without underscores; true is 1, false is 0.
 bool common_settings_number(const char *text, double *value);
 

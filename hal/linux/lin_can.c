@@ -60,7 +60,8 @@ static bool check_interface(lin_can_t *can, bool is_fd, common_error_t *e)
     }
     if ((request.ifr_flags & IFF_UP) == 0) {
         errno = ENETDOWN;
-        return refuse(can, "set its bit rate and bring it up with `ip link set up`", e);
+        return refuse(can,
+                      "bring the interface up: ip link set .. up, with the bit rate of the bus", e);
     }
     if (ioctl(can->fd, SIOCGIFMTU, &request) == 0 && is_fd && request.ifr_mtu != (int)CANFD_MTU) {
         errno = EMSGSIZE;

@@ -215,8 +215,8 @@ static bool take_other(const common_settings_t *s, const char *section, const ch
         others->is_name_seen = true;
         return true;
     }
-    return common_settings_refuse(s, section, key, text,
-                                  "unknown; see host_sim/machines/default.toml for all keys");
+    return common_settings_refuse_key(s, section, key,
+                                      "unknown; see host_sim/machines/default.toml for all keys");
 }
 
 /// Refuse an unknown key of [believed.SECTION]; skip the keys already read.

@@ -4,6 +4,8 @@ Times are asserted in virtual time only; figures are printed (tests/linux/run -s
 """
 
 import csv
+import re
+import shutil
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -14,6 +16,7 @@ import pytest
 from numpy.typing import NDArray
 
 from tests.linux.kernel import InProcess, Kernel, Result
+from tests.tools.cases.part_cases import ROOT, TableOf
 
 pytest_plugins = ["tests.linux.linux_fixtures"]
 pytestmark = pytest.mark.kernel
@@ -180,6 +183,45 @@ def test_own_tests_of_the_port_pass_there(kernel: Kernel, tmp_path: Path) -> Non
     assert process.returncode == 0, said
     suite = next(ElementTree.parse(report).getroot().iter("testsuite"))
     assert int(suite.get("tests", "0")) > 0 and suite.get("skipped") == "0"
+
+
+# Root needs no sudo; here vcan0 is there already, and programs are not built.
+SHELL = f"""\
+set -m
+sudo() {{ "$@"; }}
+modprobe() {{ ip link del vcan0; }}
+tools/mktables() {{ :; }}
+tools/camctl() {{ {sys.executable} -m camtools.cli.camctl "$@"; }}
+"""
+
+
+@pytest.mark.long
+def test_first_steps_of_the_manual_cut(kernel: Kernel, table_of: TableOf, tmp_path: Path) -> None:
+    """The commands of hal/linux/README.md, at the pace of people: a cut begins and is ended."""
+    for name in ("tools", "tests", "build/linux"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).symlink_to(ROOT / name)
+    shutil.copytree(table_of("perkins240").parent, tmp_path / "build" / "parts")
+    desk = (ROOT / "hal/linux/desk.toml").read_text()
+    (tmp_path / "hal/linux").mkdir(parents=True)  # a late tick would end the cut
+    (tmp_path / "hal/linux/desk.toml").write_text(desk.replace("priority = 0 ", "priority = 50 "))
+    section = (ROOT / "hal/linux/README.md").read_text().split("\n## First steps\n")[1]
+    steps = re.findall(r"^    (.*)$", section.split("\n## ")[0], re.MULTILINE)
+    steps.insert(-2, "tools/camctl status")
+    script = tmp_path / "steps.sh"
+    script.write_text(f"cd {tmp_path}\n{SHELL}" + "".join(f"{step}\nsleep 2\n" for step in steps))
+    process = kernel.start(tmp_path, "bash", str(script))
+    said, _ = process.communicate()
+    assert process.returncode == 0, said
+    for words in (
+        "speed = 300 r/min",
+        "home: ready",
+        "state             cutting",
+        " 202 ",
+        " 185 ",
+    ):
+        assert words in said, said
+    assert "port: ended by a signal" in said.split("state             cutting")[1]
 
 
 @pytest.mark.long

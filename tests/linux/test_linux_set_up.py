@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from camtools.base.errors import CamtoolsError
+from camtools.link.bus import open_bus
 from tests.linux.port_cases import (
     ENABLE,
     ENABLE_LINE,
@@ -42,6 +44,8 @@ from tests.linux.port_nodes import (
     raw_socket,
     wait_until,
 )  # fmt: skip
+from tests.tools.cases.camsim_cases import camsim
+from tests.tools.cases.part_cases import TableOf
 
 pytest_plugins = ["tests.linux.port_fixtures"]
 pytestmark = needs_kernel
@@ -133,7 +137,9 @@ def test_unavailable_lines_are_reported(program: Path, tmp_path: Path, nodes: No
     assert f"gpio.enable: line {ENABLE_LINE} of /dev/{CHIP} is in use by gpioset" in words
 
 
-def test_unavailable_interfaces_are_reported(program: Path, tmp_path: Path, nodes: Nodes) -> None:
+def test_unavailable_interfaces_are_reported(
+    program: Path, tmp_path: Path, nodes: Nodes, table_of: TableOf
+) -> None:
     """No such interface, one that is no CAN, one that is down."""
     config = tmp_path / "machine.toml"
     text = config_text(tmp_path / "none", {}, Setup()).replace("tick_hz = 1000", "tick_hz = 500")
@@ -146,7 +152,11 @@ def test_unavailable_interfaces_are_reported(program: Path, tmp_path: Path, node
     assert "lo: not a CAN interface" in say("lo")
     subprocess.run(["ip", "link", "set", CAN, "down"], check=True)
     try:
-        assert f"{CAN}: set its bit rate and bring it up" in say(CAN)
+        assert f"{CAN}: bring the interface up: ip link set .. up" in say(CAN)
+        with pytest.raises(CamtoolsError, match=f"{CAN}: .* is down.*; bring the interface up: ip"):
+            open_bus({"interface": "socketcan", "channel": CAN})
+        machine = camsim("bus", table_of("perkins240"), "--can", CAN, "--gpiochip", CHIP)
+        assert f"--can {CAN}: Network is down; bring the interface up" in machine.stderr
     finally:
         subprocess.run(["ip", "link", "set", CAN, "up"], check=True)
 

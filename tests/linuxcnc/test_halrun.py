@@ -132,7 +132,7 @@ def test_table_is_changed_while_hal_runs(box: Halbox, table_of: TableOf) -> None
 
 def names_in_documents() -> set[str]:
     """Return what documents and samples name: camturn.NAME, and `NAME` in tables of pins."""
-    files = [*HERE.glob("*.md"), *HERE.glob("*/*.hal")]
+    files = [*HERE.glob("*.md"), HERE.parent / "RETROFIT.md", *HERE.glob("*/*.hal")]
     named = {name for file in files for name in re.findall(IN_HAL, file.read_text())}
     pins = (HERE / "README.md").read_text().split("## Pins")[1].split("**Parameters**")[0]
     rows = re.findall(r"^\|([^|]*)\|", pins + (HERE / "ETHERCAT.md").read_text(), re.MULTILINE)

@@ -1246,7 +1246,7 @@ struct camturn_state_t {
     uint8_t fault_reverse;
 
     /**
-     * The spindle does not turn.
+     * The spindle does not turn in the sense of cutting.
      *
      * Range: 0..1 (0..1 -)
      * Scale: 1

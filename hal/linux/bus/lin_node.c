@@ -9,7 +9,7 @@ const char *lin_loss_text(lin_loss_t loss)
     static const char *const texts[] = {
         [lin_loss_none] = "all nodes are heard",
         [lin_loss_bus_off] = "bus-off",
-        [lin_loss_interface_down] = "the interface is down",
+        [lin_loss_interface_down] = "the interface is down; bring it up: ip link set .. up",
         [lin_loss_overflow] = "received frames were lost",
         [lin_loss_send] = "a frame could not be sent",
         [lin_loss_other_controller] = "another controller sends on this bus",

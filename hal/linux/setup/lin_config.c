@@ -150,8 +150,9 @@ static bool take_other(const common_settings_t *s, const char *section, const ch
                        const char *text)
 {
     static const char retired[] = "switch_";
+    (void)text;
     if (strcmp(section, "gpio") != 0 || strncmp(key, retired, sizeof retired - 1u) != 0) {
-        return common_settings_refuse(s, section, key, text, "unknown key; correct or remove it");
+        return common_settings_refuse_key(s, section, key, "unknown key; correct or remove it");
     }
     ((lin_config_t *)s->into)->has_retired = true;
     return true;

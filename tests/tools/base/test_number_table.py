@@ -207,18 +207,19 @@ REFUSED = [
     ("angle_deg,lift\n", "line 1: needs one column of the lift: lift_mm, lift_um; has none"),
     ("angle_deg,lift_mm,lift_um\n", "has lift_mm, lift_um; rename all but one of them"),
     ("angle_deg,lift_mm,Lift_mm\n", "has lift_mm, lift_mm; rename all but one of them"),
-    (f"{HEADER}\n0,1\n0,2,2\n", "line 3 = '0,2,2': has 3 cells, the header names 2; separate by s"),
-    (f"{HEADER}\n0,2,2,176\n", "line 2 = '0,2,2,176': has 4 cells, the header names 2; separate"),
-    (f"{HEADER}\n\n#\n0\n", "line 4 = '0': has 1 cell, the header names 2"),
+    (f"{HEADER}\n0,1\n0,2,2\n", "line 3: has 3 cells, the header names 2; separate by s"),
+    (f"{HEADER}\n0,2,2,176\n", "line 2: has 4 cells, the header names 2; separate"),
+    (f"{HEADER}\n\n#\n0\n", "line 4: has 1 cell, the header names 2"),
     ("angle_deg;lift_mm\n0,1\n", "has 1 cell, the header names 2; separate the cells as in line 1"),
-    (f"{HEADER}\n0;1\n", "line 2 = '0;1': has 1 cell, the header names 2"),
+    (f"{HEADER}\n0;1\n", "line 2: has 1 cell, the header names 2"),
     ("angle_deg\tlift_mm\tnote\n0\t1\ta b\tc\n", "line 2: has 4 cells, the header names 3"),
-    (f"{HEADER}\n0,nan\n", "line 2 = '0,nan': cell 2 (lift_mm) is no finite number; write"),
-    (f"{HEADER}\n-inf,1\n", "line 2 = '-inf,1': cell 1 (angle_deg) is no finite number"),
-    (f"{HEADER}\n0,\n", "line 2 = '0,': cell 2 (lift_mm) is no finite number"),
-    (f'{HEADER}\n"0","0,5"\n', 'line 2 = \'"0","0,5"\': cell 2 (lift_mm) is no finite number'),
-    ("angle_deg,lift_um\n0,1e30\n1,1e309\n", "line 3 = '1,1e309': cell 2 (lift_um) is no"),
-    (f"{HEADER}\n0,-1e308\n", "line 2 = '0,-1e308': cell 2 (lift_mm) is beyond 1e+30; write a"),
+    (f"{HEADER}\n0,nan\n", "line 2: cell 2 (lift_mm) is no finite number; write"),
+    (f"{HEADER}\n-inf,1\n", "line 2: cell 1 (angle_deg) is no finite number"),
+    (f"{HEADER}\n0,\n", "line 2: cell 2 (lift_mm) is no finite number"),
+    (f'{HEADER}\n"0","0,5"\n', "line 2: cell 2 (lift_mm) is no finite number"),
+    ("angle_deg,lift_um\n0,1\n1,1e309\n", "line 3: cell 2 (lift_um) is no finite number"),
+    ("angle_deg,lift_um\n0,1e15\n1,-1e308\n", "line 3: cell 2 (lift_um) is beyond 1e+15; c"),
+    (f"{HEADER}\n1.1D12,0\n", "line 2: cell 1 (angle_deg) is beyond 1e+12; correct the number"),
     (f"{HEADER}\n0,1.2.3\n", "a number there, decimals with a point"),
     ("angle_deg lift_mm\n0 1.2.3\n", "a number there, decimals with a point or a comma"),
     (f"{HEADER}\n0,word\n", "line 2: cell 2 (lift_mm) is no finite number"),
@@ -228,7 +229,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("text", "message"), REFUSED)
 def test_bad_tables_are_refused(text: str, message: str) -> None:
-    """One line with file, line, content, problem and remedy."""
+    """One line with file, line, problem and remedy."""
     with pytest.raises(InputError) as caught:
         table = NumberTable(text, "a.csv", 8)
         table.values(table.columns(KINDS, HEADER))
@@ -240,8 +241,21 @@ def test_lines_without_header_have_as_many_cells_as_the_first() -> None:
     """Its line is named."""
     table = NumberTable("#\n0 1\n1 2 3\n", "a.csv", 8)
     assert (table.names, table.n_columns, table.place) == ([], 2, "line 2")
-    with pytest.raises(InputError, match=r"line 3 = '1 2 3': has 3 cells, line 2 has 2; separ"):
+    with pytest.raises(InputError, match=r"line 3: has 3 cells, line 2 has 2; separ"):
         table.values([Column(0)])
+
+
+@pytest.mark.parametrize("name", list(READERS))
+@pytest.mark.filterwarnings("error")
+def test_numbers_beyond_any_use_are_refused(name: str) -> None:
+    """With line, cell and limit, before anything overflows."""
+    reader = READERS[name]
+    for place, column in enumerate(reader.header.split(",")):
+        rows = [[*row] for row in reader.rows]
+        rows[5][place] = "-1e308"
+        message = rf"line 7: cell {place + 1} \({column}\) is beyond [\d.e+]+; correct the number"
+        with pytest.raises(InputError, match=message):
+            reader.read(f"{reader.header}\n{text_of(rows)}", "a.csv")
 
 
 SECRET = "operator,hunter2,7031"
@@ -259,13 +273,17 @@ def test_no_word_of_a_foreign_file_is_shown(name: str, tmp_path: Path) -> None:
         f"7031 4711 12\n{SECRET}\n",
         f"{header}\n{good}{SECRET}\n",
         f"{header}\n{good}1,2,x\n",
+        "40007031",
+        f"7031,{'4711' * 40}",
+        f"{header}\n{good}40007031\n",
+        f"{header}\n7031,1e40007031,4711\n",
     ):
         path.write_text(text)
         with pytest.raises(InputError) as info:
             reader.read(read_whole_table(path, 10**6), "given.csv")
         [line] = info.value.lines
         assert line.startswith("given.csv: ") and ";" in line
-        assert not any(word in line for word in ("operator", "hunter2", "7031", "4711", "x'"))
+        assert not any(word in line for word in ("operator", "hunter2", "7031", "4711"))
 
 
 TOML: dict[str, Callable[[bytes], object]] = {
@@ -305,16 +323,14 @@ def test_binaries_are_not_taken_for_utf16(data: bytes) -> None:
         utf8_text(data, "a.bin")
 
 
-@pytest.mark.parametrize(
-    ("end", "shown"), [("1,2.5", "line 2 = '1,2.5'"), ("1,2.5,secret", "line 2"), ("# 1", None)]
-)
+@pytest.mark.parametrize(("end", "is_read"), [("1,2.5", False), ("secret", False), ("# 1", True)])
 def test_tables_that_stop_within_a_line_are_refused(
-    tmp_path: Path, end: str, shown: str | None
+    tmp_path: Path, end: str, is_read: bool
 ) -> None:
     """A number may have lost digits, a comment has no numbers."""
     (tmp_path / "a.csv").write_text(f"{HEADER}\n{end}")
-    if shown is None:
+    if is_read:
         assert read_whole_table(tmp_path / "a.csv", 100).endswith(end)
         return
-    with pytest.raises(InputError, match=f"^a.csv: {shown}: the file stops within this line"):
+    with pytest.raises(InputError, match=r"^a.csv: line 2: the file stops within this line"):
         read_whole_table(tmp_path / "a.csv", 100)

@@ -24,11 +24,15 @@ BUILD = (ROOT / (os.environ.get("CAMTURN_BUILD") or "build/host")).resolve()
 CAMSIM = Path(os.environ.get("CAMTURN_CAMSIM") or BUILD / "host_sim" / "camsim")
 
 
-def camsim(*words: str | Path, stdin: str = "") -> subprocess.CompletedProcess[str]:
+def camsim(
+    *words: str | Path, stdin: str = "", cwd: Path | None = None
+) -> subprocess.CompletedProcess[str]:
     """Run camsim with some words on its command line."""
     assert CAMSIM.exists(), f"{CAMSIM} is missing: build the preset host, or let tools/test do it"
     command = [str(CAMSIM), *map(str, words)]
-    return subprocess.run(command, input=stdin, capture_output=True, text=True, check=False)
+    return subprocess.run(
+        command, input=stdin, capture_output=True, text=True, check=False, cwd=cwd
+    )
 
 
 def cut(

@@ -90,10 +90,10 @@ def test_excitation_needs_ready(bench: Bench, wave: Path, tmp_path: Path, refusa
     assert "wave length" in refusal(bench, 1, f"excite {short} {record}")
     for text, why in (
         ("", "no heading u_nm or force_mn"),
-        ("force_mn\n0.5\n", "line 2: 0.5: give a whole number of mN"),
+        ("force_mn\n0.5\n", "line 2: no whole number of mN"),
         ("force_mn\n", "one per line after force_mn"),
         ("u_nm\n", "no samples"),
-        ("u_nm\nx\n", "line 2: x"),
+        ("u_nm\nx\n", "line 2: no whole number of nm"),
     ):
         short.write_text(text)
         assert why in refusal(bench, 2, f"excite {short} {record}")

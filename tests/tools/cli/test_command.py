@@ -1,6 +1,7 @@
 """What all command lines share: a signal is a signal, whatever a library makes of it."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -15,6 +16,7 @@ import numpy as np
 import pytest
 
 from camtools.base.command import run_command
+from camtools.base.errors import CamtoolsError
 from camtools.base.signals import signals_held
 from tests.tools.cases.part_cases import Capture
 
@@ -65,6 +67,31 @@ def test_no_warning_of_python_is_shown(capsys: Capture) -> None:
     assert not shown and capsys.readouterr() == ("", "")
     with pytest.raises(RuntimeWarning):
         run_command("demo", _warns)
+
+
+@pytest.mark.parametrize(
+    ("lines", "end"),
+    [
+        ([f"a.toml: {'k' * 99_999}: unknown key; remove it"], "kkk: unknown key; remove it"),
+        ([f"a.toml: key_{i}: unknown key; remove it" for i in range(3000)], " more"),
+        (["a.toml: b.csv: " + "\x1b[2J" * 9999 + "; remove it"], "; remove it"),
+    ],
+)
+def test_an_error_is_short(lines: list[str], end: str, capsys: Capture) -> None:
+    """Place and remedy stay, of many lines their number; an error in another keeps both."""
+
+    def act() -> NoReturn:
+        try:
+            raise CamtoolsError(lines)
+        except CamtoolsError as error:
+            raise CamtoolsError([f"part: {line}" for line in error.lines]) from error
+
+    assert run_command("demo", act) == 2
+    text = capsys.readouterr().err
+    assert len(text) < 2500
+    assert text.startswith("demo: part: a.toml: ") and text.endswith(f"{end}\n")
+    counted = text.count("remove it") + sum(map(int, re.findall(r"and (\d+) more", text)))
+    assert counted == len(lines)
 
 
 def test_a_signal_that_is_held_ends_the_command_afterwards(capsys: Capture) -> None:

@@ -12,11 +12,15 @@ from pathlib import Path
 import pytest
 
 from camtools.cli.camctl import main as camctl
+from camtools.cli.camctl_control import refuse_fault
 from camtools.cli.live import main as live_main
 from camtools.link.live_lathes import LiveLathe, live_lathes, only_lathe
+from camtools.link.messages import Refused
+from camtools.link.status_text import report
 from checks.patience import until
 from tests.tools.cases.background import Background, background, python
 from tests.tools.cases.command_cases import complaint
+from tests.tools.cases.live_cases import live_case
 from tests.tools.cases.part_cases import ROOT, Capture, TableOf
 
 PART = ROOT / "tools" / "parts" / "perkins240.toml"
@@ -196,3 +200,18 @@ def test_what_is_wrong_leaves_nothing(words: list[str], said: str, capfd: Captur
     """Status 2, and no process was kept."""
     line = complaint(live_main, [str(PART), *words], capfd)
     assert line.startswith(said), line
+
+
+def test_a_spindle_that_turns_backwards_is_named(tmp_path: Path) -> None:
+    """Homing ends with its speed; the status has the keys that mend it."""
+    with live_case(tmp_path, "--speed-up", "5") as case:
+        case.lathe.type("reverse")
+        case.order("home", "fault")
+        link = case.link
+        with pytest.raises(
+            Refused, match=r"^fault: spindle_stopped \(the spindle turns at -\d+ r/m"
+        ):
+            refuse_fault(link)
+        text = "\n".join(report(link.listen()))
+    assert "spindle_stopped: The spindle does not turn in the sense of cutting. Check" in text
+    assert "reverse its drive, or change encoder_sign, or process.direction of the part." in text

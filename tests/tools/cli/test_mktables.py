@@ -71,7 +71,7 @@ def bad_parts() -> dict[str, tuple[bytes, str]]:
     good = PERKINS.read_bytes()
     return {
         "binary": (b"\xff\x00", "not UTF-8"),
-        "unknown": (good + b"[extra]\n", "extra = {}"),
+        "unknown": (good + b"[extra]\n", "extra: unknown key; remove it"),
         "slow": (good.replace(b"= 400", b"= 10"), "machine.limits.u_speed_mm_s = 10 mm/s"),
         "short": (good.replace(b"= 1.2", b"= 0.1"), "machine.limits.u_stroke_mm = 0.1 mm"),
         "fast": (good.replace(b"= 2500", b"= 3001"), "machine.limits.spindle_rpm = 3000 r/min"),

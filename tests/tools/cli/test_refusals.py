@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.tools.cases.command_cases import complaint
+from tests.tools.cases.command_cases import command, complaint
 from tests.tools.cases.part_cases import PERKINS, listing
 
 # A command and its first words; then the words that it refuses, and what its line contains.
@@ -109,3 +109,40 @@ def test_what_is_wrong_is_one_line(
     line = complaint(import_module(f"camtools.cli.{name}").main, given, capsys)
     assert line.startswith(f"{name}: ") and message in line
     assert listing(tmp_path) == []
+
+
+SECRETS = {
+    "token": "hunter2",
+    "line": "hunter2\n",
+    "settings": 'user = "hunter2"\nhunters = ["hunter2"]\n',
+    "section": '[user]\nname = "hunter2"\n',
+    "json": '{"token":"hunter2","a":1}',
+    "columns": "name;word\na;hunter2\n",
+}
+NAMED = [
+    "mktables FILE -o out",
+    "mktables {parts}/perkins240.toml --measured FILE -o out",
+    "run {parts}/perkins240.toml --machine FILE -o out",
+    "identify --record FILE",
+    "tune FILE",
+    "tune --record FILE",
+    "forecast {parts}/perkins240.toml --vary FILE -o out",
+    "camctl -i virtual -c named params load FILE",
+    "camctl -i virtual -c named learned load FILE",
+    "camctl -i virtual -c named table download FILE",
+    "camctl -i virtual -c named excite FILE out.csv",
+]
+
+
+@pytest.mark.parametrize("secret", list(SECRETS))
+@pytest.mark.parametrize("words", NAMED)
+def test_nothing_of_a_wrong_file_is_shown(
+    words: str, secret: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Somebody names a file of another kind; the terminal's log may be public."""
+    monkeypatch.chdir(tmp_path)
+    Path("FILE").write_text(SECRETS[secret])
+    name, *rest = words.format(parts=PERKINS.parent).split()
+    done = command(f"camtools.cli.{name}", *rest)
+    assert done.returncode == 2 and done.stderr
+    assert "hunter2" not in done.stdout + done.stderr

@@ -101,8 +101,8 @@ LATE = "[u.delay_us]\ndistribution = "
     [
         ("[u\n", "v.toml: not TOML"),
         ("", "v.toml: 0 numbers to vary; give 1 .. 100"),
-        ("u = 1\n", "v.toml: u = 1: not a table of a machine file; write [TABLE.KEY]"),
-        ("[u]\ndelay_us = 1\n", "v.toml: u.delay_us = 1: not a table; write [u.delay_us]"),
+        ("u = 1\n", "v.toml: u: not a table of a machine file; write [TABLE.KEY]"),
+        ("[u]\ndelay_us = 1\n", "v.toml: u.delay_us: not a table; write [u.delay_us]"),
         ('[u.x]\ndistribution = "uniform"\nlow = 0\nhigh = 1\n', "u.x: not a number of a machine"),
         (LATE + '"flat"\n', "u.delay_us.distribution = 'flat'"),
         (LATE + '"uniform"\nlow = 0\n', "u.delay_us.high: is missing"),
@@ -114,7 +114,7 @@ LATE = "[u.delay_us]\ndistribution = "
         (LATE + '"normal"\nsd = 1\nlow = 200\nhigh = 300\n', "leaves 0 of the distribution"),
         (LATE.replace("delay_us", "mode_hz") + '"normal"\nof = "nominal"\nsd = 0.1\n',
          "u.mode_hz.of = 'nominal': is 0 on this machine"),
-        (LATE + '"normal"\nsd = 1\nwidth = 1\n', "u.delay_us.width = 1: unkn"),
+        (LATE + '"normal"\nsd = 1\nwidth = 1\n', "u.delay_us.width: unkn"),
     ],
 )  # fmt: skip
 def test_bad_files_are_refused_in_one_line(text: str, told: str) -> None:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.quantities import Floats
@@ -191,6 +192,16 @@ def test_units_are_those_of_the_header() -> None:
     assert constants_of(np.array([1e3, 0.7, 3e-4, 0.0]), "command_v")["gain um/V"] == 1000
 
 
+def test_record_without_a_natural_frequency_reports_none() -> None:
+    """A lag of first order, 1 ms: its second-order term has either sign."""
+    u = white_noise(18, 8192) * 1e-9
+    y = lfilter([1 - np.exp(-0.1)], [1, -np.exp(-0.1)], u) + white_noise(19, 8192) * 1e-12
+    record = ForeignRecord(RATE_HZ, u, y, "command_m")
+    found = named(identify_record(record), record)
+    assert found.keys() == {"gain", "k1 ns", "k2 us2", "delay ns"}
+    assert found["k1 ns"][0] == pytest.approx(1e6, rel=0.01)
+
+
 GOOD = ["time_ms;Command_mm;position_um"] + [f"{i / 10};{i % 7},5;{i % 5}" for i in range(2000)]
 
 
@@ -206,10 +217,13 @@ def text_with(line: int, content: str) -> str:
         (text_with(1, "time_s;force_n;command_um"),
          "one column of the command or force: .*; has force_n, command_um; rename all but one"),
         ("\n".join(GOOD[:500]), "has 499 rows, 1024 .. 2000000 are needed; record for longer"),
-        (text_with(77, "7,5;nan;1"), r"line 77 = .*: cell 2 \(command_mm\) is no finite number"),
-        (text_with(77, "7,9;1;1"), "line 77 = .*: the step to this time is not the mean"),
+        (text_with(77, "7,5;nan;1"), r"line 77: cell 2 \(command_mm\) is no finite number"),
+        (text_with(77, "7,9;1;1"), "line 77: the step to this time is not the mean"),
         ("\n".join(line.rsplit(";", 1)[0] + ";3" if i else line for i, line in enumerate(GOOD)),
          "the position does not change; excite the drive"),
+        ("\n".join(f"{line.rsplit(';', 1)[0]};{7 - (i - 1) % 7 if i else 'position_nm'}"
+                   for i, line in enumerate(["time_ms;force_n;x", *GOOD[1:]])),
+         "scope.csv: the position is the command or force times a constant: one signal is in both"),
     ],
 )  # fmt: skip
 def test_bad_files_name_line_and_remedy(text: str, message: str) -> None:

@@ -1,6 +1,9 @@
 """Every interface of python-can opens, or one line says what is missing."""
 
+import errno
 import io
+import socket
+from types import SimpleNamespace
 
 import can
 import pytest
@@ -9,6 +12,8 @@ from camtools.base.errors import CamtoolsError
 from camtools.cli.camctl import main
 from camtools.link import bus as module
 from camtools.link.bus import open_bus
+from camtools.link.controller import Link
+from camtools.link.messages import Refused
 
 pytestmark = pytest.mark.usefixtures("no_bus")
 
@@ -33,6 +38,42 @@ def test_socketcan_without_its_interface_says_so() -> None:
     """Whether the kernel has CAN or not."""
     with pytest.raises(CamtoolsError, match=r"^socketcan nocan0: .*; |: .* no CAN; "):
         open_bus({"interface": "socketcan", "channel": "nocan0"})
+
+
+BRING_UP = "Network is down.*; bring the interface up: ip link set .. up"
+
+
+class _Down(socket.socket):
+    """A socket that reports, as one of SocketCAN when bound, that its interface is down."""
+
+    def getsockopt(self, *_: object) -> int:  # type: ignore[override]
+        return errno.ENETDOWN
+
+
+def test_an_interface_that_is_down_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With cause and remedy, when it is opened; python-can does not look."""
+    closed: list[bool] = []
+    with _Down() as raw:
+        bus = SimpleNamespace(socket=raw, shutdown=lambda: closed.append(True))
+        monkeypatch.setattr(can, "Bus", lambda **_: bus)
+        with pytest.raises(CamtoolsError, match=f"^socketcan can0: .*{BRING_UP}"):
+            open_bus({"interface": "socketcan", "channel": "can0"})
+    assert closed
+
+
+@pytest.mark.parametrize("name", ["recv", "send"])
+def test_an_interface_that_goes_down_is_named(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By python-can's error, with or without the number of the system's."""
+
+    def fails(*_: object, **__: object) -> None:
+        raise can.CanOperationError("Failed: Network is down", errno.ENETDOWN)
+
+    bus, where = open_bus({"interface": "virtual", "channel": name})
+    monkeypatch.setattr(bus, name, fails)
+    link = Link(bus, where)
+    with pytest.raises(Refused, match=f"^virtual {name}: .*{BRING_UP}"):
+        link.pump(0.1) if name == "recv" else link.send_frame(1, b"")
+    bus.shutdown()
 
 
 def test_the_arguments_that_an_interface_lacks_are_named() -> None:

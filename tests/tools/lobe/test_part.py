@@ -94,7 +94,7 @@ BAD = [
     (with_law(LAW + "offset_mm = 1\n"), f"{LOBE}.offset_mm = 1", 'law = "disc"'),
     (with_law(LAW + 'csv = "a"\n'), f"{LOBE}.csv = 'a'", 'law = "list"'),
     (with_law(LAW + "smooth_um = 1\n"), f"{LOBE}.smooth_um = 1", 'law = "list"'),
-    (with_law(LAW + "lft = 1\n"), f"{LOBE}.lft = 1", "spelling"),
+    (with_law(LAW + "lft = 1\n"), f"{LOBE}.lft: ", "spelling"),
     (with_law(LAW + "rise_deg = 60\n"), f"{LOBE}.half_angle_deg = 70", "give either"),
     (with_law(LAW + "dwell_deg = 10\n"), f"{LOBE}.half_angle_deg = 70", "give either"),
     (with_law(FLANKS.replace("= 20", "= 300")), f"{LOBE}.rise_deg = 60", "360 degrees at most"),

@@ -184,7 +184,12 @@ servo_notch_pole_permille = 100
     [
         ("mass_kg = 1.5\n", "", "mass_kg: is missing; add it"),
         ("mass_kg = 1.5", "mass_kg = -1.0", "mass_kg = -1.0: "),
-        ("delay_us", "delay_ms", "delay_ms = 25.0: unknown key"),
+        (
+            "mode_hz = 1200.0",
+            "mode_hz = 1e-308",
+            "mode_hz = 1e-308: must be at least 1; give hertz",
+        ),
+        ("delay_us", "delay_ms", "delay_ms: unknown key"),
         ("mass_kg = 1.5", "mass_kg = ", "not TOML"),
         ("continuous_n = 210.0", "continuous_n = 20.0", "servo_continuous_mn = 20000: out of"),
         ("pole_hz = 4000", "pole_hz = 4001", "servo_pole_hz = 4001: out of range 10 .. 4000 at 2"),

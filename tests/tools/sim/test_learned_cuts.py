@@ -237,7 +237,7 @@ def test_slots_do_not_harm_the_rest(table_of: TableOf, name: str, most_um: float
         ("slot_low_mm = 35\nslot_high_mm = 10",
          "cut.slot_low_mm = 35: must be below slot_high_mm = 10; correct them"),
         ("slot_4_width_deg = 9", "cut.slot_low_mm = 0: must be below slot_high_mm = 0; correct"),
-        ('slot = "90"', 'line 3: cut.slot = "90": unknown; see host_sim/machines/default.toml'),
+        ('slot = "90"', 'line 3: cut.slot: unknown; see host_sim/machines/default.toml'),
     ],
 )  # fmt: skip
 def test_slots_that_leave_nothing_or_are_none(table_of: TableOf, keys: str, message: str) -> None:

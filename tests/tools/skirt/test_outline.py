@@ -98,15 +98,15 @@ SWAPPED = POINTS[[0, 1, 2, 4, 3, *range(5, 36)]]
 HOOKED = np.vstack([POINTS, np.add(POINTS[:1], [-1.0, 1.0])])
 WITH_Z = [text_of(np.hstack([POINTS, np.full((36, 1), z)])) for z in (0.0, 24.0, 0.0)]
 REFUSED = [
-    (text_of(POINTS[:30]), ALONE, "line 31 = ", "is not closed: seen from the centre (0, 0) it e"),
-    (text_of(HOOKED), ALONE, "line 38 = ", "the outline is not closed"),
-    (text_of(SWAPPED), ALONE, "line 6 = ", "turns back at this point, so it is not star-shaped"),
-    (text_of(SWAPPED[::-1]), ALONE, "line 34 = ", "turns back at this point"),
-    (text_of(TWICE), ALONE, "line 7 = ", "turns back at this point"),
+    (text_of(POINTS[:30]), ALONE, "line 31: ", "is not closed: seen from the centre (0, 0) it e"),
+    (text_of(HOOKED), ALONE, "line 38: ", "the outline is not closed"),
+    (text_of(SWAPPED), ALONE, "line 6: ", "turns back at this point, so it is not star-shaped"),
+    (text_of(SWAPPED[::-1]), ALONE, "line 34: ", "turns back at this point"),
+    (text_of(TWICE), ALONE, "line 7: ", "turns back at this point"),
     (
         text_of(POINTS),
         f"{ALONE}centre_mm = [45, 0]\n",
-        "line 37 = ",
+        "line 37: ",
         "seen from the centre (45, 0) the outline that ends here does not run round it",
     ),
     (
@@ -114,7 +114,7 @@ REFUSED = [
             "x_mm,y_mm", "x_mm,y_mm,z_mm"
         ),
         "",
-        "line 74 = ",
+        "line 74: ",
         "height 0 mm appears again",
     ),
     (text_of(POINTS, "x_mm,y"), ALONE, "line 1: ", "needs one column of the y: y_mm, y_inch"),
@@ -129,10 +129,10 @@ REFUSED = [
     (
         text_of(POINTS * np.where(np.arange(36) == 9, 60, 1)[:, None]),
         ALONE,
-        "line 11 = ",
+        "line 11: ",
         "2000 mm",
     ),
-    (text_of(POINTS * 4e306), ALONE, "line 2 = ", "beyond 0 .. 2000 mm"),
+    (text_of(POINTS * 4e306), ALONE, "line 2: ", "is beyond 1e+12; correct the number"),
     (text_of(POINTS[::4]), ALONE, "", "has 9 angles, needs at least 12"),
 ]
 

@@ -149,7 +149,7 @@ GOOD = csv_of((0.0, 60.0))
 BAD = {
     "header": (csv_of(first="angle_deg,z_mm,r"), "line 1: needs one column of the value: red"),
     "no rows": (HEADER + "\n", "has 0 angles"),
-    "angle": (GOOD + "361,0,1\n", "line 74 = '361,0,1': no angle of 0 .. 360"),
+    "angle": (GOOD + "361,0,1\n", "line 74: no angle of 0 .. 360"),
     "closed": (GOOD + "360,0,1\n", "height 0 mm: 360 degrees differ by 1 um from 0 degrees"),
     "millimetres": (GOOD + "5,0,99999\n", "beyond -15 .. 15 mm"),
     "radius": (

@@ -100,10 +100,10 @@ REFUSED = [
     (KAS.replace("\n5;0.0", "\n5;x"), "line 8: cell 2 is no finite number"),
     (isg(5, rows("{} {} 0 0")), "ISG with 4 columns; only those with 1 or 2 are read"),
     (isg(7, PAIRS).replace("Begintable", "Begin"), "ISG without the line Begintable"),
-    (asc(SHARES, "8,0"), "YFactor = '8,0': is no finite number; write one, decimals with a point"),
+    (asc(SHARES, "8,0"), "YFactor: is no finite number; write one, decimals with a point"),
     (asc(SHARES, "password"), "YFactor: is no finite number"),
-    (asc(SHARES.replace("0.25", "9", 1), "1e308"), "line 11 = '9': no finite number in degrees"),
-    (asc(SHARES, "-inf"), "YFactor = '-inf': is no finite number"),
+    (asc(SHARES.replace("0.25", "9", 1), "1e308"), "line 11: no finite number in degrees"),
+    (asc(SHARES, "-inf"), "YFactor: is no finite number"),
 ]
 
 

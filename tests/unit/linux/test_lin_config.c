@@ -209,7 +209,7 @@ static void test_doubtful_and_retired_values_are_reported(void)
     expect_warnings("[operator]\nacknowledge = \"ACK\"\n[gpio]\n"
                     "switch_1 = \"none\"\nswitch_8_active_low = true\n",
                     (const char *const[]){"warning: gpio.switch_1 .. switch_8: retired", NULL});
-    refused("[can]\nswitch_1 = 3\n", "can.switch_1 = 3: unknown key");
+    refused("[can]\nswitch_1 = 3\n", "can.switch_1: unknown key");
 }
 
 static void test_file_that_is_not_there_or_no_text_is_refused(void)

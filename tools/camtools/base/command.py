@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any, NoReturn
 
-from camtools.base.errors import CamtoolsError, one_line
+from camtools.base.errors import CamtoolsError, first_lines, readable
 from camtools.base.project import VERSION, shown_name, with_names
 from camtools.base.signals import SIGNALS, Interrupted, arrived
 
@@ -44,7 +44,7 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """End with status 2."""
         name = self.prog.removeprefix("tools/")
-        self.exit(BAD_INPUT, f"{name}: {one_line(message)}; see {self.prog} --help\n")
+        self.exit(BAD_INPUT, f"{name}: {readable(message)}; see {self.prog} --help\n")
 
 
 def no_warnings() -> None:
@@ -97,7 +97,7 @@ def run_command(name: str, action: Callable[[], int], *, kept: str = "nothing wa
         sys.stdout.flush()
         return status
     except CamtoolsError as error:
-        for line in error.lines:
+        for line in first_lines(error.lines):
             sys.stderr.write(with_names(f"{name}: {line}\n"))
         return BAD_INPUT
     except BrokenPipeError:  # who read the output has enough, as `head` does

@@ -4,10 +4,11 @@
 'part.toml: process.feed_mm = 0: must be above 0; give mm per turn'
 """
 
-import re
+from itertools import accumulate
 
 _MAX_VALUE_CHARS = 60
-_ONLY_NUMBERS = re.compile(r"(?:[-+0-9.eE,; \t\"]|nan|inf)*")
+_MOST_CHARS = 2000  # of an error
+_LEFT_OUT = " [...] "
 
 
 def shown(value: object) -> str:
@@ -19,15 +20,6 @@ def shown(value: object) -> str:
     return text if len(text) <= _MAX_VALUE_CHARS else text[: _MAX_VALUE_CHARS - 3] + "..."
 
 
-def numbers_shown(line: str) -> str | None:
-    """Return a line of a data file if nothing but numbers and separators stands in it.
-
-    A part file from somebody else may name any file of the reader's, a list of passwords for
-    one; an error about such a file must not show what is in it.
-    """
-    return line if _ONLY_NUMBERS.fullmatch(line) else None
-
-
 def one_line(text: str) -> str:
     """Return text with every character that could break a terminal line replaced by '?'.
 
@@ -37,11 +29,34 @@ def one_line(text: str) -> str:
     return "".join(sign if sign.isprintable() else "?" for sign in text)
 
 
+def readable(text: str) -> str:
+    """Return a message as one line, its middle left out where it is too long to be read.
+
+    >>> len(readable("part.toml: " + "x" * 10_000 + ": too long; shorten it"))
+    1999
+    """
+    line = one_line(text)
+    if len(line) <= _MOST_CHARS:
+        return line
+    half = (_MOST_CHARS - len(_LEFT_OUT)) // 2  # place and value, then problem and remedy
+    return line[:half] + _LEFT_OUT + line[-half:]
+
+
+def first_lines(lines: list[str]) -> list[str]:
+    """Return as many lines of an error as can be read at once, and the number of the others.
+
+    >>> first_lines(["a: wrong"] * 500)[-2:]
+    ['a: wrong', 'and 250 more']
+    """
+    n = max(1, sum(end <= _MOST_CHARS for end in accumulate(map(len, lines))))
+    return lines if n >= len(lines) else [*lines[:n], f"and {len(lines) - n} more"]
+
+
 class CamtoolsError(Exception):
     """Base of all errors that are the input's fault; `lines` holds one message per line."""
 
     def __init__(self, lines: list[str]) -> None:
-        self.lines = [one_line(line) for line in lines]
+        self.lines = [readable(line) for line in lines]
         super().__init__("\n".join(self.lines))
 
     def __reduce__(self) -> tuple[type["CamtoolsError"], tuple[list[str]]]:

@@ -80,7 +80,7 @@ def utf8_text(data: bytes, file: str) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        problem = f"not UTF-8 text (byte {error.start} is 0x{data[error.start]:02x})"
+        problem = f"not UTF-8 text (byte {error.start})"
         raise InputError(file, "", None, problem, remedy) from error
 
 

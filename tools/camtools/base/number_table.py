@@ -21,7 +21,10 @@ Each line has as many cells as the header names, or as the first line of numbers
 ...     table.values(table.columns({"lift": {"lift_mm": 1.0}}, "angle_deg,lift_mm"))
 ... except InputError as error:
 ...     str(error).split("; ")[0]
-"a.csv: line 2 = '0,1,5': has 3 cells, the header names 2"
+'a.csv: line 2: has 3 cells, the header names 2'
+
+A part file from somebody else may name any file of the reader's, a list of passwords for one: no
+error shows a line or a name of the file.
 """
 
 import csv
@@ -32,7 +35,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.base.errors import InputError, numbers_shown
+from camtools.base.errors import InputError
 from camtools.base.files import read_text
 from camtools.base.quantities import Floats
 
@@ -41,9 +44,8 @@ Units = Mapping[str, float]
 
 _COMMENTS = ("#", "//", "(*")
 _QUOTED_OR_NOTE = re.compile(r'(?<![^\s;,])(?:"(?:[^"]|"")*+"|//.*)')  # where a cell may begin
+_MOST = 1e12  # of a number in the unit of the reader: squares and sums of many stay finite
 _NOTHING = ' \t,;"'  # a line of nothing else is blank: a spreadsheet's empty row
-_MOST_SHOWN = 60
-_LARGEST = 1e30  # magnitude; far beyond every quantity, and its powers are numbers still
 
 
 def read_whole_table(path: Path, most_bytes: int) -> str:
@@ -57,8 +59,8 @@ def read_whole_table(path: Path, most_bytes: int) -> str:
     if last and not text.endswith(("\n", "\r")) and not last.lstrip().startswith(_COMMENTS):
         problem = "the file stops within this line, so it may have been cut short"
         remedy = "copy it again, or end the line if it is complete"
-        place, shown = f"line {len(text.splitlines())}", numbers_shown(last[-_MOST_SHOWN:])
-        raise InputError(path.name, place, shown, problem, remedy)
+        place = f"line {len(text.splitlines())}"
+        raise InputError(path.name, place, None, problem, remedy)
     return text
 
 
@@ -186,8 +188,8 @@ class NumberTable:
     def values(self, columns: Sequence[Column]) -> Floats:
         """Return numbers in the units of the reader, shape (columns, rows).
 
-        Raises InputError with the line: too many or too few cells, or a number that is not finite
-        or beyond 1e30.
+        Raises InputError with the line: too many or too few cells, or a number is not finite, or
+        above _MOST.
         """
         places = [column.place for column in columns]
         rows: list[list[float]] = []
@@ -197,13 +199,14 @@ class NumberTable:
                 rows.append([float(cells[place]) for place in places])
             except ValueError:
                 rows.append([_number_or_nan(cells[place]) for place in places])
-        units = np.array([column.per_unit for column in columns])
-        given = np.array(rows, dtype=np.float64).reshape(-1, len(places))
-        wrong = np.argwhere(~(np.abs(given) <= _LARGEST))
+        with np.errstate(over="ignore"):
+            units = np.array([column.per_unit for column in columns])
+            found: Floats = np.array(rows, dtype=np.float64).reshape(-1, len(places)) * units
+        wrong = np.argwhere(~(np.abs(found) <= _MOST))
         if wrong.size:
             row, column = (int(k) for k in wrong[0])
-            raise self._no_number(row, columns[column], given[row, column])
-        return np.asarray((given * units).T, dtype=np.float64)
+            raise self._no_number(row, columns[column], is_finite=np.isfinite(rows[row][column]))
+        return found.T
 
     def _checked(self, row: int, line: str) -> list[str]:
         """Return as many cells of a line as there are columns, or refuse it."""
@@ -220,14 +223,16 @@ class NumberTable:
         has = "1 cell" if len(cells) == 1 else f"{len(cells)} cells"
         raise self.refusal(row, f"has {has}, {expected}", remedy)
 
-    def _no_number(self, row: int, column: Column, value: float) -> InputError:
+    def _no_number(self, row: int, column: Column, *, is_finite: bool) -> InputError:
         name = f" ({self.names[column.place]})" if self.names else ""
+        cell = f"cell {column.place + 1}{name}"
+        if is_finite:
+            most = _MOST / abs(column.per_unit)
+            return self.refusal(row, f"{cell} is beyond {most:.6g}", "correct the number")
         sign = "a point" if self._separator == "," else "a point or a comma"
-        is_what = f"is beyond {_LARGEST:g}" if np.isfinite(value) else "is no finite number"
-        problem = f"cell {column.place + 1}{name} {is_what}"
-        return self.refusal(row, problem, f"write a number there, decimals with {sign}")
+        remedy = f"write a number there, decimals with {sign}"
+        return self.refusal(row, f"{cell} is no finite number", remedy)
 
     def refusal(self, row: int, problem: str, remedy: str) -> InputError:
-        """Return the error of a row; its text is shown if nothing but numbers is in it."""
-        shown = numbers_shown(self.rows[row][:_MOST_SHOWN])
-        return InputError(self.file, f"line {self.lines[row]}", shown, problem, remedy)
+        """Return the error of a row."""
+        return InputError(self.file, f"line {self.lines[row]}", None, problem, remedy)

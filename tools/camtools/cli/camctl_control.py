@@ -59,11 +59,19 @@ class Control:
                     raise Refused(f"{self.link.where}: the status stopped; is the controller on?")
 
 
+_STANDING_RPM = 1.0
+_OF_SENSE = {"reverse", "spindle_stopped"}  # the latter while homing
+
+
 def refuse_fault(link: Link) -> None:
-    """Raise Refused in the state fault."""
+    """Raise Refused in the state fault; the status has the remedies."""
     if link.status.state == "fault":
         link.wait(lambda: bool(link.status.faults), 0.1)
-        raise Refused(f"fault: {', '.join(link.status.faults)}; see status, then reset")
+        faults, rpm = link.status.faults, link.status.signals.get("speed", 0.0)
+        cause = ""
+        if rpm < -_STANDING_RPM and _OF_SENSE & set(faults):
+            cause = f" (the spindle turns at {rpm:.0f} r/min, against the sense of cutting)"
+        raise Refused(f"fault: {', '.join(faults)}{cause}; see status, then reset")
 
 
 _MOST_SENDER = 254

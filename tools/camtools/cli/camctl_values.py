@@ -57,7 +57,7 @@ def wave_of(data: bytes, name: str) -> tuple[npt.NDArray[np.int64], excitation.U
             if abs(samples[-1]) >= 2**31:
                 raise ValueError
         except ValueError as error:
-            text = f"{name}: line {number}: {line[:40]}: give a whole number of {unit}"
+            text = f"{name}: line {number}: no whole number of {unit}, below 2^31; write one"
             raise CamtoolsError([text]) from error
     if not samples:
         raise CamtoolsError([f"{name}: no samples; give one per line after {lines[0].strip()}"])

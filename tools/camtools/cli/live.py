@@ -159,14 +159,15 @@ class _Session:
 
     def run(self) -> None:
         """Pass on the lathe's output and what is typed, while at least one process lives."""
+        last_problem = ""
         while self._alive:
             self._look_after()
             ready, _, _ = select.select(self._heard, [], [], _LOOK_S)
             for source in ready:
                 self._take(source)
-            if self._bridge.problem:
-                problem, self._bridge.problem = self._bridge.problem, ""
-                _say(problem)
+            if self._bridge.problem != last_problem:
+                last_problem = self._bridge.problem
+                _say(last_problem)
 
     def _look_after(self) -> None:
         for name, process in list(self._alive.items()):

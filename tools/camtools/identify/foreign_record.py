@@ -24,6 +24,7 @@ HEADER = "time_s,command_um,position_um"
 MIN_ROWS, MAX_ROWS = 1024, 2_000_000
 MAX_BYTES = 200 * MAX_ROWS
 _UNEVEN = 0.01  # of a step, that a time may be off
+_COPY = 1e-5  # of a signal's rms: what a copy leaves of it; digits and steps of a scale leave more
 
 
 class ForeignRecord(NamedTuple):
@@ -46,6 +47,13 @@ def _rate_hz(time_s: Floats, table: NumberTable) -> float:
     raise table.refusal(int(np.argmax(wrong)) + 1, problem, remedy)
 
 
+def _is_copy(u: Floats, y: Floats) -> bool:
+    """Return whether two signals that change differ by offset and factor only."""
+    u, y = ((row - row.mean()) / np.ptp(row) for row in (u, y))
+    rest = y - u * (u @ y) / (u @ u)
+    return bool(rest @ rest <= _COPY**2 * (y @ y))
+
+
 class Table(NamedTuple):
     """Columns in SI units at even times."""
 
@@ -55,7 +63,10 @@ class Table(NamedTuple):
 
 
 def parse_table(text: str, file: str, quantities: Mapping[str, Units], header: str) -> Table:
-    """Return columns, by the names that each may have with their units in SI, or refuse a line."""
+    """Return columns, by the names that each may have with their units in SI, or refuse a line.
+
+    The last one is what moves; it must not be another one again, as by a wire or cursor misplaced.
+    """
     table = NumberTable(text, file, MAX_ROWS)
     columns = table.columns({"time": TIMES} | dict(quantities), header)
     if len(table.rows) < MIN_ROWS:
@@ -67,6 +78,11 @@ def parse_table(text: str, file: str, quantities: Mapping[str, Units], header: s
         if np.ptp(row) == 0:
             problem, remedy = f"the {name} does not change", "excite the drive, see its connections"
             raise InputError(file, "", None, problem, remedy)
+    *given, (last, moved) = values.items()
+    for name, row in given:
+        if _is_copy(row, moved):
+            problem = f"the {last} is the {name} times a constant: one signal is in both columns"
+            raise InputError(file, "", None, problem, f"record the {last} that the scale measures")
     names = dict(zip(quantities, (column.name for column in columns[1:]), strict=True))
     return Table(_rate_hz(time_s, table), values, names)
 

@@ -307,14 +307,16 @@ _NS, _US2, _UM = 1e9, 1e12, 1e6  # per s, s2 and m
 
 
 def constants_of(values: Floats, command: str) -> dict[str, float]:
-    """Return constants, as of `LinearModel`, by name and unit; the command's column chooses."""
+    """Return constants, as of `LinearModel`, by name and unit; the command's column chooses.
+
+    Without natural frequency and damping where mass and spring have not one sign, or either is 0.
+    """
     static, rate, second, delay_s = (float(values[i]) for i in (STATIC, RATE, SECOND, DELAY))
-    ringing = max(static / second, 0.0) ** 0.5 if second else 0.0  # rad/s
-    shape = {
-        "delay ns": delay_s * _NS,
-        "natural frequency Hz": ringing / (2 * np.pi),
-        "damping": rate / (2 * second * ringing) if ringing else float("inf"),
-    }
+    shape = {"delay ns": delay_s * _NS}
+    if static * second > 0:
+        ringing = (static / second) ** 0.5  # rad/s
+        shape["natural frequency Hz"] = ringing / (2 * np.pi)
+        shape["damping"] = rate / (2 * second * ringing)
     if command in FORCES:
         return {"mass kg": second, "viscous N s/m": rate, "stiffness N/m": static} | shape
     gain, unit = (_UM / static, "um/V") if command == "command_v" else (1 / static, "")
@@ -323,9 +325,14 @@ def constants_of(values: Floats, command: str) -> dict[str, float]:
 
 
 def _uncertain(found: LinearModel, command: str) -> list[tuple[str, float, float]]:
+    """Return name, value and deviation of the constants that the record has without any block."""
     constants = constants_of(found.values, command)
-    rows = [list(constants_of(replica, command).values()) for replica in found.replicas]
-    return [*zip(constants, constants.values(), jackknife(np.array(rows)).tolist(), strict=True)]
+    rows = [constants_of(replica, command) for replica in found.replicas]
+    names = [name for name in constants if all(name in row for row in rows)]
+    sigmas = jackknife(np.array([[row[name] for name in names] for row in rows]))
+    return [
+        (name, constants[name], sigma) for name, sigma in zip(names, sigmas.tolist(), strict=True)
+    ]
 
 
 def record_lines(found: LinearModel, record: ForeignRecord) -> Iterator[str]:

@@ -27,6 +27,7 @@ import errno
 import importlib
 import inspect
 import logging
+import os
 import socket
 from collections.abc import Mapping
 from typing import Any
@@ -130,10 +131,20 @@ _WINDOWS = ("etas", "iscan", "ixxat", "nican", "nixnet", "systec", "usb2can", "v
 _ERRNO = {
     errno.EAFNOSUPPORT: "this kernel has no CAN; load can and can-raw, or use tools/live",
     errno.ENODEV: "no such network interface; ip link lists them",
-    errno.ENETDOWN: "the network interface is down; bring it up by ip link set .. up",
+    errno.ENETDOWN: "bring the interface up: ip link set .. up, with the bit rate of the bus",
     errno.EPERM: "this user has no permission; check that of the device",
     errno.EACCES: "this user has no permission; check that of the device",
 }
+
+
+def remedy_for(error: BaseException, otherwise: str = "see its cable and power") -> str:
+    """Return the remedy of an error of a bus by its number, or of its cause's."""
+    numbers = (
+        getattr(raised, name, None)
+        for raised in (error, error.__cause__)
+        for name in ("errno", "error_code")
+    )
+    return next((_ERRNO[number] for number in numbers if number in _ERRNO), otherwise)
 
 
 def configured(given: Mapping[str, Any]) -> dict[str, Any]:
@@ -174,16 +185,23 @@ def _lacking(interface: str, given: Mapping[str, Any], error: Exception) -> str:
         return _DRIVERS[interface]
     if interface == "socketcand":
         return f"{error}; start the daemon there, or correct host and port"
-    number = getattr(error, "errno", None)
-    cause = getattr(error.__cause__, "errno", None)
-    remedy = _ERRNO.get(number or cause or 0, "see its options in the manual of python-can")
-    return f"{error}; {remedy}"
+    return f"{error}; {remedy_for(error, 'see its options in the manual of python-can')}"
 
 
 def _is_loopback(asked: Mapping[str, Any]) -> bool:
     """Return whether frames shall stay on this computer."""
     is_here = asked.get("interface") == "udp_multicast" and str(asked.get("hop_limit")) == "0"
     return is_here and "channel" in asked and "port" in asked and ":" not in str(asked["channel"])
+
+
+def _checked(bus: can.BusABC) -> can.BusABC:
+    """Return a bus, or raise what its socket has to report, as that its interface is down."""
+    raw = getattr(bus, "socket", None)
+    number = raw.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR) if raw is not None else 0
+    if number:
+        bus.shutdown()
+        raise OSError(number, os.strerror(number))
+    return bus
 
 
 def open_bus(given: Mapping[str, Any]) -> tuple[can.BusABC, str]:
@@ -205,6 +223,6 @@ def open_bus(given: Mapping[str, Any]) -> tuple[can.BusABC, str]:
     try:
         if _is_loopback(asked):
             return LoopbackBus(str(asked["channel"]), int(asked["port"])), place
-        return can.Bus(**given), place
+        return _checked(can.Bus(**given)), place
     except Exception as error:  # a driver of strangers raises what it likes
         raise CamtoolsError([f"{place}: {_lacking(str(interface), asked, error)}"]) from error

@@ -19,6 +19,7 @@ from cantools.database.can import Message
 
 from camtools.base.signals import signals_held
 from camtools.link import messages
+from camtools.link.bus import remedy_for
 from camtools.link.messages import Answer, Refused
 from camtools.link.rights import Rights, sender_of
 
@@ -104,7 +105,8 @@ class Link:
             with signals_held():
                 frame = self.bus.recv(timeout_s)
         except (can.CanError, OSError) as error:
-            raise Refused(f"{self.where}: the connection to the bus is lost: {error}") from error
+            problem = f"the connection to the bus is lost: {error}; {remedy_for(error)}"
+            raise Refused(f"{self.where}: {problem}") from error
         if frame is None:
             return False
         if not (frame.is_error_frame or frame.is_remote_frame or frame.is_extended_id):
@@ -147,10 +149,9 @@ class Link:
             with signals_held():
                 self.bus.send(_frame(identifier + self._shift, data), timeout=ANSWER_S)
         except (can.CanError, OSError) as error:
-            raise Refused(
-                f"{self.where}: the frame cannot be sent: {error}; is the bus up, with somebody "
-                "else on it at the same bit rate?"
-            ) from error
+            asked = "is the bus up, with somebody else on it at the same bit rate?"
+            problem = f"the frame cannot be sent: {error}; {remedy_for(error, asked)}"
+            raise Refused(f"{self.where}: {problem}") from error
 
     def wait(self, is_done: Callable[[], bool], timeout_s: float) -> bool:
         """Take frames until a condition holds; return whether it did in time."""

@@ -32,6 +32,7 @@ from typing import Any
 import can
 
 from camtools.base.errors import CamtoolsError
+from camtools.link.bus import remedy_for
 
 _START_FIELD = 19  # of /proc/PID/stat, behind the name in brackets: when it was started
 
@@ -194,7 +195,7 @@ class Bridge:
         except BrokenPipeError:
             return  # the controller has ended
         except (can.CanError, OSError) as error:
-            self.problem = f"the connection to the bus is lost: {error}"
+            self.problem = f"the connection to the bus is lost: {error}; {remedy_for(error)}"
 
     def _is_for_controller(self, frame: can.Message) -> bool:
         is_foreign = frame.is_error_frame or frame.is_remote_frame or frame.is_extended_id
@@ -215,7 +216,7 @@ class Bridge:
         try:
             self._bus.send(frame)
         except (can.CanError, OSError) as error:
-            self.problem = f"a frame cannot be sent: {error}"
+            self.problem = f"a frame cannot be sent: {error}; {remedy_for(error)}"
 
     def stop(self) -> None:
         """Carry nothing to the controller any more, so that its pipe can be closed."""

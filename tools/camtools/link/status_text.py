@@ -31,6 +31,7 @@ from typing import NamedTuple
 from camtools.link.controller import Status
 from camtools.link.kept_values import learning_report
 from camtools.link.messages import FAULT_TEXTS, NAMES, NUMBERS
+from camtools.link.refusal_text import FAULTS
 from camtools.link.rights import sender_text
 
 Signals = Mapping[str, float]
@@ -292,7 +293,7 @@ def report(status: Status) -> list[str]:
     return [
         f"state             {status.state}",
         f"faults            {', '.join(status.faults) or 'none'}",
-        *(f"  {name}: {FAULT_TEXTS[name]}" for name in status.faults),
+        *(f"  {name}: {FAULT_TEXTS[name]} {FAULTS[name].remedy}" for name in status.faults),
         *_box_report(status),
         *rights_report(s),
         f"angle             {s['angle']:.3f} deg, known: {yes[s['is_synced']]}",

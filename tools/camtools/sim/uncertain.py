@@ -75,12 +75,12 @@ def read_spreads(data: bytes, file: str) -> Mapping[str, Spread]:
     for table, keys in read_tree(data, file).items():
         if not isinstance(keys, dict) or not keys:
             problem = "not a table of a machine file"
-            raise InputError(file, table, keys, problem, "write [TABLE.KEY], as [u.bandwidth_hz]")
+            raise InputError(file, table, None, problem, "write [TABLE.KEY], as [u.bandwidth_hz]")
         for name, content in keys.items():
             key = f"{table}.{name}"
             if not isinstance(content, dict):
                 problem = "not a table"
-                raise InputError(file, key, content, problem, f"write [{key}] and its keys below")
+                raise InputError(file, key, None, problem, f"write [{key}] and its keys below")
             try:
                 spreads[key] = validated(Spread, content, file, {})
             except CamtoolsError as error:

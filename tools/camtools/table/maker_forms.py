@@ -27,7 +27,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.base.errors import InputError, numbers_shown
+from camtools.base.errors import InputError
 from camtools.base.number_table import NumberTable
 from camtools.base.quantities import Floats
 
@@ -167,7 +167,7 @@ def _number(found: Found, key: str, usual: float, file: str) -> float:
         value = np.nan
     if not np.isfinite(value):
         problem, remedy = "is no finite number", "write one, decimals with a point"
-        raise InputError(file, key, numbers_shown(text), problem, remedy)
+        raise InputError(file, key, None, problem, remedy)
     return value
 
 

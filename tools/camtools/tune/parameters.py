@@ -17,12 +17,12 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, field_validator
 
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.files import read_limited, utf8_text
 from camtools.link.kept_values import INFOS
-from camtools.part.model import TomlTable, describe_all
+from camtools.part.model import TomlTable, describe_all, wrong
 from camtools.sim.machine_file import read_machine
 from camtools.tune.loop_design import Loop, Plant, word_shares
 
@@ -55,7 +55,7 @@ class Drive(TomlTable):
     drag_n_s_per_m: Annotated[float, _between(0.0, 10_000.0)] = 0.0
     friction_n: Annotated[float, _between(0.0, 200.0)] = 0.0
     stiffness_n_per_m: Annotated[float, _between(0.0, 1e8)] = 0.0
-    mode_hz: Annotated[float, _between(0.0, 50_000.0)] = 0.0  # 0: none
+    mode_hz: Annotated[float, _between(0.0, 50_000.0)] = 0.0  # 0: none; else at least 1
     mode_damping: Annotated[float, _between(0.0001, 1.0)] = 0.03
     mode_share: Annotated[float, _between(-10.0, 10.0)] = 0.0
     scale_quantum_nm: Annotated[float, _between(0.0, 10_000.0)] = 0.0  # 0: not known
@@ -64,6 +64,13 @@ class Drive(TomlTable):
     thermal_s: Annotated[float, _between(0.1, 200.0)] | None = None
     force_rate_n_per_ms: Annotated[float, _between(1.0, 1e6)] | None = None
     task: Task | None = None
+
+    @field_validator("mode_hz")
+    @classmethod
+    def _check_mode(cls, hz: float) -> float:
+        if 0.0 < hz < 1.0:
+            raise wrong("mode", "must be at least 1", "give hertz, or 0 without a mode")
+        return hz
 
     @property
     def plant(self) -> Plant:

@@ -120,7 +120,7 @@ static void test_controller_is_derived_from_the_machine(void)
 
 static void test_load_refuses_what_is_wrong(void)
 {
-    refused("[u]\nbandwith_hz = 300\n", "u.bandwith_hz = 300: unknown");
+    refused("[u]\nbandwith_hz = 300\n", "u.bandwith_hz: unknown");
     refused("[v]\ndamping = 1\n", "v.damping");
     refused("damping = 1\n", "unknown");
     refused("[u]\ndamping = nan\n", "u.damping = nan: not a finite number");

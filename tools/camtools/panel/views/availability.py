@@ -172,7 +172,11 @@ _ITEMS: dict[str, tuple[Look, str]] = {
         for axis in "uxz"
     },
     "turn": (_has_stopped, "The spindle does not turn: check its drive."),
-    "sense": (_is_reversed, "The spindle turns against the cutting direction: reverse it."),
+    "sense": (
+        _is_reversed,
+        "The spindle turns against the cutting direction: reverse its drive, or change "
+        "encoder_sign if it turns rightly.",
+    ),
     "index": (_lacks("is_synced"), "Wait for the spindle index: none seen yet."),
     "steady": (_says("start_wait", "waits"), "Wait until the spindle turns steadily."),
     "unsteady": (
