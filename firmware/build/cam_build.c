@@ -73,13 +73,13 @@ static void build_still(cam_spindle_config_t *c, const cam_table_t *table)
 }
 
 /// What the spindle's inertia allows, with a quarter to spare, and by how many counts the encoder
-/// may contradict it: by its unevenness, the tolerance and what a window of 4 counts blurs.
+/// may contradict it: 2 for its unevenness, and the tolerance.
 static void build_inertia(cam_spindle_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
     const double plan_s = (double)cam_plan_ticks(tick_hz) / tick_hz;
     const double turns = 1.25e-3 * p->spindle_acceleration_mrad_per_s2 / (2.0 * CAM_PI);
     const double counts = 2.0 + p->index_tolerance_counts;
-    c->inertia_q32 = cam_nearest(cam_limit(turns * plan_s * plan_s * 0x1p32, 0x1p26));
+    c->inertia_q32 = cam_nearest(cam_limit(turns * plan_s * plan_s * 0x1p32, cam_most_inertia_q32));
     c->inertia_window_q32 = cam_nearest(cam_limit(counts / p->counts_per_turn * 0x1p32, 0x1p29));
 }
 
@@ -475,7 +475,8 @@ enum {
     scale_steps = 4,   ///< deviation that is accepted at least
     least_unseen_nm = 100,
     least_still_ticks = 3,
-    least_friction_mm_per_s2 = 5000,
+    least_held_m_per_s2 = 5, ///< by twice the friction
+    unknown_m_per_s2 = 12,   ///< where no friction is stated
     runaway_most_nm = 50000,
 };
 
@@ -490,17 +491,15 @@ static int32_t runaway_q6(const cam_params_t *p, const cam_force_config_t *c)
     return is_set ? p->servo_runaway_nm * 64 : (int32_t)cam_clamp_i64(own_q6, least_q6, most_q6);
 }
 
-/// When a reading that stands is frozen. Friction may hold a change of the force by twice itself;
-/// it counts as least_friction_mm_per_s2 where less or none is stated.
+/// When a reading that stands is frozen. Friction may hold a change of the force by twice itself.
 static void build_frozen(cam_force_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
     const double nm_per_tick2 = 1e9 / tick_hz / tick_hz; // by 1 m/s2
     const double stated_m_per_s2 = 2.0 * p->servo_friction_mn / p->servo_mass_g;
-    const double least_m_per_s2 = 1e-3 * least_friction_mm_per_s2;
-    const double friction = stated_m_per_s2 > least_m_per_s2 ? stated_m_per_s2 : least_m_per_s2;
+    const double least_m_per_s2 = p->servo_friction_mn > 0 ? least_held_m_per_s2 : unknown_m_per_s2;
+    const double held = stated_m_per_s2 > least_m_per_s2 ? stated_m_per_s2 : least_m_per_s2;
     const int64_t delay_ns = (int64_t)p->servo_force_delay_ns + p->u_scale_latency_ns;
-    c->free_q42 = cam_nearest(cam_limit(nm_per_tick2 / p->servo_mass_g * 0x1p36, INT32_MAX));
-    c->friction_q10 = cam_nearest(cam_limit(friction * nm_per_tick2 * 1024.0, INT32_MAX));
+    c->held_q10 = cam_nearest(held * nm_per_tick2 * 1024.0);
     c->quantum_q10 = p->u_scale_nm * 1024;
     c->still_ticks = least_still_ticks + (uint32_t)((delay_ns * tick_hz + 999999999) / 1000000000);
     c->unseen_nm = scale_steps * p->u_scale_nm + least_unseen_nm;

@@ -19,6 +19,9 @@
 #include <stdbool.h>    // bool
 #include <stdint.h>     // int16_t, int32_t, int64_t, uint32_t
 
+/// [turn / 2^32 per plan^2] A larger acceleration of the spindle counts as this one.
+enum { cam_most_inertia_q32 = 1 << 26 };
+
 /// Configuration of observe (cam_tick_inner.h).
 typedef struct {
     const int16_t *dm;                ///< cam_learned_t of the same configuration
@@ -245,8 +248,7 @@ typedef struct {
     int32_t motion_q24;     ///< [nm per tick^2 per mN / 64] acceleration by a force, times 64
     int32_t pos_q18;        ///< [1] gain of the observer: position
     int32_t vel_q24;        ///< [1 / tick] ... and speed
-    int32_t free_q42;       ///< [nm / 2^42 per tick^2 per mN / 64] acceleration by a force
-    int32_t friction_q10;   ///< [nm / 1024 per tick^2] by a change of it that friction may hold
+    int32_t held_q10;       ///< [nm / 1024 per tick^2] by a change of force that friction may hold
     int32_t quantum_q10;    ///< [nm / 1024] step of the scale
     uint32_t still_ticks;   ///< its reading may stand for this long
     int32_t unseen_nm;      ///< [nm] by which U and its set-point may move while it stands

@@ -42,7 +42,7 @@ static int32_t net_force_q6(const cam_force_config_t *cfg, const cam_tick_record
 }
 
 /// Compare the reading with the observer, then move the observer to the next tick. Their difference
-/// wraps only 33 m away, where the deviation has long been a fault.
+/// wraps at 33 mm, beyond any accepted deviation (`servo_runaway_nm`, at most 10 mm).
 /// @param read_nm  in port coordinates: a new home does not move the observer
 /// @return [nm / 64] reading minus observer
 static int32_t observe(cam_force_t *f, const cam_force_config_t *cfg, int32_t read_nm,
@@ -63,30 +63,31 @@ static int32_t slowed(int32_t speed_q10, int32_t less_q10)
     return speed_q10 - cam_clamp_i32(speed_q10, -less_q10, less_q10);
 }
 
-/// A reading that stands to the last digit is that of a U that stands. It is frozen if meanwhile
-/// the set-point has moved, and U must have: by the speed of its last step, less a quantum, and by
-/// what its force has changed since then. Constant forces, as that of the chip, do not count.
+/// A reading that stands to the last digit is that of a U that stands. It is frozen if U was asked
+/// to move meanwhile, and must have: by the speed of its last step, less a quantum, and by what its
+/// force has changed since it was asked to. Constant forces, as weight and chip, do not count.
 /// @param read_nm, set_nm  in port coordinates, as for observe()
 static bool is_frozen(cam_force_t *f, const cam_force_config_t *cfg, int32_t read_nm,
-                      int32_t set_nm, int32_t force_q6)
+                      int32_t set_nm, int32_t force_q6, bool is_pushed)
 {
     enum { most_nm = 1 << 20 };
     const int32_t step_nm = cam_wrap_sub(read_nm, f->still_nm);
     if (step_nm != 0) {
         f->still_nm = read_nm;
         f->stood_nm = set_nm;
-        f->stood_q6 = force_q6;
-        f->n_still = 0;
-        f->free_q10 = 0;
         f->speed_q10 = slowed(cam_clamp_i32(step_nm, -most_nm, most_nm) * 1024, cfg->quantum_q10);
+    }
+    const bool is_at_rest = cam_is_within(cam_wrap_sub(set_nm, f->stood_nm), cfg->unseen_nm);
+    if (step_nm != 0 || (is_at_rest && !is_pushed)) {
+        f->left_q6 = force_q6;
+        f->free_q10 = 0;
+        f->n_still = 0;
         return false;
     }
-    const int32_t more_q10 = cam_mulhi(cam_sat_sub(force_q6, f->stood_q6), cfg->free_q42);
-    f->speed_q10 = slowed(cam_sat_add(f->speed_q10, more_q10), cfg->friction_q10);
+    const int64_t more_q30 = (int64_t)cam_sat_sub(force_q6, f->left_q6) * cfg->motion_q24;
+    f->speed_q10 = slowed(cam_sat_add(f->speed_q10, cam_sat_i32(more_q30 >> 20)), cfg->held_q10);
     f->free_q10 = cam_sat_add(f->free_q10, f->speed_q10);
-    const bool is_moved = !cam_is_within(f->free_q10, cfg->unseen_nm * 1024) &&
-                          !cam_is_within(cam_wrap_sub(set_nm, f->stood_nm), cfg->unseen_nm);
-    f->n_still += is_moved ? 1u : 0u;
+    f->n_still += cam_is_within(f->free_q10, cfg->unseen_nm * 1024) ? 0u : 1u;
     return f->n_still > cfg->still_ticks;
 }
 
@@ -123,17 +124,15 @@ uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
         f->vel_q24 = 0;
         f->still_nm = port_nm;
         f->stood_nm = set_nm;
-        f->stood_q6 = 0;
-        f->n_still = 0;
-        f->free_q10 = 0;
         f->speed_q10 = 0;
+        f->n_still = 0;
         f->n_limited = 0;
         return 0;
     }
     const int32_t net_q6 = net_force_q6(cfg, r, f->vel_q24);
     const int32_t off_q6 = observe(f, cfg, port_nm, net_q6);
-    const bool is_runaway =
-        is_frozen(f, cfg, port_nm, set_nm, r->force_q6) || !cam_is_within(off_q6, cfg->runaway_q6);
+    const bool is_runaway = is_frozen(f, cfg, port_nm, set_nm, r->force_q6, m->u_push_q6 != 0) ||
+                            !cam_is_within(off_q6, cfg->runaway_q6);
     const int32_t vel_nm = cam_sat_i32(cam_wrap_add_i64(f->vel_q24, 1 << 23) >> 24);
     const bool is_lost = m->state != cam_state_manual && is_beyond(cfg, read_nm, vel_nm);
     const uint32_t travel = is_lost || is_at_line(r->in.inputs, m) ? CAM_FAULT_BIT(u_travel) : 0u;

@@ -2,9 +2,6 @@
 #include "cam_tick_inner.h"
 #include "cam_fix.h" // cam_angle_of_pos, cam_clamp_i32
 
-/// [turn / 2^32 per plan^2] A larger acceleration counts as this one.
-enum { most_inertia_q32 = 1 << 26 };
-
 /// Counts in the direction of cutting: ~c = -c - 1 mirrors the half-open interval of a count, so
 /// adding half a count centres it in both directions.
 static uint32_t sensed_counts(const cam_spindle_config_t *cfg, uint32_t counts)
@@ -219,27 +216,31 @@ uint32_t cam_spindle_check_index_isr(cam_spindle_t *s, const cam_spindle_config_
 }
 
 uint32_t cam_spindle_check_inertia_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                                       bool is_steady)
+                                       bool is_playing)
 {
     const uint32_t angle_q32 = cam_angle_of_pos(s->pos_q32);
     const int32_t moved_q32 = cam_wrap_diff(angle_q32, s->plan_q32);
     const bool is_off_time = s->is_plan_off_time;
     s->plan_q32 = angle_q32;
     s->is_plan_off_time = false;
-    if (!is_steady) {
+    if (!is_playing) {
         s->inert_q32 = moved_q32;
         s->off_q32 = 0;
+        s->n_left_out = 0;
         return 0;
     }
     if (is_off_time) { // its travel is that of another time
+        s->n_left_out += s->n_left_out < 15 ? 1 : 0;
         return 0;
     }
     const int32_t faster_q32 = cam_sat_sub(moved_q32, s->inert_q32);
     s->off_q32 = cam_sat_add(s->off_q32, faster_q32);
     const int32_t ripple_q32 = cam_mulhi(s->inert_q32, s->inert_q32) >> 3; // 0.02 w^2
-    const int32_t most_q32 = cam_clamp_i32(cfg->inertia_q32 + ripple_q32, 0, most_inertia_q32);
+    const int32_t most_q32 = cam_clamp_i32(cfg->inertia_q32 + ripple_q32, 0, cam_most_inertia_q32);
+    const int32_t room_q32 = most_q32 * (1 + s->n_left_out);
     const int32_t wanted_q32 = (faster_q32 >> 1) + (s->off_q32 >> 4);
-    s->inert_q32 = cam_sat_add(s->inert_q32, cam_clamp_i32(wanted_q32, -most_q32, most_q32));
+    s->inert_q32 = cam_sat_add(s->inert_q32, cam_clamp_i32(wanted_q32, -room_q32, room_q32));
+    s->n_left_out = 0;
     return cam_is_within(s->off_q32, cfg->inertia_window_q32 + 16 * most_q32)
                ? 0u
                : CAM_FAULT_BIT(encoder_jump);

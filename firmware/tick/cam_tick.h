@@ -47,6 +47,7 @@ typedef struct {
     uint32_t plan_q32;     ///< [turn / 2^32] angle of the observer at the last plan
     int32_t inert_q32;     ///< [turn / 2^32 per plan] speed that changes as the inertia allows
     int32_t off_q32;       ///< [turn / 2^32] observer minus the travel at that speed
+    int32_t n_left_out;    ///< plans with a tick off its time since that speed changed, 0 .. 15
     int64_t pos_q32;       ///< [turn, Q32.32] observer
     int64_t speed_q64;     ///< [turn / 2^64 per tick] observer
 } cam_spindle_t;
@@ -66,7 +67,7 @@ typedef struct {
     int32_t still_nm;   ///< [nm] last reading
     uint32_t n_still;   ///< [ticks] for which it has stood though U must have moved
     int32_t stood_nm;   ///< [nm] set-point when it last changed
-    int32_t stood_q6;   ///< [mN / 64] force of that tick
+    int32_t left_q6;    ///< [mN / 64] force when U was last not asked to move
     int32_t speed_q10;  ///< [nm / 1024 per tick] least speed of U since then
     int32_t free_q10;   ///< [nm / 1024] by which U must have moved since then
     uint32_t n_limited; ///< [ticks] at the limit minus those below it, at least 0

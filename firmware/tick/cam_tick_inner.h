@@ -91,12 +91,12 @@ uint32_t cam_spindle_check_index_isr(cam_spindle_t *s, const cam_spindle_config_
                                      const hal_encoder_t *encoder);
 
 /// Compare the observer with a spindle whose speed changes no faster than its inertia and a ripple
-/// of 1 % twice per turn allow, once per plan: half, doubled or missing counts, which no single
-/// tick shows, and an encoder that dithers where it stands.
-/// @param is_steady  the tool follows the table at a steady speed; else any change is accepted
+/// of 1 % twice per turn allow, once per plan. It finds half, doubled or missing counts, which no
+/// single tick shows, and an encoder that dithers where it stands.
+/// @param is_playing  the tool follows the table; before that any change of the speed is accepted
 /// @return fault encoder_jump or none
 uint32_t cam_spindle_check_inertia_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                                       bool is_steady);
+                                       bool is_playing);
 
 /// Forget the index and all edges up to now; counts, observer and speed continue.
 void cam_spindle_forget_isr(cam_spindle_t *s, const hal_encoder_t *encoder);

@@ -124,7 +124,7 @@ static hal_encoder_t distorted(const sim_lathe_t *l)
 {
     hal_encoder_t reading = l->true_reading;
     const uint32_t offset = l->count_offset + (uint32_t)(int64_t)sim_floor(l->rated_counts);
-    const uint32_t dither = l->n_dithered * 7919u % (l->dither_counts + 1u);
+    const uint32_t dither = l->n_readings * 7919u % (l->dither_counts + 1u);
     reading.counts = l->is_encoder_stuck ? l->stuck_counts + dither : reading.counts + offset;
     reading.index_counts = l->is_encoder_stuck ? l->stuck_counts : reading.index_counts + offset;
     if (l->is_index_dead) {
@@ -139,7 +139,7 @@ hal_encoder_t sim_lathe_encoder(sim_lathe_t *l)
     const uint32_t before = l->true_reading.counts;
     l->true_reading = sim_encoder_read(&l->encoder, l->spindle.turn);
     l->rated_counts += l->count_rate * (int32_t)(l->true_reading.counts - before);
-    l->n_dithered++;
+    l->n_readings++;
     if (l->encoder.config.has_time_stamps != 0.0) {
         sim_encoder_stamp(&l->encoder, l->spindle.turn,
                           sim_spindle_true_rad_per_s(&l->spindle) / SIM_TWO_PI, l->unread_s);

@@ -199,7 +199,7 @@ typedef struct {
     double count_rate;          ///< [1] by which it counts faster
     double rated_counts;        ///< [counts] gained by that rate
     uint32_t dither_counts;     ///< [counts] by which a counter that is stuck dithers
-    uint32_t n_dithered;        ///< readings of it
+    uint32_t n_readings;        ///< of the encoder
     bool is_encoder_stuck;      ///< the counter keeps stuck_counts
     bool is_index_dead;         ///< no index edge arrives any more
     uint32_t stuck_counts;      ///< counter at the moment it stuck

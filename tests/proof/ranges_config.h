@@ -27,7 +27,7 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(max_counts, 16, 1 << 22)                                                                     \
     X(still_counts, 3, 1 << 22)                                                                    \
     X(still_q32, 1024, INT32_MAX)                                                                  \
-    X(inertia_q32, 0, 1 << 26)                                                                     \
+    X(inertia_q32, 0, cam_most_inertia_q32)                                                        \
     X(inertia_window_q32, 0, 1 << 29)                                                              \
     X(tick_clocks, 0, UINT32_MAX)                                                                  \
     X(early_clocks, 0, UINT32_MAX)                                                                 \
@@ -211,8 +211,7 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(motion_q24, 0, INT32_MAX)                                                                    \
     X(pos_q18, 0, 1 << 18)                                                                         \
     X(vel_q24, 0, 1 << 22)                                                                         \
-    X(free_q42, 0, INT32_MAX)                                                                      \
-    X(friction_q10, 0, INT32_MAX)                                                                  \
+    X(held_q10, 0, INT32_MAX)                                                                      \
     X(quantum_q10, 0, 10000 * 1024)                                                                \
     X(unseen_nm, 0, 40100)                                                                         \
     X(runaway_q6, 0, INT32_MAX)                                                                    \

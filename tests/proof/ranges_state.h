@@ -11,6 +11,8 @@
     X(is_started, 0, 1)                                                                            \
     X(is_synced, 0, 1)                                                                             \
     X(is_off_time, 0, 1)                                                                           \
+    X(is_plan_off_time, 0, 1)                                                                      \
+    X(n_left_out, 0, 15)                                                                           \
     X(behind, -(1 << 22), 0)
 
 #define JERK_FILTER(X)                                                                             \

@@ -47,7 +47,7 @@ def test_wrong_encoder_costs_no_part(table_of: TableOf, fault: str, part: str, r
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("rpm", "deepest_um"), [(60, 80), (250, 45), (1000, 80), (3000, 80)])
+@pytest.mark.parametrize(("rpm", "deepest_um"), [(60, 115), (250, 65), (1000, 80), (3000, 80)])
 def test_frozen_scale_lets_u_go(table_of: TableOf, rpm: int, deepest_um: float) -> None:
     """The force vanishes before U is far off; from there on it coasts."""
     force = Path(__file__).parent / "cases/machines/force.toml"

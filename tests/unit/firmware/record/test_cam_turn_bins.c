@@ -208,7 +208,6 @@ static void test_turning_back_is_not_a_turn(void)
     }
 }
 
-/// The copy changes nothing; the configured gains stay what they are.
 /// As when the index becomes known.
 static void test_after_a_jump_each_turn_is_gathered_alone(void)
 {
@@ -231,6 +230,7 @@ static void test_after_a_jump_each_turn_is_gathered_alone(void)
     }
 }
 
+/// The copy changes nothing; the configured gains stay what they are.
 static void test_a_copy_keeps_the_configuration_and_its_ties(void)
 {
     static cam_config_bank_t bank;

@@ -360,6 +360,19 @@ static void test_a_late_tick_does_not_contradict_the_inertia(void)
     TEST_ASSERT_EQUAL_INT(501, plans_until_fault(50.0, 0.0, 500));
 }
 
+/// Every tenth plan is left out, while the spindle accelerates with all that its inertia allows.
+static void test_plans_that_are_left_out_leave_room(void)
+{
+    const double per_plan = 500.0 / (2.0 * pi) * 8.0 / tick_hz;
+    double speed = 5.0;
+    begin(speed);
+    for (int i = 0; i < 1000; i++) {
+        speed += per_plan;
+        spindle.is_plan_off_time = i % 10 == 0;
+        TEST_ASSERT_EQUAL_HEX32(0, plan(speed, true));
+    }
+}
+
 static void test_step_late_tick_with_its_time_stamp_costs_no_angle(void)
 {
     static const double shares[] = {1.4, 1.8, 2.5, 0.5};
