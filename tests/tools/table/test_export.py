@@ -220,15 +220,15 @@ def accelerated(line: str) -> str:
     return f"{x};{y};{v};{-float(a):.9f}"
 
 
+OF_A_HEIGHT = [f"{x} 5 {0.1 * np.sin(np.radians(x)):.6f}" for x in range(0, 360, 10)]
+
 WRONG = [
     (["X_deg;Y_mm;V_mm_per_deg", *MOVING], "line 1", "no column of A"),
     (["Y_mm", "1", "2"], "line 1", "no column of X"),
     (["5;0;1", "5;30;2", "5;60;3"], "line 1", "has 3 columns and no header"),
-    (
-        [f"{x} 5 {0.1 * np.sin(np.radians(x)):.6f}" for x in range(0, 360, 10)],
-        "line 1",
-        "has 3 columns and no header",
-    ),
+    (OF_A_HEIGHT, "line 1", "has 3 columns and no header"),
+    ([f"{row} // note" for row in OF_A_HEIGHT], "line 1", "has 3 columns and no header"),
+    (["// 36 points", *(f"{x} {x % 70} 9" for x in range(0, 360, 10))], "line 2", "has 3 columns"),
     (["0", "1", "2"], "line 1", "has 1 column and no header"),
     (["X_deg;X_deg", *GOOD], "line 1", "no column of Y"),
     ([*GOOD[:3], GOOD[4], GOOD[3], *GOOD[5:]], "line 5", "angle 135 follows 180 degrees"),
