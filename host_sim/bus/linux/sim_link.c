@@ -59,8 +59,8 @@ static bool open_can(sim_link_t *l, const char *interface, common_error_t *e)
     int pending = 0; // bind() accepts an interface that is down
     socklen_t n = sizeof pending;
     if (getsockopt(l->can, SOL_SOCKET, SO_ERROR, &pending, &n) == 0 && pending != 0) {
-        return common_error(e, "--can %.40s: %s; bring the interface up: ip link set .. up",
-                            interface, strerror(pending));
+        return common_error(e, "--can %.40s: %s; bring the interface up: ip link set %.40s up",
+                            interface, strerror(pending), interface);
     }
     return true;
 }

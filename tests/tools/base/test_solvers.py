@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from camtools.base.quantities import Floats
-from camtools.base.solvers import converged, inverted
+from camtools.base.solvers import OF_RECORD, converged, inverted
 from camtools.cut import speed_law
 from camtools.cut.speed_law import Load, SpeedLimits, optimise
 from camtools.part import smoothing
@@ -89,8 +89,8 @@ def _speed() -> object:
         (generate, "_STEPS", _square, "polygon.blend_um"),
         (nose, "_MAX_STEPS", _nose, "tool.nose_mm: contact"),
         (smoothing, "_MOST_STEPS", _smoothed, "smooth_um"),
-        (curves, "_MAX_HALVINGS", _arc, "arc of radius_mm = 10"),
-        (poly_surface, "_MAX_HALVINGS", _sections, "sections at 0 mm of height"),
+        (curves, "_MAX_HALVINGS", _arc, "piston.profile: arc of radius_mm = 10"),
+        (poly_surface, "_MAX_HALVINGS", _sections, "piston.section: sections at 0 mm of height"),
         (speed_law, "_MAX_CUTS", _speed, "process.speed: law of least ripple"),
     ],
 )
@@ -110,6 +110,7 @@ def test_solver_at_its_limit_is_refused(
 def test_what_scipy_has_not_found_is_refused() -> None:
     """An optimiser that is stopped, and a function without a value."""
     stopped = least_squares(lambda x: x**3 - 2, np.array([9.0]), max_nfev=2)
-    assert refused(lambda: converged(stopped, "record: mode")) == f"record: mode: {UNSOLVED}"
+    found = refused(lambda: converged(stopped, "record: mode", OF_RECORD))
+    assert found == "record: mode: no solution was found; record for longer, or excite more"
     nan = np.full(2, np.nan)
     assert refused(lambda: inverted(np.cos, nan, HALF_TURN, 0.0, "x")) == f"x: {UNSOLVED}"

@@ -40,7 +40,7 @@ def test_socketcan_without_its_interface_says_so() -> None:
         open_bus({"interface": "socketcan", "channel": "nocan0"})
 
 
-BRING_UP = "Network is down.*; bring the interface up: ip link set .. up"
+BRING_UP = "Network is down.*; bring the interface up: ip link set {} up"
 
 
 class _Down(socket.socket):
@@ -56,7 +56,7 @@ def test_an_interface_that_is_down_is_refused(monkeypatch: pytest.MonkeyPatch) -
     with _Down() as raw:
         bus = SimpleNamespace(socket=raw, shutdown=lambda: closed.append(True))
         monkeypatch.setattr(can, "Bus", lambda **_: bus)
-        with pytest.raises(CamtoolsError, match=f"^socketcan can0: .*{BRING_UP}"):
+        with pytest.raises(CamtoolsError, match=f"^socketcan can0: .*{BRING_UP.format('can0')}"):
             open_bus({"interface": "socketcan", "channel": "can0"})
     assert closed
 
@@ -71,7 +71,7 @@ def test_an_interface_that_goes_down_is_named(name: str, monkeypatch: pytest.Mon
     bus, where = open_bus({"interface": "virtual", "channel": name})
     monkeypatch.setattr(bus, name, fails)
     link = Link(bus, where)
-    with pytest.raises(Refused, match=f"^virtual {name}: .*{BRING_UP}"):
+    with pytest.raises(Refused, match=f"^virtual {name}: .*{BRING_UP.format(name)}"):
         link.pump(0.1) if name == "recv" else link.send_frame(1, b"")
     bus.shutdown()
 

@@ -7,12 +7,14 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
+from camtools.lobe import list_curve
 from camtools.lobe.generate import generate_lobes
 from camtools.lobe.lift import Listed, curve_of
 from camtools.lobe.list_curve import spline_through, steps_of
 from camtools.lobe.motion import make_lobes
 from tests.tools.cases.cut_cases import PARTS
 from tests.tools.cases.lobe_cases import cam
+from tests.tools.cases.part_cases import refused
 
 BASE_MM, NOSE_MM, LIFT_MM, FLANK_DEG = 15.0, 5.0, 6.0, 65.0
 HALF_RAD = np.radians(65.0)
@@ -45,6 +47,17 @@ def three_arcs(step_deg: float, first_deg: float = 0.0) -> tuple[Floats, Floats]
     """Return a list of three arcs to a nanometre."""
     deg: Floats = first_deg + step_deg * np.arange(round(360 / step_deg), dtype=np.float64)
     return deg, np.round(arcs(turned(np.radians(deg)))[0], 6)
+
+
+def test_a_curve_that_is_not_determined_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The solver of scipy answers a singular matrix with NaN."""
+
+    def singular(_: object, values: Floats) -> Floats:
+        return np.full(values.size, np.nan)
+
+    monkeypatch.setattr(list_curve, "spsolve", singular)
+    found = refused(lambda: spline_through(*three_arcs(1.0)))
+    assert found.startswith("cam.lobe: curve of the list: no solution was found; ")
 
 
 @pytest.mark.parametrize(("step_deg", "within_mm"), [(0.5, 0.8), (1.0, 0.15), (2.0, 0.15)])

@@ -102,6 +102,12 @@ REFUSED = [
     (text_of(HOOKED), ALONE, "line 38: ", "the outline is not closed"),
     (text_of(SWAPPED), ALONE, "line 6: ", "turns back at this point, so it is not star-shaped"),
     (text_of(SWAPPED[::-1]), ALONE, "line 34: ", "turns back at this point"),
+    (
+        text_of(np.vstack([POINTS, 1.001 * POINTS])),
+        ALONE,
+        "line 73: ",
+        "the outline that ends here does not run round it once",
+    ),
     (text_of(TWICE), ALONE, "line 7: ", "turns back at this point"),
     (
         text_of(POINTS),

@@ -220,11 +220,16 @@ def accelerated(line: str) -> str:
     return f"{x};{y};{v};{-float(a):.9f}"
 
 
+OF_A_HEIGHT = [f"{x} 5 {0.1 * np.sin(np.radians(x)):.6f}" for x in range(0, 360, 10)]
+
 WRONG = [
     (["X_deg;Y_mm;V_mm_per_deg", *MOVING], "line 1", "no column of A"),
     (["Y_mm", "1", "2"], "line 1", "no column of X"),
     (["5;0;1", "5;30;2", "5;60;3"], "line 1", "has 3 columns and no header"),
-    (["0", "1", "2"], "line 1", "has 1 columns and no header"),
+    (OF_A_HEIGHT, "line 1", "has 3 columns and no header"),
+    ([f"{row} // note" for row in OF_A_HEIGHT], "line 1", "has 3 columns and no header"),
+    (["// 36 points", *(f"{x} {x % 70} 9" for x in range(0, 360, 10))], "line 2", "has 3 columns"),
+    (["0", "1", "2"], "line 1", "has 1 column and no header"),
     (["X_deg;X_deg", *GOOD], "line 1", "no column of Y"),
     ([*GOOD[:3], GOOD[4], GOOD[3], *GOOD[5:]], "line 5", "angle 135 follows 180 degrees"),
     ([*GOOD[:-1], "360;0.5"], "line 9", "the turn is not closed: Y ends at 0.5, began at 0"),
@@ -247,6 +252,13 @@ def test_wrong_files(lines: list[str], place: str, problem: str) -> None:
     """One line with the file, its line, what is wrong and what to do."""
     line = refused(lambda: parse_points("\n".join(lines), "points.csv"), InputError)
     assert line.startswith(f"points.csv: {place}") and problem in line and "; " in line
+
+
+def test_heights_may_be_a_hundredth_apart() -> None:
+    """As written, 10.01 less 10.00 is a little less than 0.01."""
+    lines = ["Z_mm;X_deg;Y_mm", *[f"{z};{row}" for z in ("10.00", "10.01") for row in GOOD]]
+    found = parse_points("\n".join(lines), "points.csv")
+    assert found.z_mm is not None and found.z_mm.tolist() == [10.0, 10.01]
 
 
 def test_wrong_sections(tmp_path: Path) -> None:

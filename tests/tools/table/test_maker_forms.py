@@ -61,6 +61,7 @@ ALONE = "".join(f"{y!r}\n" for _, y in POINTS[:-1])
 PAIRS = rows("{:.4f};{:.6f}")
 CASES = {
     "SEW": Case("361\n" + rows("{};{:.6f}").replace(".", ",")),
+    "SEW of a spreadsheet": Case("361;\n;;\n" + rows("{};{:.6f}").replace(".", ",")),
     "SEW with tabs": Case("# Lobe\n361\r\n" + rows("{:.1f}\t{:.6f}", "\r\n")),
     "Lenze": Case(rows("{:.1f}\t{:.6f} // point {}")),
     "Lenze with torques": Case(rows("{:.1f}\t{:.6f}\t0,0 // point {}")),
@@ -70,6 +71,9 @@ CASES = {
     ),
     "ISG, numbers": Case(isg(6, rows("{} {:.6f} # {}"))),
     "ISG, integers": Case(isg(7, rows("{:.0f}\t{:.0f} # {}", x=1e4, y=1e4)), 0.5e-4),
+    "ISG, other keys": Case(
+        isg(7, rows("{:.0f}\t{:.0f}", x=1e4, y=1e4)).replace("Tabletype", "Table-Type"), 0.5e-4
+    ),
     "ISG, values alone": Case(isg(3, ALONE)),
     "Schneider": Case(asc(SHARES)),
     "Technosoft": Case(
@@ -98,6 +102,9 @@ REFUSED = [
     (KAS.replace("TABLE_BEGIN;;\n", ""), "Kollmorgen without the line TABLE_BEGIN"),
     (KAS.replace("YES", "NO").replace("\n360", "\n350.5"), "line 363: angle 350.5 follows 359"),
     (KAS.replace("\n5;0.0", "\n5;x"), "line 8: cell 2 is no finite number"),
+    (KAS.replace("\n360;0.000000;SPLINE", ""), "the largest X is 359, nearly a turn, which is 360"),
+    (isg(8, PAIRS), "Tabletype: a cam table of ISG of another type than 1, 2, 3, 6, 7; set"),
+    (isg(6, PAIRS).replace("= 6", "= 0x1"), "Tabletype: a cam table of ISG of another type"),
     (isg(5, rows("{} {} 0 0")), "ISG with 4 columns; only those with 1 or 2 are read"),
     (isg(7, PAIRS).replace("Begintable", "Begin"), "ISG without the line Begintable"),
     (asc(SHARES, "8,0"), "YFactor: is no finite number; write one, decimals with a point"),

@@ -23,8 +23,8 @@ Each line has as many cells as the header names, or as the first line of numbers
 ...     str(error).split("; ")[0]
 'a.csv: line 2: has 3 cells, the header names 2'
 
-A part file from somebody else may name any file of the reader's, a list of passwords for one: no
-error shows a line or a name of the file.
+A part file from somebody else may name any file of the reader's, a list of passwords for one:
+errors name the file and the number of the line, never the text of a line or of a heading.
 """
 
 import csv
@@ -48,6 +48,11 @@ _MOST = 1e12  # of a number in the unit of the reader: squares and sums of many 
 _NOTHING = ' \t,;"'  # a line of nothing else is blank: a spreadsheet's empty row
 
 
+def is_blank_or_comment(line: str) -> bool:
+    """Return whether a line has no cells, or empty ones alone, or is a comment."""
+    return not line.strip().strip(_NOTHING) or line.lstrip().startswith(_COMMENTS)
+
+
 def read_whole_table(path: Path, most_bytes: int) -> str:
     """Return the text of a table that a part file names, as `read_text`.
 
@@ -56,7 +61,7 @@ def read_whole_table(path: Path, most_bytes: int) -> str:
     """
     text = read_text(path, most_bytes)
     last = text.splitlines()[-1] if text else ""
-    if last and not text.endswith(("\n", "\r")) and not last.lstrip().startswith(_COMMENTS):
+    if not text.endswith(("\n", "\r")) and not is_blank_or_comment(last):
         problem = "the file stops within this line, so it may have been cut short"
         remedy = "copy it again, or end the line if it is complete"
         place = f"line {len(text.splitlines())}"
@@ -137,11 +142,7 @@ def _written(text: str) -> list[tuple[int, str]]:
     Tabs at their ends stay: empty cells may be there.
     """
     lines = ((i, _without_note(line)) for i, line in enumerate(text.splitlines(), start=1))
-    return [
-        (i, line.strip(" "))
-        for i, line in lines
-        if line.strip().strip(_NOTHING) and not line.lstrip().startswith(_COMMENTS)
-    ]
+    return [(i, line.strip(" ")) for i, line in lines if not is_blank_or_comment(line)]
 
 
 class NumberTable:
@@ -189,7 +190,7 @@ class NumberTable:
         """Return numbers in the units of the reader, shape (columns, rows).
 
         Raises InputError with the line: too many or too few cells, or a number is not finite, or
-        above _MOST.
+        beyond 1e12.
         """
         places = [column.place for column in columns]
         rows: list[list[float]] = []

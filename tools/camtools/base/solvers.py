@@ -17,10 +17,13 @@ from scipy.optimize.elementwise import find_root
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats, FloatsLike
 
+OF_FILE = "report it with the input file"
+OF_RECORD = "record for longer, or excite more"
 
-def unsolved(subject: str) -> CamtoolsError:
-    """Return the error of a solver that has not converged on a subject."""
-    return CamtoolsError([f"{subject}: no solution was found; report it with the input file"])
+
+def unsolved(subject: str, remedy: str = OF_FILE) -> CamtoolsError:
+    """Return the error of a solver that has not converged; the subject is a key or a file."""
+    return CamtoolsError([f"{subject}: no solution was found; {remedy}"])
 
 
 def inverted(
@@ -56,8 +59,8 @@ def neighbours(grid: Floats, on_grid: Floats, values: Floats) -> tuple[Floats, F
     return grid[i - 1], grid[i]
 
 
-def converged(found: OptimizeResult, subject: str) -> OptimizeResult:
+def converged(found: OptimizeResult, subject: str, remedy: str = OF_FILE) -> OptimizeResult:
     """Return what an optimiser of scipy found; raise CamtoolsError where it has not converged."""
     if not np.all(found.success):
-        raise unsolved(subject)
+        raise unsolved(subject, remedy)
     return found

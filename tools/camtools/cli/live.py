@@ -215,7 +215,11 @@ def _end(pair: LivePair, bridge: Bridge) -> None:
 
 
 def _begin(
-    stack: ExitStack, bus: can.BusABC, made: Made, arguments: Options, extra: Sequence[str]
+    stack: ExitStack,
+    opened: tuple[can.BusABC, str],
+    made: Made,
+    arguments: Options,
+    extra: Sequence[str],
 ) -> tuple[LivePair, _Session] | None:
     """Start both processes and wait until they have read their files; None: camsim refused."""
     name = made.table.table.part_name
@@ -230,7 +234,7 @@ def _begin(
         pair = LivePair(camsim_path(), folder, [*words, *pace, *people])
         stack.callback(pair.close)
         assert pair.controller.stdin is not None and pair.controller.stdout is not None
-        bridge = Bridge(bus, pair.controller.stdin.fileno(), pair.controller.stdout.fileno())
+        bridge = Bridge(*opened, pair.controller.stdin.fileno(), pair.controller.stdout.fileno())
         stack.callback(_end, pair, bridge)
         session = _Session(pair, bridge)
         if not session.wait_for_start():
@@ -245,7 +249,7 @@ def live(options: Options, extra: Annotated[tuple[str, ...], Words(is_after_dash
         bus_words = _bus_of(options.interface.words())
         bus, where = open_bus(bus_words)
         stack.callback(bus.shutdown)
-        begun = _begin(stack, bus, made, options, extra)
+        begun = _begin(stack, (bus, where), made, options, extra)
         if begun is None:
             return BAD_INPUT
         pair, session = begun

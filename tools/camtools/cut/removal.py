@@ -79,7 +79,7 @@ class SectionCut:
         borders, sums = self._cells
         bounds = neighbours(borders, sums, area_mm2)
         within = _AREA_ERROR * self.total_mm2
-        return inverted(self.area_mm2, area_mm2, bounds, within, "removal of metal")
+        return inverted(self.area_mm2, area_mm2, bounds, within, "process: removal of metal")
 
     def speed_ratio(self, phi_rad: Floats) -> Floats:
         """Return spindle speed over mean speed at constant removal rate, MATHS.md (24)."""

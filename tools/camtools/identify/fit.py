@@ -24,7 +24,7 @@ from scipy.optimize import least_squares, minimize_scalar
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
-from camtools.base.solvers import converged
+from camtools.base.solvers import OF_RECORD, converged
 from camtools.identify.recording import Complexes, Spectra
 
 MOST_LEAD_S = 0.02  # the range of the parameter lead_ns
@@ -137,7 +137,7 @@ def _lead(lines: _Lines) -> float:
     found = minimize_scalar(
         lines.cost, bounds=(low, high), method="bounded", options={"xatol": 1e-11}
     )
-    return float(converged(found, "record: dead time").x)
+    return float(converged(found, "record: dead time", OF_RECORD).x)
 
 
 def _covariance(lines: _Lines, spectra: Spectra, values: Floats, residual: Floats) -> Floats:
@@ -336,7 +336,7 @@ def fit_mode(spectra: Spectra, plain: DriveFit, near: ModeFit | None = None) -> 
             best = found
     assert best is not None
     best = least_squares(residual, best.x, bounds=(low, high), xtol=1e-12, ftol=1e-12)
-    best = converged(best, "record: mode")
+    best = converged(best, "record: mode", OF_RECORD)
     variance = 2 * best.cost / (best.fun.size - best.x.size)
     return ModeFit(
         values=np.asarray(best.x[:4] * residual.scale),

@@ -65,7 +65,8 @@ class Table(NamedTuple):
 def parse_table(text: str, file: str, quantities: Mapping[str, Units], header: str) -> Table:
     """Return columns, by the names that each may have with their units in SI, or refuse a line.
 
-    The last one is what moves; it must not be another one again, as by a wire or cursor misplaced.
+    The last one is what moves. Refuses a last column that is a copy of another one, as after a
+    wrong connection.
     """
     table = NumberTable(text, file, MAX_ROWS)
     columns = table.columns({"time": TIMES} | dict(quantities), header)

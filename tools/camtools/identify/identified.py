@@ -16,7 +16,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from camtools.base.quantities import Floats
-from camtools.base.solvers import unsolved
+from camtools.base.solvers import OF_RECORD, unsolved
 from camtools.identify.fit import (
     FRICTION,
     K1,
@@ -201,7 +201,7 @@ def _fit_plain(record: SettledRecord) -> tuple[Spectra, DriveFit]:
         if np.all(moved < _SETTLED_SIGMAS * better.sigmas):
             break
     else:
-        raise unsolved("record: friction")
+        raise unsolved("record: friction", OF_RECORD)
     return spectra, found
 
 

@@ -16,7 +16,7 @@ from scipy.optimize import least_squares
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats, Ints
-from camtools.base.solvers import converged
+from camtools.base.solvers import OF_RECORD, converged
 from camtools.base.text import Json
 from camtools.identify.fit import solved, stacked
 from camtools.identify.foreign_record import FORCES, ForeignRecord
@@ -157,7 +157,7 @@ def _fit(lines: Lines, begin: Floats) -> Floats:
     static = float(np.abs(begin[STATIC]))
     scale = np.array([static, static / high, static / high**2, 1 / high])
     found = least_squares(lambda x: _off(x * scale, lines), begin / scale, x_scale="jac")
-    return np.asarray(converged(found, "--record: constants").x * scale)
+    return np.asarray(converged(found, "record: constants", OF_RECORD).x * scale)
 
 
 def _fit_of(segments: _Segments, rows: Ints, begin: Floats) -> Floats:

@@ -131,20 +131,24 @@ _WINDOWS = ("etas", "iscan", "ixxat", "nican", "nixnet", "systec", "usb2can", "v
 _ERRNO = {
     errno.EAFNOSUPPORT: "this kernel has no CAN; load can and can-raw, or use tools/live",
     errno.ENODEV: "no such network interface; ip link lists them",
-    errno.ENETDOWN: "bring the interface up: ip link set .. up, with the bit rate of the bus",
+    errno.ENETDOWN: "bring the interface up: ip link set {channel} up, with the bus's bit rate",
     errno.EPERM: "this user has no permission; check that of the device",
     errno.EACCES: "this user has no permission; check that of the device",
 }
 
 
-def remedy_for(error: BaseException, otherwise: str = "see its cable and power") -> str:
-    """Return the remedy of an error of a bus by its number, or of its cause's."""
+def remedy_for(error: BaseException, where: str, otherwise: str = "see its cable and power") -> str:
+    """Return the remedy of an error of a bus by its number, or of its cause's.
+
+    `where` is what `open_bus` calls the bus.
+    """
     numbers = (
         getattr(raised, name, None)
         for raised in (error, error.__cause__)
         for name in ("errno", "error_code")
     )
-    return next((_ERRNO[number] for number in numbers if number in _ERRNO), otherwise)
+    remedy = next((_ERRNO[number] for number in numbers if number in _ERRNO), otherwise)
+    return remedy.replace("{channel}", [*where.split(), ".."][1])
 
 
 def configured(given: Mapping[str, Any]) -> dict[str, Any]:
@@ -169,8 +173,9 @@ def _option(name: str) -> str:
     return f"--{name} .." if name in ("channel", "bitrate") else f"--option {name}=.."
 
 
-def _lacking(interface: str, given: Mapping[str, Any], error: Exception) -> str:
+def _lacking(where: str, given: Mapping[str, Any], error: Exception) -> str:
     """Return why a driver does not open, and the remedy."""
+    interface = str(given["interface"])
     if isinstance(error, TypeError):
         missing = [name for name in _wanted(interface) if name not in given]
         if missing:
@@ -185,7 +190,7 @@ def _lacking(interface: str, given: Mapping[str, Any], error: Exception) -> str:
         return _DRIVERS[interface]
     if interface == "socketcand":
         return f"{error}; start the daemon there, or correct host and port"
-    return f"{error}; {remedy_for(error, 'see its options in the manual of python-can')}"
+    return f"{error}; {remedy_for(error, where, 'see its options in the manual of python-can')}"
 
 
 def _is_loopback(asked: Mapping[str, Any]) -> bool:
@@ -225,4 +230,4 @@ def open_bus(given: Mapping[str, Any]) -> tuple[can.BusABC, str]:
             return LoopbackBus(str(asked["channel"]), int(asked["port"])), place
         return _checked(can.Bus(**given)), place
     except Exception as error:  # a driver of strangers raises what it likes
-        raise CamtoolsError([f"{place}: {_lacking(str(interface), asked, error)}"]) from error
+        raise CamtoolsError([f"{place}: {_lacking(place, asked, error)}"]) from error

@@ -105,7 +105,7 @@ class Link:
             with signals_held():
                 frame = self.bus.recv(timeout_s)
         except (can.CanError, OSError) as error:
-            problem = f"the connection to the bus is lost: {error}; {remedy_for(error)}"
+            problem = f"the connection to the bus is lost: {error}; {remedy_for(error, self.where)}"
             raise Refused(f"{self.where}: {problem}") from error
         if frame is None:
             return False
@@ -150,7 +150,7 @@ class Link:
                 self.bus.send(_frame(identifier + self._shift, data), timeout=ANSWER_S)
         except (can.CanError, OSError) as error:
             asked = "is the bus up, with somebody else on it at the same bit rate?"
-            problem = f"the frame cannot be sent: {error}; {remedy_for(error, asked)}"
+            problem = f"the frame cannot be sent: {error}; {remedy_for(error, self.where, asked)}"
             raise Refused(f"{self.where}: {problem}") from error
 
     def wait(self, is_done: Callable[[], bool], timeout_s: float) -> bool:

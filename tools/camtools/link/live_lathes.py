@@ -174,12 +174,15 @@ class Bridge:
     A frame with an identifier that the controller sends itself is not carried to it: a bus may hand
     everybody his own frames. to_controller, from_controller: pipes, which stay open. spoke: set by
     the first frame of the controller. problem: why frames are carried no more; "" while they are,
-    and when the controller has ended.
+    and when the controller has ended. where: what `open_bus` calls the bus.
     """
 
-    def __init__(self, bus: can.BusABC, to_controller: int, from_controller: int) -> None:
+    def __init__(
+        self, bus: can.BusABC, where: str, to_controller: int, from_controller: int
+    ) -> None:
         self.spoke, self.problem = threading.Event(), ""
-        self._bus, self._to, self._from = bus, to_controller, from_controller
+        self._bus, self._where = bus, where
+        self._to, self._from = to_controller, from_controller
         self._own: set[int] = set()
         self._is_over = False
         self._threads = [threading.Thread(target=carry) for carry in (self._forth, self._back)]
@@ -195,7 +198,9 @@ class Bridge:
         except BrokenPipeError:
             return  # the controller has ended
         except (can.CanError, OSError) as error:
-            self.problem = f"the connection to the bus is lost: {error}; {remedy_for(error)}"
+            self.problem = (
+                f"the connection to the bus is lost: {error}; {remedy_for(error, self._where)}"
+            )
 
     def _is_for_controller(self, frame: can.Message) -> bool:
         is_foreign = frame.is_error_frame or frame.is_remote_frame or frame.is_extended_id
@@ -216,7 +221,7 @@ class Bridge:
         try:
             self._bus.send(frame)
         except (can.CanError, OSError) as error:
-            self.problem = f"a frame cannot be sent: {error}; {remedy_for(error)}"
+            self.problem = f"a frame cannot be sent: {error}; {remedy_for(error, self._where)}"
 
     def stop(self) -> None:
         """Carry nothing to the controller any more, so that its pipe can be closed."""

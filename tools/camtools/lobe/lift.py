@@ -83,7 +83,8 @@ def _points_of_file(text: str, file: str, lobe: Lobe) -> PointedTurn:
     most_mm = lobe.largest_lift_mm or MAX_LIFT_MM
     if low < -_ZERO_MM or high > most_mm + SAME_MM:
         problem = f"lifts of {low:g} .. {high:g} mm, not 0 .. {most_mm:g}"
-        remedy = "give mm above the base circle, or set counts_per_mm"
+        change = "correct" if lobe.counts_per_mm else "set"
+        remedy = f"give mm above the base circle, or {change} counts_per_mm"
         if lobe.largest_lift_mm:
             problem = f"shares of {low / most_mm:g} .. {high / most_mm:g}, not 0 .. 1"
             remedy = "give shares of 0 .. 1 of largest_lift_mm, or remove it"
@@ -211,9 +212,15 @@ def peaks_of(curve: BSpline) -> PeaksOfList:
     return PeaksOfList(*(float(np.abs(curve(x, nu=n)).max()) for n in (2, 3)))
 
 
-def bands_of(points: PointedTurn) -> list[float]:
-    """Return bands [um] that may remove the noise of a list, rising; none without noise."""
-    return [] if points.v.size else bands_um(points.x_deg, points.y_mm, 360.0)
+def bands_of(points: PointedTurn, *, of_jerk: bool) -> list[float]:
+    """Return bands [um] that may remove the noise of a list, rising; none without noise.
+
+    Noise of the jerk may be less than the lifts show: the least band there is may remove it. Lists
+    with velocities and accelerations are not smoothed.
+    """
+    if points.v.size:
+        return []
+    return bands_um(points.x_deg, points.y_mm, 360.0) or [LEAST_UM] * of_jerk
 
 
 def band_for(points: PointedTurn, *, of_jerk: bool = False) -> Smoothing | None:
@@ -222,9 +229,6 @@ def band_for(points: PointedTurn, *, of_jerk: bool = False) -> Smoothing | None:
     What it needs lowers the peak of the acceleration, or that of the jerk: a list of many points
     has noise in that which no rounding of its lifts shows.
     """
-    bands = bands_of(points)
-    if of_jerk and not points.v.size:
-        bands = bands or [LEAST_UM]
 
     def peak(curve: BSpline) -> float:
         peaks = peaks_of(curve)
@@ -236,7 +240,7 @@ def band_for(points: PointedTurn, *, of_jerk: bool = False) -> Smoothing | None:
     def smooth(band_um: float) -> Smoothing:
         return smooth_list(points.x_deg, points.y_mm, band_um)
 
-    return first_enough(bands, smooth, peaks)
+    return first_enough(bands_of(points, of_jerk=of_jerk), smooth, peaks)
 
 
 class Rise(NamedTuple):

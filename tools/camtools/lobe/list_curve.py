@@ -18,6 +18,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import spsolve
 
 from camtools.base.quantities import Bools, Floats
+from camtools.base.solvers import unsolved
 from camtools.lobe.part import is_turn
 from camtools.part.smoothing import noise_of
 
@@ -109,7 +110,8 @@ def periodic_spline(angle_deg: Floats, lift_mm: Floats) -> BSpline:
 def spline_through(angle_deg: Floats, lift_mm: Floats) -> BSpline:
     """Return `periodic_spline` through points of a turn, its end not repeated, with their steps.
 
-    At a step value and slope are continuous; the points next to it are no knots.
+    At a step value and slope are continuous; the points next to it are no knots. Raises
+    CamtoolsError where the points and knots allow no such curve.
     """
     x = np.radians(angle_deg)
     steps = steps_of(x, lift_mm, 2 * np.pi)
@@ -125,4 +127,6 @@ def spline_through(angle_deg: Floats, lift_mm: Floats) -> BSpline:
     rows = BSpline.design_matrix(at, t, _K).tocoo()
     matrix = csc_array((rows.data, (rows.row, rows.col % n)), shape=(n, n))
     c = spsolve(matrix, lift_mm)
+    if not np.isfinite(c).all():
+        raise unsolved("cam.lobe: curve of the list")
     return BSpline(t, np.append(c, c[:_K]), _K, extrapolate="periodic")

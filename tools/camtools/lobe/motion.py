@@ -40,7 +40,6 @@ from camtools.lobe.lift import (
 from camtools.lobe.part import Camshaft, Lobe, LobePart, LobeProcess
 from camtools.part.common import PartInfo
 from camtools.part.smoothing import (
-    LEAST_UM,
     PeakChange,
     band_words,
     check_share,
@@ -227,7 +226,7 @@ def _with_band(error: GeometryError, part: LobePart, lobe: Lobe, field: str) -> 
     if lobe.law != "list":
         return error
     form_error_um = part.process.form_error_um
-    bands = bands_of(points_of(lobe, field)) or [LEAST_UM]
+    bands = bands_of(points_of(lobe, field), of_jerk=True)
     wider = (band for band in bands if band > (lobe.smooth_um or 0))
     for band_um in wider:
         allowed_um = form_error_for(band_um, form_error_um)

@@ -255,7 +255,7 @@ class Lobe(TomlTable):
             raise wrong("unit", problem, remedy, field=field, value=getattr(self, field))
         if len(of_lift) > 1:
             field, other = sorted(of_lift, reverse=True)[:2]
-            problem = f"and {other} both say what the lifts of the csv are"
+            problem = f"says what the lifts of the csv are, and so does {other}"
             raise wrong("unit", problem, "keep one", field=field, value=getattr(self, field))
         if (self.ramp_height_mm is None) != (self.ramp_um_per_deg is None):
             missing = "ramp_height_mm" if self.ramp_height_mm is None else "ramp_um_per_deg"

@@ -184,8 +184,8 @@ def describe(file: str, finding: ErrorDetails) -> str:
     path = [str(step) for step in finding["loc"]] + [context.get("field", "")]
     shown = (step for step in path if step and not step.startswith("("))  # not a union's member
     field = one_line(".".join(shown))
-    is_none = finding["type"] in ("missing", "extra_forbidden")  # of no file of this kind, maybe
-    value = None if is_none else context.get("value", finding["input"])
+    hides_value = finding["type"] in ("missing", "extra_forbidden")  # it may be of another kind
+    value = None if hides_value else context.get("value", finding["input"])
     problem = _PROBLEMS.get(finding["type"], finding["msg"])
     return str(InputError(file, field, value, problem, remedy_for(finding["type"], context)))
 

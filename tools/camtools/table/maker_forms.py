@@ -28,7 +28,7 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.errors import InputError
-from camtools.base.number_table import NumberTable
+from camtools.base.number_table import NumberTable, is_blank_or_comment
 from camtools.base.quantities import Floats
 
 
@@ -43,7 +43,7 @@ class Form(NamedTuple):
     columns: tuple[int, ...] = (2,)  # how many there may be; 1: values at even distances
     is_closed: bool = False  # .. whose last is at the end of the turn
     fills_turn: bool = False  # X is relative to its largest, which ends the turn
-    units: Mapping[str, float] = {}  # degrees and mm of 1, by the setting Tabletype; else 1
+    units: Mapping[str, float] = {}  # degrees and mm of 1, by the setting Tabletype; none: 1
     head: str = ""  # written before the points, `{n}` of them; without a row nothing is written
     row: str = ""
     tail: str = ""
@@ -57,7 +57,7 @@ class Form(NamedTuple):
 FORMS = {
     "sew": Form(
         "SEW",
-        known_by=r"[0-9]{1,9}\n[^\n]*\S[;\s]",
+        known_by=r"[0-9]{1,9}[;,\s]*\n[^\n]*\S[;\s]",
         head="{n}\n",
         row="{x!r};{y!r}\n",
     ),
@@ -74,12 +74,13 @@ FORMS = {
     ),
     "isg": Form(
         "ISG",
-        known_by=r"(Table-?(name|ID|type)|Function ?type|Lines)\s*=",
+        known_by=r"(Table[ -]?(name|ID|type)|Function[ -]?type|Lines)\s*=",
         begin="Begintable",
         end="EndTable",
         beside=r"#.*",
         columns=(1, 2),
-        units={"1": 1e-4, "2": 1e-4, "7": 1e-4},  # signed 16, 32 bits; two columns of 32
+        # signed 16, 32 bits; real; two columns: real, signed 32 bits
+        units={"1": 1e-4, "2": 1e-4, "3": 1.0, "6": 1.0, "7": 1e-4},
     ),
     "asc": Form(
         "Schneider",
@@ -92,14 +93,15 @@ FORMS = {
 WRITTEN = tuple(name for name, form in FORMS.items() if form.row)
 _SETTING = re.compile(r"([\w-][\w -]*)[=;,]([^#]*)")
 _COUNT = re.compile(r"[0-9]{1,9}")
-_COMMENT = re.compile(r"\s*(#|//|\(\*|$)")
+_NEARLY = 0.9  # of a turn: a largest X from here on is that of a turn without its end
+_SAME = 1e-9  # of a turn
 
 
 class Found(NamedTuple):
     """A file in a maker's form."""
 
     form: Form
-    settings: dict[str, str]  # of its header, by keys in small letters without blanks
+    settings: dict[str, str]  # of its header, by keys in small letters without blanks and hyphens
     text: str  # the rows of points alone, on the lines on which they were
 
 
@@ -115,7 +117,7 @@ def found_in(text: str, file: str) -> Found | None:
     Raises InputError: the line before the points or the one after them is missing.
     """
     lines = text.splitlines()
-    written = [i for i, line in enumerate(lines) if not _COMMENT.match(line)][:2]
+    written = [i for i, line in enumerate(lines) if not is_blank_or_comment(line)][:2]
     begins = "\n".join(lines[i].strip() for i in written)
     forms = (form for form in FORMS.values() if re.match(form.known_by, begins, re.IGNORECASE))
     form = next(forms, None)
@@ -136,12 +138,12 @@ def found_in(text: str, file: str) -> Found | None:
 
 def _settings(header: list[str]) -> dict[str, str]:
     """Return the settings of a header; a number alone is that of the points."""
-    last = header[-1].strip()
+    last = header[-1].strip(' \t;,"')
     found = {"lines": last} if _COUNT.fullmatch(last) else {}
     for line in header:
         setting = _SETTING.match(line.strip())
         if setting:
-            found[setting[1].casefold().replace(" ", "")] = setting[2].strip(" \t;,")
+            found[re.sub("[ -]", "", setting[1].casefold())] = setting[2].strip(" \t;,")
     return found
 
 
@@ -171,9 +173,35 @@ def _number(found: Found, key: str, usual: float, file: str) -> float:
     return value
 
 
+def _unit(found: Found, file: str) -> float:
+    """Return degrees and mm of 1, by the type of the table where the form has types."""
+    units = found.form.units
+    if not units:
+        return 1.0
+    kind = found.settings.get("tabletype", "")
+    if kind not in units:
+        problem = f"a cam table of {found.form.maker} of another type than {', '.join(units)}"
+        remedy = "set one of these types, or give two columns, X and Y"
+        raise InputError(file, "Tabletype", None, problem, remedy)
+    return units[kind]
+
+
+def _fill_turn(x: Floats, turn: float, file: str) -> Floats:
+    """Return X scaled so that its largest ends the turn; refuse a turn without its end."""
+    share = float(x.max()) / turn
+    if _NEARLY <= share < 1 - _SAME:
+        problem = f"the largest X is {x.max():.9g}, nearly a turn, which is {turn:.9g}"
+        raise InputError(file, "", None, problem, "end the table at the turn, or scale X")
+    return x / share if share > 0 else x
+
+
 def placed(found: Found, rows: dict[str, Floats], turn: float, file: str) -> dict[str, Floats]:
-    """Return columns X and Y in the file's degrees and mm; `turn` is what X of a turn is long."""
-    form, unit = found.form, found.form.units.get(found.settings.get("tabletype", ""), 1.0)
+    """Return columns X and Y in the file's degrees and mm; `turn` is what X of a turn is long.
+
+    Raises InputError: a setting that is no number or no type of the form, or a turn without its
+    end.
+    """
+    form, unit = found.form, _unit(found, file)
     y_factor, y_offset, x_length, x_offset = (
         _number(found, key, usual, file)
         for key, usual in (("YFactor", 1), ("YOffset", 0), ("XFactor", turn), ("XOffset", 0))
@@ -183,6 +211,6 @@ def placed(found: Found, rows: dict[str, Floats], turn: float, file: str) -> dic
         steps = max(1, y.size - form.is_closed)
         return {"x": x_offset + x_length * np.arange(y.size) / steps, "y": y}
     x = rows["x"] * unit
-    if form.fills_turn and found.settings.get("cyclic", "").upper() == "YES" and x.max() > 0:
-        x *= turn / x.max()
+    if form.fills_turn and found.settings.get("cyclic", "").upper() == "YES":
+        x = _fill_turn(x, turn, file)
     return {"x": x, "y": y}

@@ -1,7 +1,8 @@
 r"""Points of one turn as text: value over angle, with velocity and acceleration or without them.
 
-A header names columns and units; without one two columns of numbers are angle and value, of three
-the last is ignored, four are angle, value, velocity and acceleration, in degrees and mm.
+A header names columns and units; without one two columns of numbers are angle and value, four are
+angle, value, velocity and acceleration, in degrees and mm. The third of three is ignored if notes
+follow, as in Lenze's files.
 [Forms of other makers](maker_forms.py) are read, too. A turn may begin anywhere: its angle may fall
 once, from the end of the turn to its begin.
 
@@ -20,14 +21,14 @@ import numpy as np
 from camtools.base.errors import InputError
 from camtools.base.number_table import Column, NumberTable, read_whole_table
 from camtools.base.quantities import DEG_PER_RAD, DEG_PER_TURN, Floats, Ints
+from camtools.part.model import MIN_STEP_MM, SAME_MM
 from camtools.table.channel import segment_coefficients
 from camtools.table.maker_forms import Found, check_rows, found_in, placed
 
 MAX_POINTS = 100_000
 MAX_BYTES = 20_000_000
 MIN_STEP_DEG = 0.001
-LEAST_APART_MM = 0.01  # heights of two sections
-SAME_MM = 1e-6  # of the first and the last point of a closed turn
+_CLOSED_MM = 1e-6  # values of a turn's first and last point, or steps, that differ by less agree
 ROUGH_SHARE, FINE_SHARE = 0.3, 0.05  # of the largest step: what V and A may contradict
 _SAME_DEG = 1e-6
 _FEWEST, _FEWEST_ALONE = 4, 8  # points of a turn: with motion, and of values alone
@@ -51,6 +52,7 @@ _UNITS = {
 _COLUMNS = {key: re.compile(f"(?:{words})(?:{_UNITS[key]})?") for key, words in _WORDS.items()}
 _MISSPELT = re.compile(rf"height|(?:{'|'.join(_WORDS.values())})(?![^\W\d_])")  # no letter follows
 _WITHOUT_HEADER = {1: ("y",), 2: ("x", "y"), 3: ("x", "y"), 4: ("x", "y", "v", "a")}
+_NOTE = re.compile(r"^[^#/(\n]*[0-9][ \t]+//", re.MULTILINE)  # after the numbers of a row
 _USE = "name the columns z_mm, X_deg, Y_mm, V_mm_per_deg, A_mm_per_deg2, or fewer of them"
 
 
@@ -97,7 +99,7 @@ class Reading(NamedTuple):
     value_mm: float | None = None  # of 1 in the columns Y, V and A; mm where it is not given
     counts_per_turn: float | None = None  # of the file's angle; degrees where it is not given
     if_longer: str = ""  # what else to do about points that span up to two turns
-    if_counts: str = ", counts of an encoder scaled to them"  # .. and about those that span more
+    if_counts: str = ", and convert counts of an encoder"  # .. and about those that span more
     is_lift: bool = False  # an arc without points may be the base circle, however long it is
 
     @property
@@ -138,7 +140,8 @@ def _check_names(table: NumberTable) -> None:
 
 
 def _unnamed(table: NumberTable) -> InputError:
-    problem = f"has {table.n_columns} columns and no header"
+    columns = "1 column" if table.n_columns == 1 else f"{table.n_columns} columns"
+    problem = f"has {columns} and no header"
     return InputError(table.file, table.place, None, problem, _USE)
 
 
@@ -204,22 +207,29 @@ def parse_points(text: str, file: str, reading: Reading = DEGREES_AND_MM) -> Poi
     if beyond.any():
         problem, remedy = "no finite number in degrees and mm", "correct the number or its unit"
         raise table.refusal(int(beyond.argmax()), problem, remedy)
-    if table.n_columns == 3 and not table.names and (np.diff(_unwrapped(rows["x"])) <= 0).any():
+    if table.n_columns == 3 and not table.names and not _has_torques(text, rows):
         raise _unnamed(table)
     return _sections(rows, table.lines, file, reading)
+
+
+def _has_torques(text: str, rows: dict[str, Floats]) -> bool:
+    """Return whether three columns are Lenze's: with notes, X rises, Y is no height."""
+    is_rising = (np.diff(_unwrapped(rows["x"])) > 0).all()
+    return bool(_NOTE.search(text) and is_rising and np.ptp(rows["y"]) > 0)
 
 
 def check_apart(z_mm: Floats, file: str) -> None:
     """Refuse heights that are so near to each other that they are meant to be the same."""
     heights = np.unique(z_mm)
     steps = np.diff(heights, append=np.inf)
-    if steps.min(initial=np.inf) >= LEAST_APART_MM:
+    is_near = steps < MIN_STEP_MM - SAME_MM
+    if not is_near.any():
         return
-    first = int((steps < LEAST_APART_MM).argmax())
-    last = first + int((steps[first:] >= LEAST_APART_MM).argmax())
+    first = int(is_near.argmax())
+    last = first + int((~is_near[first:]).argmax())
     names = [f"{height:.7g}" for height in heights[first : last + 1]]
     shown = names if len(names) < 4 else [*names[:2], "..", names[-1]]
-    problem = f"the heights {', '.join(shown)} mm are less than {LEAST_APART_MM:g} mm apart"
+    problem = f"the heights {', '.join(shown)} mm are less than {MIN_STEP_MM:g} mm apart"
     remedy = "give all points of a section the same z_mm, the one that was set"
     raise InputError(file, "z_mm", None, problem, remedy)
 
@@ -274,14 +284,14 @@ def _turn(
     last = f"line {numbers[-1]}"
     if abs(span - 360) < _SAME_DEG:
         for key, row in zip("YVA", columns[1:], strict=True):
-            if abs(row[-1] - row[0]) > SAME_MM:
+            if abs(row[-1] - row[0]) > _CLOSED_MM:
                 problem = f"the turn is not closed: {key} ends at {row[-1]:g}, began at {row[0]:g}"
                 raise InputError(file, last, None, problem, "make the last value equal the first")
         columns = columns[:, :-1]
     elif span > 360 - MIN_STEP_DEG:
         problem = f"the points span {span:.9g} degrees, a turn has 360"
         more = reading.if_longer if span < 2 * DEG_PER_TURN + 1 else reading.if_counts
-        remedy = f"give one turn, in degrees{more if span > 360 else ''}"
+        remedy = f"give one turn in degrees{more if span > 360 else ''}"
         raise InputError(file, last, None, problem, remedy)
     turn = PointedTurn(*columns)
     widest = float(turn.steps_deg.max())
@@ -305,7 +315,7 @@ def _check_motion(turn: PointedTurn, numbers: Ints, file: str) -> None:
     ):
         off = np.abs(step - stated)
         i = int(off.argmax())
-        if off[i] > share * float(np.abs(step).max()) + SAME_MM:
+        if off[i] > share * float(np.abs(step).max()) + _CLOSED_MM:
             problem = (
                 f"{key} contradicts the {what}: to the next point they change by {step[i]:.6g}, "
                 f"{key} says {stated[i]:.6g}; {100 * share:g} % of the largest step may differ"

@@ -23,7 +23,7 @@ from scipy.optimize import least_squares
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
-from camtools.base.solvers import converged
+from camtools.base.solvers import OF_RECORD, converged
 from camtools.identify.fit import stacked
 from camtools.identify.foreign_record import FORCES, LENGTHS, POSITIONS, Table, parse_table
 from camtools.identify.recording import LINE_HZ, Grid, Spectra, spectra_of
@@ -130,7 +130,7 @@ def _solve(residual: _Residual, begin: Floats, most: int | None = None) -> tuple
     bounds = (_LOW[: begin.size], _HIGH[: begin.size])
     found = least_squares(residual, begin, bounds=bounds, x_scale="jac", max_nfev=most)
     if most is None:
-        found = converged(found, "record: constants")
+        found = converged(found, "record: constants", OF_RECORD)
     return np.asarray(found.x), float(2.0 * found.cost)
 
 

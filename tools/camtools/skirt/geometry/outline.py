@@ -67,8 +67,8 @@ def _check(table: NumberTable, polar: Floats, rows: Ints, centre_mm: tuple[float
     turns = round(float(steps.sum()) / DEG_PER_TURN)
     forward = steps if turns >= 0 else -steps
     remedy = "give the points of one outline in order, each once, or set piston.section.centre_mm"
-    if turns == 0 or not radius_mm.min() > 0:
-        problem = f"{seen} the outline that ends here does not run round it"
+    if abs(turns) != 1 or not radius_mm.min() > 0:
+        problem = f"{seen} the outline that ends here does not run round it once"
         raise table.refusal(int(rows[-1]), problem, remedy)
     back = np.flatnonzero(forward[:-1] <= 0)
     if back.size:

@@ -203,7 +203,7 @@ def over_height(pieces: Pieces, breaks_mm: Floats) -> tuple[Floats, Floats]:
         c = nodes @ _TO_POWERS.T
         if _misfit_mm(pieces, c, low, high) > _FIT_MM:
             if n_halved == _MAX_HALVINGS:
-                raise unsolved(f"sections at {low:.6g} mm of height")
+                raise unsolved(f"piston.section: sections at {low:.6g} mm of height")
             middle = (low + high) / 2
             todo += [(middle, high, n_halved + 1), (low, middle, n_halved + 1)]
             continue

@@ -381,7 +381,7 @@ def breaks_of(piece: Piece) -> list[float]:
         low, high, n_halved = todo.pop()
         if not isinf(piece.radius_mm) and _cubic_error_mm(piece, low, high) > ARC_ERROR_MM:
             if n_halved == _MAX_HALVINGS:
-                raise unsolved(f"arc of radius_mm = {piece.radius_mm:g}")
+                raise unsolved(f"piston.profile: arc of radius_mm = {piece.radius_mm:g}")
             middle = (low + high) / 2
             todo += [(middle, high, n_halved + 1), (low, middle, n_halved + 1)]
         else:

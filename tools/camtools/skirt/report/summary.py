@@ -211,7 +211,7 @@ _MOST_BEYOND_MM = 1e-3  # of the diameter, which noise may have
 
 
 def beyond_profile(geometry: Geometry) -> Json | None:
-    """Return where the drawn surface has most more diameter than the profile, and how much [mm]."""
+    """Return where the drawn surface exceeds the profile's diameter most, and by how much [mm]."""
     z_mm = geometry.breaks_mm()
     z_mm = z_mm[(z_mm >= geometry.skirt_mm[0]) & (z_mm <= geometry.skirt_mm[1])]
     less = np.stack([geometry.drawing.delta(ALL_AROUND_RAD, float(z)).delta for z in z_mm])
