@@ -76,7 +76,7 @@ static void build_still(cam_spindle_config_t *c, const cam_table_t *table)
 /// may contradict it: 2 for its unevenness, and the tolerance.
 static void build_inertia(cam_spindle_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
-    const double plan_s = (double)cam_plan_ticks(tick_hz) / tick_hz;
+    const double plan_s = (double)cam_plan_ticks(tick_hz) / (double)tick_hz;
     const double turns = 1.25e-3 * p->spindle_acceleration_mrad_per_s2 / (2.0 * CAM_PI);
     const double counts = 2.0 + p->index_tolerance_counts;
     c->inertia_q32 = cam_nearest(cam_limit(turns * plan_s * plan_s * 0x1p32, cam_most_inertia_q32));
@@ -494,7 +494,7 @@ static int32_t runaway_q6(const cam_params_t *p, const cam_force_config_t *c)
 /// When a reading that stands is frozen. Friction may hold a change of the force by twice itself.
 static void build_frozen(cam_force_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
-    const double nm_per_tick2 = 1e9 / tick_hz / tick_hz; // by 1 m/s2
+    const double nm_per_tick2 = 1e9 / ((double)tick_hz * (double)tick_hz); // by 1 m/s2
     const double stated_m_per_s2 = 2.0 * p->servo_friction_mn / p->servo_mass_g;
     const double least_m_per_s2 = p->servo_friction_mn > 0 ? least_held_m_per_s2 : unknown_m_per_s2;
     const double held = stated_m_per_s2 > least_m_per_s2 ? stated_m_per_s2 : least_m_per_s2;

@@ -5,6 +5,7 @@ Times are asserted in virtual time only; figures are printed (tests/linux/run -s
 
 import csv
 import re
+import shlex
 import shutil
 import sys
 from collections.abc import Callable
@@ -191,7 +192,7 @@ set -m
 sudo() {{ "$@"; }}
 modprobe() {{ ip link del vcan0; }}
 tools/mktables() {{ :; }}
-tools/camctl() {{ {sys.executable} -m camtools.cli.camctl "$@"; }}
+tools/camctl() {{ {shlex.quote(sys.executable)} -m camtools.cli.camctl "$@"; }}
 """
 
 
@@ -209,7 +210,10 @@ def test_first_steps_of_the_manual_cut(kernel: Kernel, table_of: TableOf, tmp_pa
     steps = re.findall(r"^    (.*)$", section.split("\n## ")[0], re.MULTILINE)
     steps.insert(-2, "tools/camctl status")
     script = tmp_path / "steps.sh"
-    script.write_text(f"cd {tmp_path}\n{SHELL}" + "".join(f"{step}\nsleep 2\n" for step in steps))
+    script.write_text(
+        f"cd {shlex.quote(str(tmp_path))}\n{SHELL}"
+        + "".join(f"{step}\nsleep 2\n" for step in steps)
+    )
     process = kernel.start(tmp_path, "bash", str(script))
     said, _ = process.communicate()
     assert process.returncode == 0, said

@@ -282,6 +282,8 @@ static void test_u_that_sticks_is_no_frozen_scale(void)
         TEST_ASSERT_EQUAL_HEX32(cases[i % 3].faults, faults);
     }
     setUp(); // what 6 m/s2 of friction hold that nobody stated
+    p.servo_integral_mHz = 0;
+    configure();
     let_settle();
     is_blocked = true;
     m.axis[hal_axis_u].acc_q10 = (int32_t)(10.5e9 * TICK_S * TICK_S * 1024.0);
