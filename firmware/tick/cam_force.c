@@ -96,7 +96,8 @@ static bool is_frozen(cam_force_t *f, const cam_force_config_t *cfg, int32_t rea
 static bool is_beyond(const cam_force_config_t *cfg, int32_t pos_nm, int32_t vel_nm)
 {
     const bool is_down = vel_nm < 0 || (vel_nm == 0 && pos_nm < 0);
-    const int32_t left_nm = cfg->travel_nm + (is_down ? pos_nm : -pos_nm);
+    const int32_t left_nm =
+        is_down ? cam_sat_add(cfg->travel_nm, pos_nm) : cam_sat_sub(cfg->travel_nm, pos_nm);
     return left_nm < 0 || (int64_t)vel_nm * vel_nm > (int64_t)cfg->braking_nm * left_nm;
 }
 
