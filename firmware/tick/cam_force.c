@@ -60,7 +60,7 @@ static int32_t observe(cam_force_t *f, const cam_force_config_t *cfg, int32_t re
 /// @return a speed, less an amount that stops U but does not turn it back
 static int32_t slowed(int32_t speed_q10, int32_t less_q10)
 {
-    return speed_q10 - cam_clamp_i32(speed_q10, -less_q10, less_q10);
+    return cam_sat_sub(speed_q10, cam_clamp_i32(speed_q10, -less_q10, less_q10));
 }
 
 /// A reading that stands to the last digit is that of a U that stands. It is frozen if U was asked
