@@ -35,6 +35,35 @@ def parse_part(data: bytes, file: str, folder: Path = Path()) -> SkirtPart:
     return parse_for("analyse", SkirtPart, data, file, folder)
 
 
+POINTS_PART = """\
+[part]
+name = "points"
+kind = "piston"
+source = "Invented."
+[piston.profile]
+height_mm = {height_mm}
+diameter_mm = [80, 80]
+[piston.section]
+shape = "table"
+csv = "points.csv"
+{more}
+[process]
+spindle_rpm = 600
+feed_mm = 0.5
+direction = {direction}
+"""
+
+
+def points_part(
+    folder: Path, text: str, more: str = "", height_mm: str = "[0, 24]", direction: int = 1
+) -> SkirtPart:
+    """Return a cylinder of 80 mm with a file of measured points, and `more` keys of its section."""
+    (folder / "points.csv").write_text(text)
+    keys = {"more": more, "height_mm": height_mm, "direction": direction}
+    (folder / "points.toml").write_text(POINTS_PART.format_map(keys))
+    return load_part(folder / "points.toml")
+
+
 def changed(part: SkirtPart, values: Mapping[str, object]) -> SkirtPart:
     """Return a skirt with other values of keys or whole tables, named as "piston.profile"."""
     tree = part.model_dump(exclude_none=True)

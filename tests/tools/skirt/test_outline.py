@@ -8,24 +8,8 @@ import pytest
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
-from tests.tools.cases.part_cases import load_part, refused
+from tests.tools.cases.part_cases import points_part, refused
 
-PART = """\
-[part]
-name = "outline"
-kind = "piston"
-source = "Invented."
-[piston.profile]
-height_mm = [0, 24]
-diameter_mm = [80, 80]
-[piston.section]
-shape = "table"
-csv = "outline.csv"
-{more}
-[process]
-spindle_rpm = 600
-feed_mm = 0.5
-"""
 A_MM, B_MM, OFF_MM = 40.0, 39.8, 0.05
 PHI = np.radians(np.arange(0.0, 360.0, 0.7))
 ALONE = "single_height = true\n"
@@ -33,9 +17,7 @@ ALONE = "single_height = true\n"
 
 def geometry_of(folder: Path, text: str, more: str = ALONE) -> Geometry:
     """Make the geometry of a part with this outline."""
-    (folder / "outline.csv").write_text(text)
-    (folder / "outline.toml").write_text(PART.format(more=more))
-    return make_geometry(load_part(folder / "outline.toml"))
+    return make_geometry(points_part(folder, text, more))
 
 
 def ellipse(n: int) -> Floats:

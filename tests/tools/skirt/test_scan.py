@@ -28,7 +28,7 @@ from camtools.skirt.table.generate import generate
 from camtools.table.points import parse_points
 from tests.tools.cases.camsim_cases import cut, form_um, plain
 from tests.tools.cases.cut_cases import PARTS, made_skirt, written
-from tests.tools.cases.part_cases import changed, load_part, refused
+from tests.tools.cases.part_cases import changed, load_part, points_part, refused
 
 MEASURED = PARTS / "scan90.toml"
 ANGLES = range(0, 360, 10)
@@ -180,26 +180,6 @@ def test_too_many_waves_are_refused(tmp_path: Path) -> None:
 
 RADIUS_MM = 40.0
 HEIGHTS_MM = (0.0, 8.0, 16.0, 24.0)
-PART = """\
-[part]
-name = "points"
-kind = "piston"
-source = "Invented."
-
-[piston.profile]
-height_mm = [0, 24]
-diameter_mm = [80, 80]
-
-[piston.section]
-shape = "table"
-csv = "points.csv"
-{more}
-
-[process]
-spindle_rpm = 600
-feed_mm = 0.5
-direction = {direction}
-"""
 
 
 def reduction_mm(deg: Floats, z_mm: Floats) -> Floats:
@@ -232,9 +212,7 @@ def own(i: int) -> Floats:
 
 def points_of(folder: Path, text: str, more: str = "", direction: int = 1) -> Geometry:
     """Return the geometry of a part with this scan beside it."""
-    (folder / "points.csv").write_text(text)
-    (folder / "points.toml").write_text(PART.format(more=more, direction=direction))
-    return make_geometry(load_part(folder / "points.toml"))
+    return make_geometry(points_part(folder, text, more, direction=direction))
 
 
 def text_of(header: str, line: str, factor: float, above: float = 0) -> str:
@@ -351,10 +329,7 @@ def oval_part(
         for z_mm, values in values_um.items()
         for deg, um in zip(EVERY_3_DEG, values, strict=True)
     ]
-    (folder / "points.csv").write_text("angle_deg,z_mm,reduction_um\n" + "".join(rows))
-    text = PART.format(more=more, direction=1).replace("[0, 24]", height_mm)
-    (folder / "points.toml").write_text(text)
-    return load_part(folder / "points.toml")
+    return points_part(folder, "angle_deg,z_mm,reduction_um\n" + "".join(rows), more, height_mm)
 
 
 @pytest.mark.parametrize(
@@ -442,18 +417,18 @@ def test_noise_waves_and_corners_are_no_outliers() -> None:
 
 
 @pytest.mark.parametrize(
-    ("sign", "told"),
+    ("sign", "caution"),
     [
         (-1.0, "  caution: the surface exceeds the profile's diameter by up to 0.3 mm, at 90 degr"),
         (1.0, ""),
     ],
 )
-def test_diameters_beyond_the_profile_are_named(sign: float, told: str, tmp_path: Path) -> None:
+def test_diameters_beyond_the_profile_are_named(sign: float, caution: str, tmp_path: Path) -> None:
     """A scan with the wrong sign has 2 x 150 um more diameter than the profile."""
     values = {z_mm: sign * oval_um(EVERY_3_DEG, z_mm) for z_mm in TENS_MM}
     shown = made_skirt(oval_part(tmp_path, values)).text()
-    assert told in shown and ("exceeds" in shown) == bool(told)
-    if told:
+    assert caution in shown and ("exceeds" in shown) == bool(caution)
+    if caution:
         assert "height 30 mm; reductions are positive towards the axis\n" in shown
 
 

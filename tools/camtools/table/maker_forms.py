@@ -12,7 +12,7 @@ A new form is one entry of `FORMS`. Its lines but the points are blanked out, so
 
 Lenze's (Cam Loader, "Data format of motion profile data") needs no entry: two columns, a third of
 torques and notes after `//`. Technosoft's (EasyMotion Studio, "CAM Tables Edit") are two columns
-of counts; the file does not tell of what.
+of counts; the file does not say what is counted.
 
 >>> found = found_in("2\n0;0\n360;0\n", "a.csv")
 >>> found.form.maker, found.settings, found.text

@@ -60,12 +60,14 @@ def _outlier(z_mm: float, angle_deg: Floats, values: Floats) -> Outlier | None:
     """Return a section's worst point if it alone is off, else nothing."""
     off = _off(angle_deg, values)
     worst, usual = int(np.abs(off).argmax()), float(np.median(np.abs(off)))
+    least = max(_LEAST_UM / UM_PER_MM, _USUAL * usual)
+    if abs(off[worst]) <= least:
+        return None
     # between uneven angles a neighbour may be off further than the point that is wrong
     near = [(worst + k) % off.size for k in (0, *_AROUND)]
     left = {i: _left(angle_deg, values, float(off[i]), i) for i in near}
     i = min(left, key=lambda place: left[place])
-    is_off = abs(off[i]) > max(_LEAST_UM / UM_PER_MM, _USUAL * usual)
-    if not is_off or left[i] > max(_SHARE * abs(off[i]), _USUAL_NEAR * usual):
+    if abs(off[i]) <= least or left[i] > max(_SHARE * abs(off[i]), _USUAL_NEAR * usual):
         return None
     return Outlier(z_mm, float(angle_deg[i]), float(off[i]) * UM_PER_MM)
 
