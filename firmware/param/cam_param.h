@@ -124,25 +124,26 @@
     X(z_jerk_m_per_s3,                0,          0, 2000000000, 0, "the same of Z; 0: its acceleration changes over 6.4 ms") \
     X(enable_dwell_ms,                0,          0,       5000, 0, "U rests for this time after enable, while its drive takes over; at least one tick") \
     X(u_friction_nm,                  0,          0,     100000, cam_flag_unlearn, "lag of U by friction; in the cut its command leads by this in the direction of motion") \
-    X(servo_mass_g,                  10,       1500,     100000, 0, "moving mass of a U that takes forces") \
-    X(servo_crossover_hz,             0,          0,       5000, 0, "crossover of its position loop, at most its pole; 0: no loop, and enable is refused") \
-    X(servo_lead_percent,           100,       5000,      20000, 0, "pole over zero of the loop's lead") \
-    X(servo_pole_hz,                 10,       4000,      40000, 0, "pole of the lead, at most a fifth of the tick rate") \
-    X(servo_integral_mHz,             0,      40000,    1000000, 0, "corner of the integral, at most the crossover") \
-    X(servo_notch_hz,                 0,          0,      50000, 0, "notch, at most a quarter of the tick rate; 0: none") \
-    X(servo_notch_zero_permille,      0,        100,       2000, 0, "damping of its zeros, at most that of its poles") \
-    X(servo_notch_pole_permille,      1,        700,       2000, 0, "damping of its poles") \
-    X(servo_force_delay_ns,           0,     150000,     500000, 0, "from a tick to its force: output, lag of the amplifier, half a tick of hold") \
-    X(servo_drag_mn_s_per_m,          0,          0,   10000000, 0, "drag, for the feed-forward of the force") \
-    X(servo_friction_mn,              0,          0,     200000, 0, "friction, likewise") \
-    X(servo_stiffness_n_per_m,        0,          0,  100000000, 0, "stiffness of flexures, likewise") \
-    X(servo_force_limit_mn,         200,     600000,    4000000, 0, "largest force, at most 15 times the continuous one") \
-    X(servo_force_rate_n_per_ms,      1,    1000000,    1000000, 0, "largest change of the force") \
-    X(servo_continuous_mn,          200,     300000,    4000000, 0, "force allowed for ever") \
-    X(servo_thermal_ms,             100,      20000,     200000, 0, "thermal time constant of the motor: I2t") \
-    X(servo_limited_ms,               1,         20,      10000, 0, "the force at its limit is a fault after this time") \
-    X(servo_runaway_nm,               0,          0,   10000000, 0, "accepted deviation of U from the motion that its force causes; 0: that caused by an unknown force as large as the force limit, at most 50 um") \
-    X(u_home_force_mn,              100,      20000,     200000, 0, "largest force while U is homed by its stop; more than friction and flexures there")
+    X(servo_mass_g,                  10,       1500,     100000, cam_flag_off, "moving mass of a U that takes forces") \
+    X(servo_crossover_hz,             0,          0,       5000, cam_flag_off, "crossover of its position loop, at most its pole; 0: no loop, and enable is refused") \
+    X(servo_lead_percent,           100,       5000,      20000, cam_flag_off, "pole over zero of the loop's lead") \
+    X(servo_pole_hz,                 10,       4000,      40000, cam_flag_off, "pole of the lead, at most a fifth of the tick rate") \
+    X(servo_integral_mHz,             0,      40000,    1000000, cam_flag_off, "corner of the integral, at most the crossover") \
+    X(servo_notch_hz,                 0,          0,      50000, cam_flag_off, "notch, at most a quarter of the tick rate; 0: none") \
+    X(servo_notch_zero_permille,      0,        100,       2000, cam_flag_off, "damping of its zeros, at most that of its poles") \
+    X(servo_notch_pole_permille,      1,        700,       2000, cam_flag_off, "damping of its poles") \
+    X(servo_force_delay_ns,           0,     150000,     500000, cam_flag_off, "from a tick to its force: output, lag of the amplifier, half a tick of hold") \
+    X(servo_drag_mn_s_per_m,          0,          0,   10000000, cam_flag_off, "drag, for the feed-forward of the force") \
+    X(servo_friction_mn,              0,          0,     200000, cam_flag_off, "friction, likewise") \
+    X(servo_stiffness_n_per_m,        0,          0,  100000000, cam_flag_off, "stiffness of flexures, likewise") \
+    X(servo_force_limit_mn,         200,     600000,    4000000, cam_flag_off, "largest force, at most 15 times the continuous one") \
+    X(servo_force_rate_n_per_ms,      1,    1000000,    1000000, cam_flag_off, "largest change of the force") \
+    X(servo_continuous_mn,          200,     300000,    4000000, cam_flag_off, "force allowed for ever") \
+    X(servo_thermal_ms,             100,      20000,     200000, cam_flag_off, "thermal time constant of the motor: I2t") \
+    X(servo_limited_ms,               1,         20,      10000, cam_flag_off, "the force at its limit is a fault after this time") \
+    X(servo_runaway_nm,               0,          0,   10000000, cam_flag_off, "accepted deviation of U from the motion that its force causes; 0: that caused by an unknown force as large as the force limit, at most 50 um") \
+    X(u_home_force_mn,              100,      20000,     200000, 0, "largest force while U is homed by its stop; more than friction and flexures there") \
+    X(servo_measured,                 0,          0,          1, cam_flag_off, "1: the loop was designed for what was measured of this drive; 0: for data, and the controller says so")
 
 /// Beginnings of the names of retired parameters: texts that have them are read, these lines are
 /// reported and ignored.
@@ -154,7 +155,7 @@
 typedef enum {
     cam_flag_operator = 1,   ///< an operator sets it for a part, without the unlocked level
     cam_flag_cut = 2,        ///< it may change in the work, too
-    cam_flag_off = 4,        ///< only in off: it shifts the angle or changes who moves Z
+    cam_flag_off = 4,        ///< only in off: it shifts the angle, or changes how Z or U is moved
     cam_flag_rest = 8,       ///< only while U rests, so that a new gain or limit causes no step
     cam_flag_unlearn = 16,   ///< its change ends what was learned of U's drive
     cam_flag_ripple = 32,    ///< its change blends the learned ripple anew

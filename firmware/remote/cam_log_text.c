@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_remote_inner.h"
 #include "cam_feasible.h" // cam_derived_limits_form_pm
+#include "cam_fix.h"      // cam_abs_i64
 #include "cam_param.h"    // cam_text_number
 #include <stddef.h>       // NULL
 
@@ -222,6 +223,40 @@ void cam_log_text_refused(cam_log_text_t *l, uint32_t sender, uint32_t command, 
     hal_text(line.text);
 }
 
+/// Report how many counts lie between two index edges, once in a fault of the encoder that it
+/// explains. @return whether it was reported
+static bool say_counts_of_turn(cam_log_text_t *l, const cam_machine_t *machine,
+                               const cam_status_t *status)
+{
+    const uint32_t of_encoder = CAM_FAULT_BIT(lost_counts) | CAM_FAULT_BIT(index_missing);
+    const uint32_t found = (uint32_t)cam_abs_i64(status->edge_distance);
+    const uint32_t set = (uint32_t)machine->params.counts_per_turn;
+    l->has_distance = l->has_distance && (l->faults & of_encoder) != 0u;
+    if (l->has_distance || (l->faults & of_encoder) == 0u || found == 0u || found == set) {
+        return false;
+    }
+    line_t line = {.n = 0};
+    l->has_distance = true;
+    add_number(&line, "encoder: ", found);
+    add_number(&line, " counts between two index edges, counts_per_turn is ", set);
+    hal_text(line.text);
+    return true;
+}
+
+/// Report, before the first cut, a loop of U that was not measured on its drive.
+/// @return whether it was reported
+static bool say_loop(cam_log_text_t *l, const cam_machine_t *machine, cam_state_t state)
+{
+    l->has_loop = l->has_loop && state != cam_state_off;
+    const bool is_due = state == cam_state_ready && !l->has_loop && hal_takes_force();
+    if (!is_due || machine->params.servo_measured != 0) {
+        return false;
+    }
+    l->has_loop = true;
+    say("loop of U: not measured on its drive; tools/tune --bus --apply does", "", "", "");
+    return true;
+}
+
 void cam_log_text_change(cam_log_text_t *l, cam_table_store_t *store, const cam_status_t *status)
 {
     l->faults &= status->faults;
@@ -243,7 +278,8 @@ void cam_log_text_change(cam_log_text_t *l, cam_table_store_t *store, const cam_
         }
         say("fault ", cam_fault_name((cam_fault_t)i), ": ", cam_fault_text((cam_fault_t)i));
         l->faults |= UINT32_C(1) << i;
-    } else {
+    } else if (!say_counts_of_turn(l, store->machine, status) &&
+               !say_loop(l, store->machine, status->state)) {
         say_rights(l, &store->machine->rights);
     }
 }

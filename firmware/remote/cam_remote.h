@@ -60,6 +60,8 @@ typedef struct {
     cam_state_t state; ///< state of the last line about a state
     bool is_unsteady;  ///< the end of a start without a steady spindle was reported
     uint32_t faults;   ///< mask of the reported faults that are still latched
+    bool has_loop;     ///< the loop of U was reported as not measured since the drives were off
+    bool has_distance; ///< the counts between two index edges were reported in this fault
     uint32_t commander, n_take_overs, n_losses; ///< of the last line about command
     cam_level_t level;                          ///< of the last line about it
     uint32_t n_refused;     ///< commands refused for lack of rights, not all of them reported

@@ -56,6 +56,7 @@ cam_status_t cam_status_read(const cam_t *c)
         .x_actual_nm = r->in.actual_nm[hal_axis_x],
         .z_actual_nm = r->in.actual_nm[hal_axis_z],
         .following_nm = r->in.actual_nm[hal_axis_u] - (r->want.u_due_q6 >> 6),
+        .edge_distance = now.spindle.edge_distance,
         .n_late = now.spindle.n_late,
         .max_period = now.spindle.max_period,
     };

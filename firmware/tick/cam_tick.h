@@ -35,6 +35,8 @@ typedef struct {
     uint32_t counts;       ///< [counts] of the last tick, in the direction of cutting
     uint32_t n_index;      ///< of the last tick
     uint32_t index_counts; ///< [counts] of the last edge, or where the angle was forgotten
+    bool has_edge;         ///< an index edge has passed since the angle was forgotten
+    int32_t edge_distance; ///< [counts] between the last two edges, signed; 0: not known
     int32_t index_error;   ///< [counts] sum of deviations since the first edge
     int32_t in_turn;       ///< [counts] 0 .. counts_per_turn - 1 since the index
     bool is_off_time;      ///< the last tick was visibly off its time
@@ -170,6 +172,7 @@ typedef struct {
     int32_t following_nm;          ///< [nm] following error: measured minus due
     uint32_t n_late;               ///< late ticks since start
     uint32_t max_period;           ///< [1 / clock_hz] longest period since start
+    int32_t edge_distance;         ///< [counts] between the last two index edges; 0: not known
 } cam_status_t;
 
 /// State of the interrupt after one tick.

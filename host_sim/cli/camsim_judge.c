@@ -1,6 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camsim.h"
 #include "sim_cut_pass.h" // sim_cut_left_stock
+#include <stdio.h>        // snprintf
+#include <stdlib.h>       // abs
+
+/// @return the counts between two index edges, where they explain a fault of the encoder, or ""
+static const char *counts_of_turn(const sim_cut_t *cut, cam_fault_t fault)
+{
+    static char text[120];
+    const int found = abs(sim_cut_status(cut).edge_distance);
+    const int set = (int)cut->params.counts_per_turn;
+    const bool is_known = found != 0 && found != set;
+    text[0] = '\0';
+    if (is_known && (fault == cam_fault_lost_counts || fault == cam_fault_index_missing)) {
+        (void)snprintf(
+            text, sizeof text,
+            "; the encoder gave %d counts between two index edges, counts_per_turn is %d", found,
+            set);
+    }
+    return text;
+}
 
 /// Explain the first fault; of several at once, the first in the list.
 static void explain_fault(const sim_cut_t *cut, const char *table, common_error_t *e)
@@ -11,9 +30,10 @@ static void explain_fault(const sim_cut_t *cut, const char *table, common_error_
         i++;
     }
     (void)common_error(
-        e, "%s: fault %s: %s, %.6f s after the start, %s at %.3f mm; see FAULTS.md for the remedy",
+        e,
+        "%s: fault %s: %s, %.6f s after the start, %s at %.3f mm%s; see FAULTS.md for the remedy",
         table, cam_fault_name((cam_fault_t)i), cam_fault_text((cam_fault_t)i), cut->fault_s,
-        cam_state_name(cut->fault_state), cut->fault_z_mm);
+        cam_state_name(cut->fault_state), cut->fault_z_mm, counts_of_turn(cut, (cam_fault_t)i));
 }
 
 /// Name the surface that was not gauged, and the remedy: a feed of half the lobe's height, or half

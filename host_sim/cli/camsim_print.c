@@ -72,6 +72,10 @@ void camsim_print_cut(const sim_cut_t *cut, double wall_s)
                      "is better\n",
                      better_rpm);
     }
+    if (sim_cut_is_loop_assumed(cut)) {
+        (void)printf(
+            "loop of U       not measured: tools/tune --machine FILE -o DIR --apply does\n");
+    }
     print_passes(cut);
     print_lobes(s);
     (void)printf("machine time    %.3f s in %.3f s, %.2f million ticks/s\n", cut->port.time_s,

@@ -59,6 +59,12 @@ double sim_cut_averaging_rpm(const sim_cut_t *cut)
            1e-3;
 }
 
+bool sim_cut_is_loop_assumed(const sim_cut_t *cut)
+{
+    const sim_drive_config_t *u = &cut->session.options.config.lathe.drive[hal_axis_u];
+    return u->kind == sim_drive_force && cut->params.servo_measured == 0;
+}
+
 const char *sim_cut_end_name(const sim_cut_t *cut)
 {
     static const char *const name[] = {"running", "done",    "fault",

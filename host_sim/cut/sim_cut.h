@@ -146,6 +146,10 @@ double sim_cut_rpm(const sim_cut_t *cut);
 /// they do
 double sim_cut_averaging_rpm(const sim_cut_t *cut);
 
+/// @return whether U takes forces and its loop follows from the machine file, not from a
+/// measurement
+bool sim_cut_is_loop_assumed(const sim_cut_t *cut);
+
 /// @return "done", "stopped", "fault", "timeout", "refused" or "unsteady"
 const char *sim_cut_end_name(const sim_cut_t *cut);
 

@@ -198,12 +198,15 @@ static void add_passes(cJSON *root, const sim_cut_t *cut)
     }
 }
 
-/// Name a speed at which the encoder's counts do not average, and a better one.
-static void add_counts(cJSON *root, const sim_cut_t *cut)
+/// State what a user may improve: a speed at which the encoder's counts average, a measured loop.
+static void add_advice(cJSON *root, const sim_cut_t *cut)
 {
     const double better_rpm = sim_cut_averaging_rpm(cut);
     if (better_rpm > 0.0) {
         sim_summary_number(root, "better_rpm", better_rpm);
+    }
+    if (sim_cut_is_loop_assumed(cut)) {
+        (void)cJSON_AddBoolToObject(root, "is_loop_assumed", true);
     }
 }
 
@@ -219,7 +222,7 @@ char *sim_cut_summary(sim_cut_t *cut, const char *table_path, double wall_s)
     sim_summary_learning(root, cut);
     add_cut(root, cut);
     add_passes(root, cut);
-    add_counts(root, cut);
+    add_advice(root, cut);
     add_feasibility(root, cut);
     add_tool(root, &cut->session);
     sim_summary_lobes(root, &cut->session);

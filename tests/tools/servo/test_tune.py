@@ -371,8 +371,8 @@ def test_a_drive_that_takes_positions_is_refused(
 ) -> None:
     """By its parameters before it moves, or by the force that was not recorded."""
     words = ["--bus", "--interface", "virtual", "--channel", bench.channel]
-    ready(bench)
     bench.do("set", "servo_crossover_hz", str(crossover_hz))
+    ready(bench)
     capsys.readouterr()
     assert main(words) == 2
     lines = capsys.readouterr().err.splitlines()

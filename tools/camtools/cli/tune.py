@@ -5,6 +5,7 @@
 """
 
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -123,11 +124,13 @@ def _keys(arguments: Options) -> dict[str, Any]:
     return read_tree(arguments.drive) if arguments.drive is not None else {}
 
 
-def _write(folder: Path, subject: Subject, proposal: Proposal) -> None:
+def _write(
+    folder: Path, subject: Subject, proposal: Proposal, settings: Mapping[str, int]
+) -> None:
     from camtools.tune.plots import loop_png  # matplotlib is slow to load
 
     name, text = subject.name, "\n".join(proposal.lines) + "\n"
-    loop = text_of(proposal.values, subject.drive, f"tools/tune of {name}")
+    loop = text_of(settings, f"tools/tune of {name}")
     files = {
         f"{name}_loop.png": loop_png(proposal.judged, f"{name}: position loop", subject.measured),
         f"{name}_loop.txt": text.encode("ascii"),
@@ -142,24 +145,25 @@ def _tuned(subject: Subject, arguments: Options) -> dict[str, int]:
     if proposal.problem:
         sys.stderr.write(f"tune: {arguments.loop or subject.where}: {proposal.problem}\n")
         return {}
+    settings = settings_of(proposal.values, subject.drive, subject.is_measured)
     if arguments.out is not None:
-        _write(arguments.out, subject, proposal)
+        _write(arguments.out, subject, proposal, settings)
     sys.stdout.write("\n".join(proposal.lines) + "\n")
     sys.stdout.flush()
-    return settings_of(proposal.values, subject.drive)
+    return settings
 
 
 def _described(arguments: Options) -> int:
     file, csv, keys = arguments.drive, arguments.record, _keys(arguments)
     if csv is None:
         assert file is not None
-        subject = Subject(file.stem, str(file), drive_of(keys, str(file)), [])
+        subject = Subject(file.stem, str(file), drive_of(keys, str(file)), [], False)
     else:
         record = parse_loop_record(record_text(csv), str(csv))
         found = fit_table(record, float(keys.get("scale_quantum_nm", 0.0)))
         drive = drive_of(with_fit(keys, found, record.rate_hz), str(csv))
         where = file or csv
-        subject = Subject(where.stem, str(where), drive, list(fit_lines_of(found)))
+        subject = Subject(where.stem, str(where), drive, list(fit_lines_of(found)), True)
     return 0 if _tuned(subject, arguments) else REFUSED
 
 

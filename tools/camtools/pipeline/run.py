@@ -347,6 +347,9 @@ def run(
     if "better_rpm" in outcome.summary:
         text = "encoder counts do not average at this speed (whole ones per tick)"
         rows.append(ReportRow("better speed", f"{outcome.summary['better_rpm']:g} r/min: {text}"))
+    if "is_loop_assumed" in outcome.summary:
+        text = "not measured; tools/tune --machine FILE -o DIR --apply does"
+        rows.append(ReportRow("loop of U", text))
     form = outcome.summary["form_error_um"]
     if form.get("turned_urad") is not None:
         largest, rms = (length_text(form[f"{kind}_not_turned"]) for kind in ("max", "rms"))

@@ -273,6 +273,7 @@ class Subject(NamedTuple):
     where: str  # in errors
     drive: Drive
     lines: list[str]  # of its constants, and of its loop as it is
+    is_measured: bool  # its constants
     measured: OpenLoop | None = None
 
 
@@ -294,7 +295,7 @@ def subject_of(found: Measured, keys: dict[str, Any], name: str, where: str) -> 
         f"as it is (measured): {loop_text(measured)}",
         f"as it is (model): {loop_text(model_loop(found.values, drive))}",
     ]
-    return Subject(name, where, drive, lines, measured)
+    return Subject(name, where, drive, lines, True, measured)
 
 
 def proposed(subject: Subject, given: Path | None = None) -> Proposal:

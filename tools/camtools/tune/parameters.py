@@ -238,15 +238,18 @@ def plant_of(values: Mapping[str, int], drive: Drive) -> tuple[Plant, float]:
     return replace(drive.plant, mass_kg=mass_kg), drive.mass_kg / mass_kg
 
 
-def settings_of(values: Mapping[str, int], drive: Drive) -> dict[str, int]:
-    """Return all that is to be set for parameters of the loop: themselves, no lag, the lead."""
+def settings_of(values: Mapping[str, int], drive: Drive, is_measured: bool) -> dict[str, int]:
+    """Return all that is to be set for parameters of the loop: themselves, no lag, the lead.
+
+    `is_measured`: the constants of the drive are not those of data sheets alone.
+    """
     settings, own_ns = dict(values), round(_drive_values(drive)["force_delay_ns"])
     lead_ns = round(1e9 / drive.tick_hz) + settings.setdefault("servo_force_delay_ns", own_ns)
-    return settings | _NO_LAG | {"lead_ns": lead_ns}
+    return settings | _NO_LAG | {"lead_ns": lead_ns, "servo_measured": int(is_measured)}
 
 
-def text_of(values: Mapping[str, int], drive: Drive, origin: str) -> str:
+def text_of(settings: Mapping[str, int], origin: str) -> str:
     """Return `settings_of` as a file that `camctl params load` takes."""
     lines = [f"# Position loop of U, {origin}.", "[axis_u]"]
-    lines += [f"{name} = {value}" for name, value in settings_of(values, drive).items()]
+    lines += [f"{name} = {value}" for name, value in settings.items()]
     return "\n".join(lines) + "\n"

@@ -393,18 +393,25 @@ static void load_force(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, set_unit(1));
 }
 
-/// A loop of 1 Hz without an integral: at rest where it should be, U gets no force of it.
-static void to_force(void)
+/// A loop of 1 Hz without an integral, and a parameter: at rest where it should be, U gets no force
+/// of it.
+static void to_force_with(cam_param_id_t id, int32_t value)
 {
     hal_host.slow.force.quantum_un = 20000;
     set_field(cam_scope_field_place_nm, 0);
     set(cam_param_servo_integral_mHz, 0);
     set(cam_param_servo_crossover_hz, 1);
+    set(id, value);
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
     for (int32_t i = 0; i < n; i++) {
         wave[i] = i % 2 == 0 ? largest_mn - 20 * i : 10 * i - largest_mn;
     }
     load_force();
+}
+
+static void to_force(void)
+{
+    to_force_with(cam_param_servo_mass_g, 1500);
 }
 
 /// @return [mN / 64] force of a tick at the position of the wave
@@ -502,8 +509,7 @@ static void test_force_of_a_fault_is_forgotten(void)
 /// The force limit is that of the samples: a loop that pushes as well is cut at it.
 static void test_force_limit_acts_on_the_sum(void)
 {
-    to_force();
-    set(cam_param_servo_runaway_nm, 10000000);
+    to_force_with(cam_param_servo_runaway_nm, 10000000);
     const int32_t limit_mn = m->params.servo_force_limit_mn;
     wave[0] = limit_mn;
     load_force();
@@ -516,8 +522,7 @@ static void test_force_limit_acts_on_the_sum(void)
 /// 1 N per ms are 50 mN per tick.
 static void test_rate_of_the_force_acts(void)
 {
-    to_force();
-    set(cam_param_servo_force_rate_n_per_ms, 1);
+    to_force_with(cam_param_servo_force_rate_n_per_ms, 1);
     begin_force(2);
     for (int32_t i = 0; i < 50; i++) { // samples of either sign in turn, far beyond it
         const int32_t last_q6 = rig.last.force_q6;

@@ -231,6 +231,62 @@ static void test_state_and_faults_have_lines_one_at_a_time(void)
     }
 }
 
+/// What the index finds beside what is set, once in a fault of the encoder, at any edge after it.
+static void test_counts_of_a_turn_explain_a_fault_of_the_encoder(void)
+{
+    static const struct {
+        uint32_t faults;
+        int32_t distance;
+        const char *line;
+    } steps[] = {
+        {0, 4000, ""},
+        {CAM_FAULT_BIT(lost_counts), 0, "fault lost_counts: "},
+        {CAM_FAULT_BIT(lost_counts), 0, ""},
+        {CAM_FAULT_BIT(lost_counts), 4096, ""},
+        {CAM_FAULT_BIT(lost_counts), -4000,
+         "encoder: 4000 counts between two index edges, "
+         "counts_per_turn is 4096"},
+        {CAM_FAULT_BIT(lost_counts), 4001, ""},
+        {0, 4001, ""},
+        {CAM_FAULT_BIT(index_missing), 1024, "fault index_missing: "},
+        {CAM_FAULT_BIT(index_missing), 1024,
+         "encoder: 1024 counts between two index edges, "
+         "counts_per_turn is 4096"},
+        {CAM_FAULT_BIT(estop), 1024, "fault estop: emergency stop"},
+        {CAM_FAULT_BIT(estop), 1024, ""},
+    };
+    machine.params.counts_per_turn = 4096;
+    for (uint32_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
+        status.faults = steps[i].faults;
+        status.edge_distance = steps[i].distance;
+        const char *said = changed();
+        const size_t n = strlen(steps[i].line);
+        TEST_ASSERT_EQUAL_INT(0, strncmp(steps[i].line, said, n > 0u ? n : 1u));
+    }
+}
+
+/// Before the first cut a loop that nobody measured is named.
+static void test_loop_that_was_not_measured_has_a_line(void)
+{
+    static const struct {
+        uint32_t quantum_un;
+        int32_t is_measured;
+        bool is_named;
+    } cases[] = {{0, 0, false}, {20000, 1, false}, {20000, 0, true}};
+    for (size_t i = 0; i < 3u; i++) {
+        hal_host.slow.force.quantum_un = cases[i].quantum_un;
+        machine.params.servo_measured = cases[i].is_measured;
+        status.state = cam_state_off;
+        (void)changed();
+        TEST_ASSERT_EQUAL_STRING("", changed());
+        status.state = cam_state_ready;
+        TEST_ASSERT_EQUAL_STRING("state ready", changed());
+        const bool is_named = strstr(changed(), "tools/tune --bus --apply") != NULL;
+        TEST_ASSERT_EQUAL(cases[i].is_named, is_named);
+        TEST_ASSERT_EQUAL_STRING("", changed());
+    }
+}
+
 static void test_level_and_spindle_have_a_line_once(void)
 {
     machine.rights.level = cam_level_key;

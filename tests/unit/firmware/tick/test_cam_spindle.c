@@ -196,6 +196,27 @@ static void test_step_counts_that_make_good_a_cut_jump_are_not_lost(void)
     }
 }
 
+/// From the second edge on after the angle was forgotten, in either sense.
+static void test_distance_of_the_edges_is_known_from_the_second_on(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        start(10000, sign, 0);
+        TEST_ASSERT_EQUAL_INT32(0, spindle.edge_distance);
+        run_up(40.0);
+        TEST_ASSERT_EQUAL_INT32(10000, spindle.edge_distance);
+        encoder.lost = 5;
+        for (int i = 0; i < 508; i++) {
+            step(40.0, 1.0);
+        }
+        TEST_ASSERT_EQUAL_INT32(10000 + 5 * sign, spindle.edge_distance);
+        cam_spindle_forget_isr(&spindle, &in.encoder);
+        for (int i = 0; i < 508; i++) {
+            step(40.0, 1.0);
+        }
+        TEST_ASSERT_EQUAL_INT32(0, spindle.edge_distance);
+    }
+}
+
 /// An edge that comes twice must not hide what the first one showed.
 static void test_step_doubled_edge_hides_no_lost_counts(void)
 {

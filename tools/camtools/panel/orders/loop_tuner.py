@@ -46,7 +46,7 @@ def tuned(record: Recorded, where: str) -> Tuned:
     if found.problem:
         return Tuned("\n".join(subject.lines), b"", {}, found.problem)
     picture = loop_png(found.judged, "position loop of U", subject.measured)
-    settings = settings_of(found.values, subject.drive)
+    settings = settings_of(found.values, subject.drive, subject.is_measured)
     return Tuned("\n".join(found.lines), picture, settings)
 
 

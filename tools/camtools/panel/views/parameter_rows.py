@@ -87,8 +87,10 @@ def loop_text(values: Mapping[str, int]) -> str:
         values[f"servo_{name}"] / _PER_UNIT
         for name in ("force_limit_mn", "continuous_mn", "thermal_ms")
     )
+    is_measured = values.get("servo_measured", 0) != 0
     return (
         f"Loop in force: crossover {values['servo_crossover_hz']} Hz, mass "
         f"{values['servo_mass_g'] / _PER_UNIT:g} kg. Limits, which stay: {limit:g} N, "
         f"{continuous:g} N for ever, thermal {thermal:g} s."
+        + ("" if is_measured else " Not measured on this drive: measure it before the first cut.")
     )
