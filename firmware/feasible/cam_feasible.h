@@ -97,14 +97,15 @@ int32_t cam_derived_limits_jump_counts(const cam_params_t *params, uint32_t tick
 
 /// The accepted following error of U in the cut: a fifth of its travel in the table at the present
 /// amplitude, which of an oval is a tenth of the ovality; at least 0.01 mm, at most 0.2 mm. Without
-/// k1 the lag of the drive is unknown, and 0.1 mm is the least.
+/// k1 the lag of a drive that takes positions is unknown, and 0.1 mm is the least.
 /// @param table  NULL: none is selected, and U does not cut
 /// @return [nm] following_limit_nm, or where that is 0 the derived one
 int32_t cam_derived_limits_following_nm(const cam_params_t *params, const cam_table_t *table);
 
 /// The accepted following error of U out of the cut: the lag of its drive, since motions by time
 /// have no feed-forward, plus that of the cut, but not less than half of that lag, half of the lead
-/// and the travel of half a tick, all at the speed of the approach or of a faster jog.
+/// and the travel of half a tick, all at the speed of the approach or of a faster jog. A U that
+/// takes forces, whose loop may be weak, is accepted 0.1 mm at least.
 /// @return [nm] at least that of the cut; following_limit_nm replaces the part beyond the lag
 /// Source: MATHS.md (167).
 int32_t cam_derived_limits_approach_nm(const cam_params_t *params, const cam_table_t *table,

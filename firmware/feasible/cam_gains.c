@@ -62,6 +62,8 @@ int64_t cam_gains_bound(const cam_params_t *params, cam_param_id_t id, uint32_t 
         return u_ns / 2 + v * 750000 / a;
     case cam_param_k2_us2: // the jerk alone commands no more than U's speed
         return v * u_ns / (2 * a);
+    case cam_param_u_friction_nm: // nor does its reversal in a step
+        return v * (int64_t)step_ns(hal_axis_u, tick_hz) / 2000000;
     default:
         break;
     }
@@ -76,7 +78,8 @@ int64_t cam_gains_bound(const cam_params_t *params, cam_param_id_t id, uint32_t 
 
 cam_refusal_t cam_gains_check(const cam_params_t *params, uint32_t tick_hz)
 {
-    static const cam_param_id_t gains[] = {cam_param_k1_ns, cam_param_k2_us2};
+    static const cam_param_id_t gains[] = {cam_param_k1_ns, cam_param_k2_us2,
+                                           cam_param_u_friction_nm};
     for (size_t i = 0; i < hal_n_axes + sizeof gains / sizeof gains[0]; i++) {
         const bool is_jerk = i < (size_t)hal_n_axes;
         const cam_param_id_t id = is_jerk ? jerks[i] : gains[i - hal_n_axes];

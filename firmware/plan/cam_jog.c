@@ -8,11 +8,14 @@ static void end_order(cam_jog_t *h, cam_jog_end_t how)
     h->end = how;
 }
 
-/// Drives without power lose their position.
-static void forget_homes(cam_jog_t *h, uint32_t inputs)
+/// Drives without power lose their position, and U loses it with its scale.
+static void forget_homes(cam_jog_t *h, const cam_tick_record_t *r)
 {
-    if ((inputs & hal_in_drive_ready) == 0u) {
+    if ((r->in.inputs & hal_in_drive_ready) == 0u) {
         h->homed = 0;
+    }
+    if ((r->want.faults & CAM_FAULT_BIT(u_runaway)) != 0u) {
+        h->homed &= ~(UINT32_C(1) << (uint32_t)hal_axis_u);
     }
 }
 
@@ -296,7 +299,7 @@ void cam_jog_isr(cam_jog_t *h, const cam_play_config_t *cfg, const cam_tick_reco
     m->faults = 0;
     m->spindle_mrpm = 0;
     m->is_clear = false;
-    forget_homes(h, r->in.inputs);
+    forget_homes(h, r);
     if (o->serial != h->serial) {
         shift_nm = begin_order(h, &cfg->jog, r, m);
     } else if (h->phase != cam_jog_rest) {
@@ -322,7 +325,7 @@ void cam_jog_isr(cam_jog_t *h, const cam_play_config_t *cfg, const cam_tick_reco
 
 void cam_jog_idle_isr(cam_jog_t *h, const cam_play_config_t *cfg, const cam_tick_record_t *r)
 {
-    forget_homes(h, r->in.inputs);
+    forget_homes(h, r);
     h->serial = cfg->jog.order.serial;
     if (h->phase != cam_jog_rest) {
         end_order(h, cam_jog_stopped);

@@ -96,6 +96,7 @@ typedef struct {
     bool was_open;        ///< off, and the emergency-stop chain was open since the last plan
     bool is_acknowledged; ///< the button at the machine was pressed (cam_plan.h)
     bool is_by_hand;      ///< manual, and a fault after it: all axes brake where they are
+    bool is_u_beyond;     ///< a U that takes forces is beyond its travel, or cannot stop within it
     uint32_t faults;      ///< found by the plan, the force's supervision or a table-fault request;
                           ///< each plan replaces them
     cam_u_t u;            ///< written by the guard; homing shifts it (cam_jog.c)
@@ -106,6 +107,7 @@ typedef struct {
     int32_t u_speed_q10;     ///< [nm / 1024 per tick] manual: speed limit of U, 0: it brakes
     int32_t u_push_q6;       ///< [mN / 64] identifying: force that a wave adds to that of U in the
                              ///< next tick; 0: none, or a wave of positions
+    uint32_t u_blind_ticks;  ///< [ticks] for which a U whose scale is frozen is moved by its mass
     int32_t u_press_q6;      ///< [mN / 64] limit of U's force until homed by its stop; 0: none
     int64_t x_left_q10;      ///< [nm / 1024] X in the tick of the fault
     int64_t height_q32;      ///< [slices] U's height on the table

@@ -140,6 +140,14 @@ void cam_servo_start_isr(cam_servo_t *s, const cam_servo_config_t *cfg, const ca
     s->is_limited = false;
 }
 
+int32_t cam_servo_push_isr(cam_servo_t *s, const cam_servo_config_t *cfg, int32_t wanted_q6)
+{
+    s->force_q6 = limited_q6(s, cfg, wanted_q6);
+    s->is_limited = false;
+    heat(s, cfg);
+    return s->force_q6;
+}
+
 void cam_servo_rest_isr(cam_servo_t *s, const cam_servo_config_t *cfg)
 {
     s->force_q6 = 0;

@@ -112,6 +112,10 @@ void cam_servo_start_isr(cam_servo_t *s, const cam_servo_config_t *cfg,
 int32_t cam_servo_step_isr(cam_servo_t *s, const cam_servo_config_t *cfg,
                            const cam_servo_input_t *in);
 
+/// A step without control: a given force, within the limits of cam_servo_step_isr().
+/// @return [mN / 64]
+int32_t cam_servo_push_isr(cam_servo_t *s, const cam_servo_config_t *cfg, int32_t wanted_q6);
+
 /// A step without control: the force is 0, the drive cools.
 void cam_servo_rest_isr(cam_servo_t *s, const cam_servo_config_t *cfg);
 

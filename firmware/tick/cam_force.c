@@ -8,8 +8,28 @@ static int32_t to_q6(int32_t nm)
     return cam_clamp_i32(nm, -(1 << 25), (1 << 25) - 1) * 64;
 }
 
+/// @return [nm / 1024 per tick^2] acceleration by a force
+static int32_t acceleration_q10(const cam_force_config_t *cfg, int32_t force_q6)
+{
+    return cam_sat_i32((int64_t)force_q6 * cfg->motion_q24 >> 20);
+}
+
+/// Move a U whose scale is frozen by its mass: to the speed at which it leaves the work, and then,
+/// or by hand at once, to rest. @return [mN / 64]
+static int32_t blind_q6(cam_force_t *f, const cam_force_config_t *cfg, cam_motion_t *m)
+{
+    m->u_blind_ticks--;
+    if (m->u_blind_ticks == cfg->stop_ticks && !m->is_by_hand) {
+        f->excess_q10 = cam_sat_add(f->excess_q10, cfg->leave_q10);
+    }
+    const int32_t wanted_q6 = cam_sat_i32(-((int64_t)cfg->servo.mass_q14 * f->excess_q10 >> 18));
+    const int32_t force_q6 = cam_servo_push_isr(&f->servo, &cfg->servo, wanted_q6);
+    f->excess_q10 = cam_sat_add(f->excess_q10, acceleration_q10(cfg, force_q6));
+    return force_q6;
+}
+
 void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_record_t *r,
-                        bool is_on, const cam_motion_t *m)
+                        bool is_on, cam_motion_t *m)
 {
     const cam_axis_motion_t *u = &m->axis[hal_axis_u];
     const bool is_identifying = m->state == cam_state_identifying;
@@ -24,6 +44,8 @@ void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_
             cam_servo_start_isr(&f->servo, &cfg->servo, &in);
         }
         r->force_q6 = cam_servo_step_isr(&f->servo, &cfg->servo, &in);
+    } else if (m->u_blind_ticks > 0u) {
+        r->force_q6 = blind_q6(f, cfg, m);
     } else {
         cam_servo_rest_isr(&f->servo, &cfg->servo);
     }
@@ -75,7 +97,8 @@ static bool is_frozen(cam_force_t *f, const cam_force_config_t *cfg, int32_t rea
     if (step_nm != 0) {
         f->still_nm = read_nm;
         f->stood_nm = set_nm;
-        f->speed_q10 = slowed(cam_clamp_i32(step_nm, -most_nm, most_nm) * 1024, cfg->quantum_q10);
+        f->driven_q10 = cam_clamp_i32(step_nm, -most_nm, most_nm) * 1024;
+        f->speed_q10 = slowed(f->driven_q10, cfg->quantum_q10);
     }
     const bool is_at_rest = cam_is_within(cam_wrap_sub(set_nm, f->stood_nm), cfg->unseen_nm);
     if (step_nm != 0 || (is_at_rest && !is_pushed)) {
@@ -84,8 +107,9 @@ static bool is_frozen(cam_force_t *f, const cam_force_config_t *cfg, int32_t rea
         f->n_still = 0;
         return false;
     }
-    const int64_t more_q30 = (int64_t)cam_sat_sub(force_q6, f->left_q6) * cfg->motion_q24;
-    f->speed_q10 = slowed(cam_sat_add(f->speed_q10, cam_sat_i32(more_q30 >> 20)), cfg->held_q10);
+    const int32_t more_q10 = acceleration_q10(cfg, cam_sat_sub(force_q6, f->left_q6));
+    f->driven_q10 = cam_sat_add(f->driven_q10, more_q10);
+    f->speed_q10 = slowed(cam_sat_add(f->speed_q10, more_q10), cfg->held_q10);
     f->free_q10 = cam_sat_add(f->free_q10, f->speed_q10);
     f->n_still += cam_is_within(f->free_q10, cfg->unseen_nm * 1024) ? 0u : 1u;
     return f->n_still > cfg->still_ticks;
@@ -115,7 +139,7 @@ static bool is_at_line(uint32_t inputs, const cam_motion_t *m)
 }
 
 uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
-                             const cam_tick_record_t *r, const cam_motion_t *m)
+                             const cam_tick_record_t *r, cam_motion_t *m)
 {
     const int32_t read_nm = r->in.actual_nm[hal_axis_u];
     const int32_t port_nm = cam_wrap_sub(read_nm, m->u.home_nm);
@@ -125,6 +149,7 @@ uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
         f->vel_q24 = 0;
         f->still_nm = port_nm;
         f->stood_nm = set_nm;
+        f->driven_q10 = 0;
         f->speed_q10 = 0;
         f->n_still = 0;
         f->n_limited = 0;
@@ -132,14 +157,19 @@ uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
     }
     const int32_t net_q6 = net_force_q6(cfg, r, f->vel_q24);
     const int32_t off_q6 = observe(f, cfg, port_nm, net_q6);
-    const bool is_runaway = is_frozen(f, cfg, port_nm, set_nm, r->force_q6, m->u_push_q6 != 0) ||
-                            !cam_is_within(off_q6, cfg->runaway_q6);
+    const bool is_blind = is_frozen(f, cfg, port_nm, set_nm, r->force_q6, m->u_push_q6 != 0);
+    const bool is_runaway = is_blind || !cam_is_within(off_q6, cfg->runaway_q6);
     const int32_t vel_nm = cam_sat_i32(cam_wrap_add_i64(f->vel_q24, 1 << 23) >> 24);
-    const bool is_lost = m->state != cam_state_manual && is_beyond(cfg, read_nm, vel_nm);
-    const uint32_t travel = is_lost || is_at_line(r->in.inputs, m) ? CAM_FAULT_BIT(u_travel) : 0u;
+    m->is_u_beyond = m->state != cam_state_manual && is_beyond(cfg, read_nm, vel_nm);
+    const bool is_at_end = m->is_u_beyond || is_at_line(r->in.inputs, m);
+    const uint32_t travel = is_at_end ? CAM_FAULT_BIT(u_travel) : 0u;
     if (m->u_press_q6 != 0) { // pressing on its stop, U looks blocked or not measured
         f->n_limited = 0;
         return travel;
+    }
+    if (is_blind) {
+        f->excess_q10 = cam_sat_sub(f->driven_q10, m->is_by_hand ? 0 : cfg->leave_q10);
+        m->u_blind_ticks = cfg->blind_ticks;
     }
     f->n_limited = f->servo.is_limited ? f->n_limited + 1u : f->n_limited - (f->n_limited > 0u);
     return travel | (is_runaway ? CAM_FAULT_BIT(u_runaway) : 0u) |

@@ -2,7 +2,8 @@
 #include "cam_tick_inner.h"
 #include "cam_fix.h" // cam_abs_i64, cam_clamp_i32, cam_is_within, ..
 
-/// After these the drives are disabled at once: one of them, or the position loop, does not work.
+/// After these the drives are disabled at once: one of them, or the position loop, does not work. A
+/// frozen scale lets U brake first, and at a limit switch the loop works.
 #define LOST (CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(u_travel) | CAM_FAULT_BIT(u_runaway))
 #define ARMED_IN_FAULT                                                                             \
     (LOST | CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(command) |                   \
@@ -171,8 +172,11 @@ static uint32_t faults_of(const cam_guard_config_t *cfg, const cam_tick_record_t
 
 bool cam_guard_holds_isr(const cam_guard_t *g, const cam_motion_t *m)
 {
-    const bool is_let_go = m->is_retracted || (g->faults & LOST) != 0u;
-    return m->state != cam_state_off && !(m->state == cam_state_fault && is_let_go);
+    if (m->state != cam_state_fault) {
+        return m->state != cam_state_off;
+    }
+    const uint32_t lost = m->is_u_beyond ? LOST : LOST & ~CAM_FAULT_BIT(u_travel);
+    return !m->is_retracted && (g->faults & lost) == 0u;
 }
 
 /// Write the command of U to the record, from the port's origin on.
@@ -225,13 +229,16 @@ static int32_t within_stroke_nm(int32_t last_nm, int32_t range_nm, int64_t nm)
     return (int32_t)cam_clamp_i64(nm, least_nm, most_nm);
 }
 
-/// In state fault retract U; after manual brake it. At the end of its stroke it stops.
-/// @return whether it rests there
-static bool retract_u(const cam_guard_config_t *cfg, cam_motion_t *m)
+/// In state fault retract U; after manual, and while the limit switch ahead of it is on, brake it.
+/// At the end of its stroke it stops. @return whether it rests there
+static bool retract_u(const cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t inputs,
+                      cam_motion_t *m)
 {
+    const bool is_at_switch = (g->faults & CAM_FAULT_BIT(u_travel)) != 0u &&
+                              (inputs & (uint32_t)hal_in_limit_u_low) != 0u;
     cam_axis_motion_t *u = &m->axis[hal_axis_u];
     cam_jerk_filter_t *filter = &m->filter[hal_axis_u];
-    const bool is_out = m->is_by_hand
+    const bool is_out = m->is_by_hand || is_at_switch
                             ? cam_jerk_filter_stop_isr(filter, u, &cfg->u)
                             : cam_jerk_filter_to_isr(filter, u, &cfg->u, cfg->u_retract_q10);
     const int64_t moved_nm = u->pos_q10 >> 10;
@@ -245,18 +252,20 @@ static bool retract_u(const cam_guard_config_t *cfg, cam_motion_t *m)
 }
 
 /// Overwrite set-point and command with the retract. The drives stay enabled until it has ended, or
-/// until a fault of LOST.
+/// until a fault of LOST; after that a U whose scale is frozen brakes.
 static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
                     cam_motion_t *m)
 {
     cam_want_t *want = &r->want;
-    const bool is_u_out = retract_u(cfg, m);
+    const bool is_u_out = retract_u(g, cfg, r->in.inputs, m);
     m->is_retracted = m->is_retracted || (is_u_out && m->is_clear);
+    m->u_blind_ticks = (g->faults & CAM_FAULT_BIT(drive)) == 0u ? m->u_blind_ticks : 0u;
     want->state = cam_state_fault;
     want->spindle_mrpm = 0;
     want->u_set_q6 = m->u.set_q6;
     want->faults = g->faults;
-    want->outputs = cam_guard_holds_isr(g, m) ? hal_out_fault | hal_out_enable : hal_out_fault;
+    const bool is_enabled = cam_guard_holds_isr(g, m) || m->u_blind_ticks > 0u;
+    want->outputs = is_enabled ? hal_out_fault | hal_out_enable : hal_out_fault;
     want->is_retracted = m->is_retracted;
     write_u(r, m);
 }
@@ -271,6 +280,7 @@ static void follow(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_recor
         .set_q6 = want->u_set_q6,
         .nm = cam_clamp_i32(u_nm, -cfg->range_nm, cfg->range_nm),
     };
+    m->u_blind_ticks = 0;
     g->faults = 0;
     g->n_stopped = 0;
     want->faults = 0;

@@ -70,7 +70,9 @@ typedef struct {
     uint32_t n_still;   ///< [ticks] for which it has stood though U must have moved
     int32_t stood_nm;   ///< [nm] set-point when it last changed
     int32_t left_q6;    ///< [mN / 64] force when U was last not asked to move
+    int32_t driven_q10; ///< [nm / 1024 per tick] speed of U since then, but for friction
     int32_t speed_q10;  ///< [nm / 1024 per tick] least speed of U since then
+    int32_t excess_q10; ///< [nm / 1024 per tick] by which U, without its scale, is too fast
     int32_t free_q10;   ///< [nm / 1024] by which U must have moved since then
     uint32_t n_limited; ///< [ticks] at the limit minus those below it, at least 0
 } cam_force_t;
@@ -170,9 +172,9 @@ typedef struct {
     int32_t x_actual_nm;           ///< [nm] measured, by the port
     int32_t z_actual_nm;           ///< [nm] measured, by the port
     int32_t following_nm;          ///< [nm] following error: measured minus due
+    int32_t edge_distance;         ///< [counts] between the last two index edges; 0: not known
     uint32_t n_late;               ///< late ticks since start
     uint32_t max_period;           ///< [1 / clock_hz] longest period since start
-    int32_t edge_distance;         ///< [counts] between the last two index edges; 0: not known
 } cam_status_t;
 
 /// State of the interrupt after one tick.

@@ -50,13 +50,14 @@ cam_tick_record_t *cam_trace_begin_isr(cam_trace_t *trace);
 /// @param m      last command of U, speed and acceleration of its set-point; in identifying also
 ///               the wave's force
 void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_record_t *r,
-                        bool is_on, const cam_motion_t *m);
+                        bool is_on, cam_motion_t *m);
 
 /// Supervise U.
 /// @param r  with the force of this tick
+/// @param m  u_blind_ticks and is_u_beyond are results
 /// @return   faults u_travel, u_runaway, u_force or none
 uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
-                             const cam_tick_record_t *r, const cam_motion_t *m);
+                             const cam_tick_record_t *r, cam_motion_t *m);
 
 /// Observe: from encoder counts and index to master position and speed.
 ///

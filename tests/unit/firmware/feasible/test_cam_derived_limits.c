@@ -91,6 +91,21 @@ static void test_following_limit_is_a_tenth_of_the_ovality(void)
     }
 }
 
+/// A U that takes forces has no lag of a drive in the cut; else its loop may be weak.
+static void test_following_limit_of_a_force_drive_knows_no_k1(void)
+{
+    params.k1_ns = params.k2_us2 = 0;
+    table.u_min_nm = 0;
+    table.u_max_nm = 250000;
+    TEST_ASSERT_EQUAL_INT32(100000, cam_derived_limits_following_nm(&params, &table));
+    hal_host.slow.force.quantum_un = 20000;
+    TEST_ASSERT_EQUAL_INT32(50000, cam_derived_limits_following_nm(&params, &table));
+    TEST_ASSERT_EQUAL_INT32(100000, cam_derived_limits_following_nm(&params, NULL));
+    TEST_ASSERT_EQUAL_INT32(100000, cam_derived_limits_approach_nm(&params, &table, 20000));
+    params.following_limit_nm = 700;
+    TEST_ASSERT_EQUAL_INT32(700, cam_derived_limits_approach_nm(&params, &table, 20000));
+}
+
 /// Approach at 100 mm/s and 62.5 m/s2: the lag, half of it again, and half a tick of the way.
 static void test_approach_limit_adds_the_lag_of_the_drive(void)
 {

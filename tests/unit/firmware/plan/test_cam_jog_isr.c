@@ -178,6 +178,18 @@ static void test_search_forgets_the_home_of_its_axis(void)
     TEST_ASSERT_EQUAL_HEX32(0, h.homed);
 }
 
+/// U that ran away has moved while nothing measured it.
+static void test_u_loses_its_home_with_its_scale(void)
+{
+    h.homed = 7;
+    r.want.faults = CAM_FAULT_BIT(u_travel);
+    cam_jog_idle_isr(&h, &cfg, &r);
+    TEST_ASSERT_EQUAL_HEX32(7, h.homed);
+    r.want.faults = CAM_FAULT_BIT(u_runaway);
+    cam_jog_idle_isr(&h, &cfg, &r);
+    TEST_ASSERT_EQUAL_HEX32(7u & ~(1u << hal_axis_u), h.homed);
+}
+
 /// A stop ends the order, and the state when all axes rest; it is carried out once, so that what is
 /// begun next is not stopped by it.
 static void test_stop_ends_order_and_state_once(void)

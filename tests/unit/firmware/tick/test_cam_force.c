@@ -226,6 +226,50 @@ static uint32_t freeze(double rpm, double at_turn, uint32_t n)
     return n;
 }
 
+/// Without its scale U leaves the work for 3 ms with a quarter of its speed, by its mass, and then
+/// stops; after manual it stops at once. It is off by a tenth of its speed before, or 5 mm/s.
+static void test_frozen_u_leaves_the_work_by_its_mass(void)
+{
+    static const double speeds_rpm[] = {250.0, 1000.0, 3000.0};
+    for (uint32_t i = 0; i < 12u; i++) {
+        const double rpm = speeds_rpm[i % 3u];
+        const double at_turn = i % 2u == 0u ? 2.1 : 2.35; // inwards, outwards
+        setUp();
+        p.servo_friction_mn = 1000;
+        configure();
+        m.is_by_hand = i >= 6u;
+        (void)freeze(rpm, at_turn, 1000);
+        const double within_nm_per_s = fmax(fabs(vel_nm_per_s) * 0.1, 5e6);
+        is_on = false; // as the guard answers the fault
+        m.state = cam_state_fault;
+        for (uint32_t n = 0; n < 100u; n++) {
+            TEST_ASSERT_EQUAL_UINT32(100u - n, m.u_blind_ticks);
+            TEST_ASSERT_EQUAL_HEX32(0, tick(0));
+            TEST_ASSERT_INT32_WITHIN(cfg.force.servo.limit_q6, 0, r.force_q6);
+            const double due_nm_per_s = n < 62u && i < 6u ? -100e6 : 0.0;
+            if (n % 60u > 30u) {
+                TEST_ASSERT_DOUBLE_WITHIN(within_nm_per_s, due_nm_per_s, vel_nm_per_s);
+            }
+        }
+        TEST_ASSERT_EQUAL_UINT32(0, m.u_blind_ticks);
+        TEST_ASSERT_EQUAL_HEX32(0, tick(0));
+        TEST_ASSERT_EQUAL_INT32(0, r.force_q6);
+    }
+}
+
+/// The force keeps its limits, also that of its change.
+static void test_force_without_the_scale_is_limited(void)
+{
+    p.servo_force_rate_n_per_ms = 100;
+    configure();
+    force.excess_q10 = INT32_MAX;
+    m.u_blind_ticks = 200;
+    for (int32_t n = 1; n < 200; n++) {
+        (void)tick(0);
+        TEST_ASSERT_EQUAL_INT32(n < 120 ? -5000 * 64 * n : -600000 * 64, r.force_q6);
+    }
+}
+
 /// On a flank at once, at a turning point once U must have left it.
 static void test_frozen_scale_is_found_at_any_speed(void)
 {
@@ -328,6 +372,7 @@ static void test_travel_ends_beyond_the_following_error(void)
         force.pos_q24 = (int64_t)pos_nm * (1 << 24); // arrived there slowly
         force.vel_q24 = 0;
         TEST_ASSERT_EQUAL_HEX32(cases[i % 3u].faults, tick(sign * line_nm));
+        TEST_ASSERT_EQUAL(cases[i % 3u].faults != 0u, m.is_u_beyond);
     }
 }
 
@@ -364,6 +409,7 @@ static void test_limit_switch_stops_u_and_in_manual_lets_it_go_back(void)
         m.axis[hal_axis_u].vel_q10 = cases[i].vel_q10;
         r.in.inputs = cases[i].line;
         TEST_ASSERT_EQUAL_HEX32(cases[i].is_fault ? CAM_FAULT_BIT(u_travel) : 0u, tick(0));
+        TEST_ASSERT_FALSE(m.is_u_beyond);
     }
 }
 

@@ -164,8 +164,7 @@ static uint32_t outputs_of(cam_fault_t fault, cam_state_t state, bool is_fault)
 {
     const uint32_t lamp = is_fault || state == cam_state_fault ? (uint32_t)hal_out_fault : 0u;
     const bool is_cut = state == cam_state_cutting || state == cam_state_holding;
-    const bool is_lost =
-        fault == cam_fault_drive || fault == cam_fault_u_travel || fault == cam_fault_u_runaway;
+    const bool is_lost = fault == cam_fault_drive || fault == cam_fault_u_runaway;
     const bool is_off = state == cam_state_off || (is_fault && is_lost);
     const uint32_t in_cut = is_cut && !is_fault ? (uint32_t)hal_out_in_cut : 0u;
     return lamp | in_cut | (is_off ? 0u : (uint32_t)hal_out_enable);
@@ -403,6 +402,47 @@ static void test_retract_stops_at_the_end_of_the_stroke(void)
             TEST_ASSERT_EQUAL_INT32(-500000, written.pos_nm);
         }
     }
+}
+
+/// While the switch at its lower end is on U brakes, otherwise it retracts; beyond its travel it is
+/// let go at once. One with a frozen scale is held while it is braked, unless its drive is lost.
+static void test_u_that_takes_forces_is_held_while_it_can_be(void)
+{
+    static const struct {
+        uint32_t line;
+        int32_t ends_nm, within_nm;
+    } cases[] = {{hal_in_limit_u_low, 10000, 20000}, {hal_in_limit_u_high, -500000, 0}};
+    for (int i = 0; i < 2; i++) {
+        begin(cam_state_cutting);
+        motion.u = (cam_u_t){.nm = 1000, .step_nm = 1000};
+        in.inputs |= cases[i].line;
+        want.faults = CAM_FAULT_BIT(u_travel);
+        for (int n = 0; n < 300; n++) {
+            TEST_ASSERT_EQUAL_HEX32(hal_out_fault | hal_out_enable, tick().outputs);
+            want.state = cam_state_fault;
+        }
+        TEST_ASSERT_INT32_WITHIN(cases[i].within_nm, cases[i].ends_nm, written.pos_nm);
+        motion.is_u_beyond = true;
+        TEST_ASSERT_EQUAL_HEX32(hal_out_fault, tick().outputs);
+    }
+    for (int i = 0; i < 2; i++) {
+        begin(cam_state_cutting);
+        want.faults = CAM_FAULT_BIT(u_runaway);
+        motion.u_blind_ticks = 3;
+        TEST_ASSERT_EQUAL_HEX32(hal_out_fault | hal_out_enable, tick().outputs);
+        want.state = cam_state_fault;
+        if (i == 0) {
+            motion.u_blind_ticks = 0;
+        } else {
+            in.inputs = 0;
+        }
+        TEST_ASSERT_EQUAL_HEX32(hal_out_fault, tick().outputs);
+        TEST_ASSERT_EQUAL_UINT32(0, motion.u_blind_ticks);
+    }
+    motion.u_blind_ticks = 1;
+    want.state = motion.state = cam_state_off;
+    TEST_ASSERT_EQUAL_HEX32(0, tick().outputs);
+    TEST_ASSERT_EQUAL_UINT32(0, motion.u_blind_ticks);
 }
 
 /// Faults of one tick are all reported. A drive that is lost while U retracts drops enable at once,
