@@ -30,14 +30,14 @@ cam_tick_record_t *cam_trace_begin_isr(cam_trace_t *trace);
 /// N and 1.5 kg.
 ///
 ///     u_runaway   U deviates from its observer by more than servo_runaway_nm: its force is
-///                 reversed, it is blocked or pushed. Or its reading stands, to the last digit,
-///                 for half a millisecond under a force that would deviate it by a quarter of
-///                 that and move it by a step of the scale and back, twice the friction apart: the
-///                 scale is frozen. The enable drops at once.
+///                 reversed, it is blocked or pushed, and the enable drops at once. Or its reading
+///                 stands, to the last digit, though U was asked to move and, by its last speed and
+///                 what its force has changed since, must have: the scale is frozen. Then the force
+///                 brakes U by its mass, moves it out of the work and stops it, and enable drops.
 ///     u_travel    U is beyond its stroke by more than its accepted following error, or too fast to
-///                 stop before that with half its force; or a limit switch is on, in manual only if
-///                 U moves towards it. The enable drops at once: before this U's set-point has
-///                 braked within the stroke, so the loop does not work.
+///                 stop before that with half its force. The enable drops at once: before this U's
+///                 set-point has braked within the stroke, so the loop does not work. Or a limit
+///                 switch is on, in manual only if U moves towards it: U retracts.
 ///     u_force     the force was at its limit for servo_limited_ms more than below it, for instance
 ///                 at the continuous force of a hot motor. U retracts.
 ///
@@ -46,7 +46,8 @@ cam_tick_record_t *cam_trace_begin_isr(cam_trace_t *trace);
 
 /// Calculate the force.
 /// @param r      inputs of the tick; r->force_q6 is the result
-/// @param is_on  the last tick left the drives enabled; if not, the force is 0
+/// @param is_on  the last tick left the drives enabled; if not, the force is 0, or that which moves
+///               a U with a frozen scale
 /// @param m      last command of U, speed and acceleration of its set-point; in identifying also
 ///               the wave's force
 void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_record_t *r,
@@ -159,7 +160,8 @@ uint32_t cam_axis_command_plan_isr(const cam_axis_command_config_t *cfg, cam_mot
 /// state. From the tick of the fault on it moves U itself: it continues from the last command, with
 /// its speed, and retracts U within its limits (after manual it brakes it); the spindle's set-point
 /// becomes 0. From the next plan on X moves off by the clearance, and Z brakes; then the enable
-/// drops. If a drive is not ready, or U's position loop does not work, the enable drops at once.
+/// drops. If a drive is not ready, or U's position loop does not work, the enable drops at once; a
+/// U with a frozen scale is braked first.
 /// The command never leaves the stroke: at its end U stops at once, and a U that is already outside
 /// moves inward only.
 ///
