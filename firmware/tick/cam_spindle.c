@@ -190,8 +190,7 @@ static uint32_t take_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg, uin
 {
     const int32_t distance = cam_wrap_diff(edge, s->index_counts);
     s->index_counts = edge;
-    s->edge_distance = s->has_edge ? distance : 0;
-    s->has_edge = true;
+    s->edge_distance = s->is_synced ? distance : 0;
     if (!s->is_synced) {
         if (cam_is_within(cam_wrap_diff(s->counts, edge), cfg->counts_per_turn)) {
             sync(s, cfg);
@@ -251,7 +250,6 @@ uint32_t cam_spindle_check_inertia_isr(cam_spindle_t *s, const cam_spindle_confi
 void cam_spindle_forget_isr(cam_spindle_t *s, const hal_encoder_t *encoder)
 {
     s->is_synced = false;
-    s->has_edge = false;
     s->index_error = 0;
     s->index_counts = s->counts;
     s->n_index = encoder->n_index;

@@ -35,7 +35,6 @@ typedef struct {
     uint32_t counts;       ///< [counts] of the last tick, in the direction of cutting
     uint32_t n_index;      ///< of the last tick
     uint32_t index_counts; ///< [counts] of the last edge, or where the angle was forgotten
-    bool has_edge;         ///< an index edge has passed since the angle was forgotten
     int32_t edge_distance; ///< [counts] between the last two edges, signed; 0: not known
     int32_t index_error;   ///< [counts] sum of deviations since the first edge
     int32_t in_turn;       ///< [counts] 0 .. counts_per_turn - 1 since the index

@@ -33,6 +33,7 @@
     X(is_clear, 0, 1)                                                                              \
     X(is_retracted, 0, 1)                                                                          \
     X(is_by_hand, 0, 1)                                                                            \
+    X(is_u_beyond, 0, 1)                                                                           \
     X(was_open, 0, 1)                                                                              \
     X(is_acknowledged, 0, 1)                                                                       \
     X(u.nm, -(1 << 25), (1 << 25) - 1)                                                             \
