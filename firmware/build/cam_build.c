@@ -478,7 +478,6 @@ enum {
     least_held_m_per_s2 = 5, ///< by twice the friction
     unknown_m_per_s2 = 12,   ///< where no friction is stated
     blind_ms = 5,            ///< time for which a U with a frozen scale is moved out of the work
-    stop_ms = 2,             ///< ... the end of it, in which it brakes
     runaway_most_nm = 50000,
 };
 
@@ -503,7 +502,6 @@ static void build_frozen(cam_force_config_t *c, const cam_params_t *p, uint32_t 
     const int64_t delay_ns = (int64_t)p->servo_force_delay_ns + p->u_scale_latency_ns;
     c->held_q10 = cam_nearest(held * nm_per_tick2 * 1024.0);
     c->blind_ticks = (uint32_t)cam_units_scale(blind_ms, tick_hz, 1000);
-    c->stop_ticks = (uint32_t)cam_units_scale(stop_ms, tick_hz, 1000);
     c->quantum_q10 = p->u_scale_nm * 1024;
     c->still_ticks = least_still_ticks + (uint32_t)((delay_ns * tick_hz + 999999999) / 1000000000);
     c->unseen_nm = scale_steps * p->u_scale_nm + least_unseen_nm;
@@ -586,7 +584,7 @@ cam_refusal_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     config->guard.following_nm = cam_derived_limits_following_nm(params, table);
     config->guard.approach_nm = cam_derived_limits_approach_nm(params, table, tick_hz);
     config->force.travel_nm = params->u_stroke_nm / 2 + config->guard.approach_nm;
-    config->force.leave_q10 = -config->play.approach[hal_axis_u].speed_q10;
+    config->force.leave_q10 = config->play.approach[hal_axis_u].speed_q10;
     config->play.u_retract_q10 = retract_q10(params, table, &config->guard.u);
     config->guard.u_retract_q10 = config->play.u_retract_q10;
     return refusal;

@@ -45,7 +45,7 @@ enum { most_shift_nm = 1 << 25 };
 
 enum {
     still_nm = 1000, ///< U stands while it moves by no more than this
-    left_nm = 10000, ///< U has left its stop at this distance
+    left_nm = 10000, ///< U has left its stop at this distance, and follows within it
 };
 
 /// The home is found. @return [nm] shift of U's position
@@ -174,7 +174,8 @@ static bool has_met_stop(cam_jog_t *h, const cam_jog_order_t *o, const cam_tick_
     return h->n_still >= o->still_plans;
 }
 
-/// @return whether U has come back from its stop, into its stroke where the stop is the home
+/// @return whether U has come back from its stop as ordered, into its stroke where the stop is the
+///         home
 static bool has_left_stop(const cam_jog_t *h, const cam_jog_config_t *cfg,
                           const cam_tick_record_t *r, const cam_motion_t *m)
 {
@@ -183,7 +184,10 @@ static bool has_left_stop(const cam_jog_t *h, const cam_jog_config_t *cfg,
     const int64_t u_q10 =
         cam_wrap_add_i64(m->axis[hal_axis_u].pos_q10, ((int64_t)o->home_nm - h->stood_nm) * 1024);
     const bool is_in_stroke = o->sense > 0 ? u_q10 <= cfg->u_end_q10 : u_q10 >= -cfg->u_end_q10;
-    return (int64_t)o->sense * back_nm >= left_nm && (o->has_index || is_in_stroke);
+    const int64_t off_q10 =
+        cam_wrap_sub_i64(m->axis[hal_axis_u].pos_q10, (int64_t)r->in.actual_nm[hal_axis_u] * 1024);
+    const bool follows = cam_is_between(off_q10, -left_nm * 1024, left_nm * 1024);
+    return follows && (int64_t)o->sense * back_nm >= left_nm && (o->has_index || is_in_stroke);
 }
 
 /// @return whether the axis is on the switch, or U at the stop, that the order searches

@@ -252,8 +252,7 @@ typedef struct {
     int32_t quantum_q10;    ///< [nm / 1024] step of the scale
     uint32_t still_ticks;   ///< its reading may stand for this long
     int32_t leave_q10;      ///< [nm / 1024 per tick] speed out of the work without the scale
-    uint32_t blind_ticks;   ///< time for that, and for braking to rest
-    uint32_t stop_ticks;    ///< ... of this for braking
+    uint32_t blind_ticks;   ///< time for that
     int32_t unseen_nm;      ///< [nm] by which U and its set-point may move while it stands
     int32_t runaway_q6;     ///< [nm / 64] accepted deviation of U from its observer
     int32_t travel_nm;      ///< [nm] U stays within this to either side

@@ -14,17 +14,14 @@ static int32_t acceleration_q10(const cam_force_config_t *cfg, int32_t force_q6)
     return cam_sat_i32((int64_t)force_q6 * cfg->motion_q24 >> 20);
 }
 
-/// Move a U whose scale is frozen by its mass: to the speed at which it leaves the work, and then,
-/// or by hand at once, to rest. @return [mN / 64]
-static int32_t blind_q6(cam_force_t *f, const cam_force_config_t *cfg, cam_motion_t *m)
+/// Push a U whose scale is frozen out of the work, by its mass, up to the speed at which it leaves;
+/// never into the work, since it may be a U that is blocked. @return [mN / 64]
+static int32_t leaving_q6(cam_force_t *f, const cam_force_config_t *cfg)
 {
-    m->u_blind_ticks--;
-    if (m->u_blind_ticks == cfg->stop_ticks && !m->is_by_hand) {
-        f->excess_q10 = cam_sat_add(f->excess_q10, cfg->leave_q10);
-    }
     const int32_t wanted_q6 = cam_sat_i32(-((int64_t)cfg->servo.mass_q14 * f->excess_q10 >> 18));
     const int32_t force_q6 = cam_servo_push_isr(&f->servo, &cfg->servo, wanted_q6);
-    f->excess_q10 = cam_sat_add(f->excess_q10, acceleration_q10(cfg, force_q6));
+    const int32_t left_q10 = cam_sat_add(f->excess_q10, acceleration_q10(cfg, force_q6));
+    f->excess_q10 = left_q10 > 0 ? left_q10 : 0;
     return force_q6;
 }
 
@@ -45,7 +42,8 @@ void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_
         }
         r->force_q6 = cam_servo_step_isr(&f->servo, &cfg->servo, &in);
     } else if (m->u_blind_ticks > 0u) {
-        r->force_q6 = blind_q6(f, cfg, m);
+        m->u_blind_ticks--;
+        r->force_q6 = leaving_q6(f, cfg);
     } else {
         cam_servo_rest_isr(&f->servo, &cfg->servo);
     }
@@ -138,6 +136,20 @@ static bool is_at_line(uint32_t inputs, const cam_motion_t *m)
     return (is_low && (!is_by_hand || vel_q10 < 0)) || (is_high && (!is_by_hand || vel_q10 > 0));
 }
 
+/// A U that rests, or that a stop holds.
+static void start_supervision(cam_force_t *f, int32_t force_q6)
+{
+    f->left_q6 = force_q6;
+    f->driven_q10 = 0;
+    f->speed_q10 = 0;
+    f->free_q10 = 0;
+    f->n_still = 0;
+    f->n_limited = 0;
+}
+
+/// [leave_q10] A U that its loop has moved is no faster than its limit and the speed of leaving.
+enum { most_leaves = 5 };
+
 uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
                              const cam_tick_record_t *r, cam_motion_t *m)
 {
@@ -149,10 +161,7 @@ uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
         f->vel_q24 = 0;
         f->still_nm = port_nm;
         f->stood_nm = set_nm;
-        f->driven_q10 = 0;
-        f->speed_q10 = 0;
-        f->n_still = 0;
-        f->n_limited = 0;
+        start_supervision(f, 0);
         return 0;
     }
     const int32_t net_q6 = net_force_q6(cfg, r, f->vel_q24);
@@ -164,11 +173,12 @@ uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
     const bool is_at_end = m->is_u_beyond || is_at_line(r->in.inputs, m);
     const uint32_t travel = is_at_end ? CAM_FAULT_BIT(u_travel) : 0u;
     if (m->u_press_q6 != 0) { // pressing on its stop, U looks blocked or not measured
-        f->n_limited = 0;
+        start_supervision(f, r->force_q6);
         return travel;
     }
-    if (is_blind) {
-        f->excess_q10 = cam_sat_sub(f->driven_q10, m->is_by_hand ? 0 : cfg->leave_q10);
+    if (is_blind && !m->is_by_hand) {
+        f->excess_q10 = cam_clamp_i32(cam_sat_add(f->driven_q10, cfg->leave_q10), 0,
+                                      most_leaves * cfg->leave_q10);
         m->u_blind_ticks = cfg->blind_ticks;
     }
     f->n_limited = f->servo.is_limited ? f->n_limited + 1u : f->n_limited - (f->n_limited > 0u);

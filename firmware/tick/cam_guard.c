@@ -3,7 +3,7 @@
 #include "cam_fix.h" // cam_abs_i64, cam_clamp_i32, cam_is_within, ..
 
 /// After these the drives are disabled at once: one of them, or the position loop, does not work. A
-/// frozen scale lets U brake first, and at a limit switch the loop works.
+/// U with a frozen scale is moved out of the work first, and at a limit switch the loop works.
 #define LOST (CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(u_travel) | CAM_FAULT_BIT(u_runaway))
 #define ARMED_IN_FAULT                                                                             \
     (LOST | CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(command) |                   \
@@ -252,7 +252,7 @@ static bool retract_u(const cam_guard_t *g, const cam_guard_config_t *cfg, uint3
 }
 
 /// Overwrite set-point and command with the retract. The drives stay enabled until it has ended, or
-/// until a fault of LOST; after that a U whose scale is frozen brakes.
+/// until a fault of LOST and, where U's scale is frozen, until it has left the work.
 static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
                     cam_motion_t *m)
 {

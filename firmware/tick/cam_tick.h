@@ -71,7 +71,7 @@ typedef struct {
     int32_t left_q6;    ///< [mN / 64] force when U was last not asked to move
     int32_t driven_q10; ///< [nm / 1024 per tick] speed of U since then, but for friction
     int32_t speed_q10;  ///< [nm / 1024 per tick] least speed of U since then
-    int32_t excess_q10; ///< [nm / 1024 per tick] by which U, without its scale, is too fast
+    int32_t excess_q10; ///< [nm / 1024 per tick] to be added to its speed out of the work
     int32_t free_q10;   ///< [nm / 1024] by which U must have moved since then
     uint32_t n_limited; ///< [ticks] at the limit minus those below it, at least 0
 } cam_force_t;

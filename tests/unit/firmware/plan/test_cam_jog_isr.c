@@ -362,6 +362,21 @@ static void test_home_is_the_stop_and_counts_within_the_stroke(void)
     }
 }
 
+/// Within 10 um of its set-point: a scale that freezes on the way back gives no home.
+static void test_u_must_follow_from_its_stop(void)
+{
+    for (int32_t off_nm = 10000; off_nm <= 10001; off_nm++) {
+        (void)search(1, false, 550000);
+        (void)press(press_q6, 1000);
+        go_back(49000);
+        r.in.actual_nm[hal_axis_u] += off_nm;
+        go_back(2000);
+        m.axis[hal_axis_u].pos_q10 -= (int64_t)off_nm * 1024;
+        (void)jog();
+        TEST_ASSERT_EQUAL_INT(off_nm == 10000 ? cam_jog_done : cam_jog_runs, h.end);
+    }
+}
+
 static void test_index_after_the_stop_is_the_home(void)
 {
     (void)search(1, true, 100000);
@@ -382,7 +397,7 @@ static void test_distance_from_the_stop_has_no_limit(void)
         (void)press(press_q6, 1000);
         h.stood_nm = has_index != 0 ? 1 << 30 : 0;
         r.in.actual_nm[hal_axis_u] = -(1 << 30);
-        m.axis[hal_axis_u].pos_q10 = INT64_MIN;
+        m.axis[hal_axis_u].pos_q10 = has_index != 0 ? -(INT64_C(1) << 40) : INT64_MIN;
         m.axis[hal_axis_u].vel_q10 = 512;
         (void)jog();
         TEST_ASSERT_EQUAL_INT(has_index != 0 ? cam_jog_index : cam_jog_release, h.phase);

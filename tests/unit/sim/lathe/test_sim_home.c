@@ -223,3 +223,35 @@ static void test_lathe_is_homed_by_its_switches(void)
     TEST_ASSERT_DOUBLE_WITHIN(470.0, x_nm, cam_machine_position_nm(&machine, hal_axis_x));
     TEST_ASSERT_DOUBLE_WITHIN(60.0, u_nm, cam_machine_position_nm(&machine, hal_axis_u));
 }
+
+/// A scale that freezes while U comes back from its stop: homing finds no home, or finds the fault
+/// soon after. U does not press on the other stop with a force that homing does not have.
+static void test_scale_that_freezes_on_the_way_back_gives_no_home(void)
+{
+    for (int32_t back_um = 4; back_um <= 49; back_um += 9) {
+        setUp();
+        begin(0.2);
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&machine, hal_axis_u));
+        double stop_nm = 0.0;
+        for (int i = 0; i < 200000; i++) {
+            ticks(1);
+            if (i % 1000 == 0) {
+                cam_machine_keep_alive(&machine);
+                cam_machine_jog_poll(&machine);
+            }
+            const double at_nm = port.lathe.drive[hal_axis_u].pos_micro;
+            const bool is_back = cam_machine_status(&machine).jog.phase == cam_jog_release;
+            stop_nm = is_back ? stop_nm : at_nm;
+            if (is_back && !port.lathe.is_scale_stuck && stop_nm - at_nm > back_um * 1e3) {
+                port.lathe.stuck_micro = (int32_t)at_nm;
+                port.lathe.is_scale_stuck = true;
+            }
+        }
+        const cam_status_t s = cam_machine_status(&machine);
+        const bool is_found = s.faults == CAM_FAULT_BIT(u_runaway);
+        TEST_ASSERT_TRUE(port.lathe.is_scale_stuck);
+        TEST_ASSERT_TRUE(is_found || s.jog.end == cam_jog_no_release);
+        TEST_ASSERT_EQUAL_HEX32(0, s.jog.homed);
+        expect_limited(is_found ? 5 * force_mn : force_mn);
+    }
+}
