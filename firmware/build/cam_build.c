@@ -475,7 +475,7 @@ enum {
     scale_steps = 4,   ///< deviation that is accepted at least
     least_unseen_nm = 100,
     least_still_ticks = 3,
-    least_held_m_per_s2 = 5, ///< by twice the friction
+    least_held_m_per_s2 = 5, ///< by friction
     unknown_m_per_s2 = 12,   ///< where no friction is stated
     blind_ms = 5,            ///< time for which a U with a frozen scale is moved out of the work
     runaway_most_nm = 50000,
@@ -492,11 +492,12 @@ static int32_t runaway_q6(const cam_params_t *p, const cam_force_config_t *c)
     return is_set ? p->servo_runaway_nm * 64 : (int32_t)cam_clamp_i64(own_q6, least_q6, most_q6);
 }
 
-/// When a reading that stands is frozen. Friction may hold a change of the force by twice itself.
+/// When a reading that stands is frozen. Friction may hold a change of the
+/// force by twice itself, and a quarter more if it is stated too small.
 static void build_frozen(cam_force_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
     const double nm_per_tick2 = 1e9 / ((double)tick_hz * (double)tick_hz); // by 1 m/s2
-    const double stated_m_per_s2 = 2.0 * p->servo_friction_mn / p->servo_mass_g;
+    const double stated_m_per_s2 = 2.5 * p->servo_friction_mn / p->servo_mass_g;
     const double least_m_per_s2 = p->servo_friction_mn > 0 ? least_held_m_per_s2 : unknown_m_per_s2;
     const double held = stated_m_per_s2 > least_m_per_s2 ? stated_m_per_s2 : least_m_per_s2;
     const int64_t delay_ns = (int64_t)p->servo_force_delay_ns + p->u_scale_latency_ns;

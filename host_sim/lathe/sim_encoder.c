@@ -2,14 +2,20 @@
 #include "sim_encoder.h"
 #include "sim_units.h" // sim_sine, sim_clamp, sim_floor
 
-/// @return position of the disc in counts, a real number, rising with the counter
-static double place_counts(const sim_encoder_config_t *c, double turn)
+/// @return position of the disc in counts from angle 0, a real number, rising with the counter
+static double disc_counts(const sim_encoder_config_t *c, double turn)
 {
     double counts = c->counts_per_turn * turn;
     if (c->eccentricity_counts > 0.0) {
         counts += c->eccentricity_counts * sim_sine(turn - c->eccentricity_turn);
     }
     return c->sign < 0.0 ? -counts : counts;
+}
+
+/// @return the same from an edge of a count on, on which the index is
+static double place_counts(const sim_encoder_t *e, double turn)
+{
+    return disc_counts(&e->config, turn) + e->index_counts_off;
 }
 
 static double jitter(sim_encoder_t *e)
@@ -32,7 +38,9 @@ void sim_encoder_init(sim_encoder_t *e, const sim_encoder_config_t *config, doub
                       uint64_t seed)
 {
     *e = (sim_encoder_t){.config = *config, .random = sim_random_seeded(seed)};
-    e->index_counts = sim_floor(place_counts(config, config->index_turn));
+    const double index_counts = disc_counts(config, config->index_turn);
+    e->index_counts = sim_floor(index_counts + 0.5);
+    e->index_counts_off = (double)e->index_counts - index_counts;
     e->n_turns = turns_below(e, turn);
     (void)sim_encoder_read(e, turn);
     e->stamped_counts = e->counts;
@@ -51,18 +59,19 @@ hal_encoder_t sim_encoder_read(sim_encoder_t *e, double turn)
         e->n_turns = n_turns;
     }
     e->jitter_counts = jitter(e);
-    e->counts = sim_floor(place_counts(&e->config, turn) + e->jitter_counts);
+    e->counts = sim_floor(place_counts(e, turn) + e->jitter_counts);
     e->reading.counts = counter(&e->config, e->counts);
     return e->reading;
 }
 
 /// @return [turn] angle at which the disc shows `place`, a real number of counts
-static double turn_of(const sim_encoder_config_t *c, double place)
+static double turn_of(const sim_encoder_t *e, double place)
 {
+    const sim_encoder_config_t *c = &e->config;
     const double straight = c->sign * place / c->counts_per_turn;
     double turn = straight;
     for (int i = 0; i < 6; i++) { // converges by 2 pi e / N each time
-        turn += straight - c->sign * place_counts(c, turn) / c->counts_per_turn;
+        turn += straight - c->sign * place_counts(e, turn) / c->counts_per_turn;
     }
     return turn;
 }
@@ -90,7 +99,7 @@ void sim_encoder_stamp(sim_encoder_t *e, double turn, double speed_turns_per_s, 
     e->edge_age_s += dt_s;
     if (e->counts != e->stamped_counts) {
         const int64_t edge = e->counts > e->stamped_counts ? e->counts : e->counts + 1;
-        const double edge_turn = turn_of(&e->config, (double)edge - e->jitter_counts);
+        const double edge_turn = turn_of(e, (double)edge - e->jitter_counts);
         e->edge_age_s = dt_s * (1.0 - passed_at(e, turn, speed_turns_per_s, dt_s, edge_turn));
     }
     e->stamped_counts = e->counts;

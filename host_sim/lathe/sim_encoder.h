@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 /// sim_encoder: the spindle's incremental encoder, with index.
 ///
-///     counts = start + floor(sign (N turn + e sin(2 pi (turn - p))) + jitter)
+///     counts = start + floor(sign (N turn + e sin(2 pi (turn - p))) + i + jitter)
 ///
 /// N counts per turn, eccentricity e in counts (a disc off centre by d on a track of radius R
 /// shifts by e = N d / (2 pi R)), p the angle without error, jitter bell-shaped noise of the edges.
-/// The index has a fixed angle; crossing it latches the counter at the edge, so both senses of
-/// rotation latch the same number (modulo a turn), as hal.h demands. The jitter also moves the
-/// latch.
+/// The index has a fixed angle and, as a gated index pulse has, lies on the edge of a count: i, at
+/// most half a count, puts an edge there. Crossing it latches the counter at the edge, so both
+/// senses of rotation latch the same number (modulo a turn), as hal.h demands. The jitter also
+/// moves the latch.
 ///
 /// Time stamps give the age of the last edge that counted: the angle of the edge follows from the
 /// equation above, its time from the cubic through angles and speeds at two readings, MATHS.md
@@ -78,8 +79,9 @@ typedef struct {
 typedef struct {
     sim_encoder_config_t config;
     sim_random_t random;
-    int64_t index_counts; ///< position of the index edge within the turn
-    int64_t n_turns;      ///< number of index edges below the present angle
+    int64_t index_counts;    ///< position of the index edge within the turn
+    double index_counts_off; ///< [counts] by which the counts are shifted so that it is on an edge
+    int64_t n_turns;         ///< number of index edges below the present angle
     hal_encoder_t reading;
     // with time stamps
     int64_t counts;                 ///< last reading, not wrapped

@@ -14,6 +14,10 @@ response of the controller's parameters.
 >>> response = 100.0 / (1j * hz) * np.exp(-2j * np.pi * hz * 0.5e-3)
 >>> print(loop_text(OpenLoop(hz, response)))
 crossover 100 Hz, phase margin 72.0 degrees, gain margin 14.0 dB at 500 Hz
+>>> refusal_by_lines(OpenLoop(hz, response))
+''
+>>> refusal_by_lines(OpenLoop(hz, response * np.exp(-2j * np.pi * hz * 1.5e-3))).split(",")[0]
+'on the measured lines it has 1.9 dB and 18 degrees'
 """
 
 from collections.abc import Iterator, Mapping
@@ -275,6 +279,7 @@ class Subject(NamedTuple):
     lines: list[str]  # of its constants, and of its loop as it is
     is_measured: bool  # its constants
     measured: OpenLoop | None = None
+    spectra: Spectra | None = None  # of force and reading
 
 
 class Proposal(NamedTuple):
@@ -295,7 +300,23 @@ def subject_of(found: Measured, keys: dict[str, Any], name: str, where: str) -> 
         f"as it is (measured): {loop_text(measured)}",
         f"as it is (model): {loop_text(model_loop(found.values, drive))}",
     ]
-    return Subject(name, where, drive, lines, True, measured)
+    return Subject(name, where, drive, lines, True, measured, found.lines)
+
+
+_OF_LEAST = 2.0 / 3.0  # of the margins, that a loop needs on the lines themselves
+
+
+def refusal_by_lines(loop: OpenLoop) -> str:
+    """Return why a loop that is good on the model is not on what was measured; "" if it is."""
+    found = figures(loop)
+    gain_db = np.inf if found.gain_db is None else found.gain_db
+    phase_deg = np.inf if found.phase_deg is None else found.phase_deg
+    if gain_db >= _OF_LEAST * LEAST_GAIN_DB and phase_deg >= _OF_LEAST * LEAST_PHASE_DEG:
+        return ""
+    return (
+        f"on the measured lines it has {gain_db:.1f} dB and {phase_deg:.0f} degrees, so the model "
+        "does not fit the drive; raise the crossover of the loop in force, and measure again"
+    )
 
 
 def proposed(subject: Subject, given: Path | None = None) -> Proposal:
@@ -304,5 +325,7 @@ def proposed(subject: Subject, given: Path | None = None) -> Proposal:
     values = read_loop(given, drive) if given else parameters_of(best(drive.plant), drive)
     judged = judge(loop_of(values, drive), *plant_of(values, drive))
     problem = refusal(judged, is_proposal=given is None)
+    if not problem and subject.spectra is not None:
+        problem = refusal_by_lines(measured_loop(subject.spectra, values, drive))
     head = ["given:" if given else "proposed:"] if subject.measured else []
     return Proposal(values, judged, problem, [*subject.lines, *head, *lines_of(judged, drive)])

@@ -27,6 +27,15 @@ static void turn(int n)
     }
 }
 
+/// @return [counts] of the disc at an angle, from the index on, which is on an edge
+static double disc_counts(double turn)
+{
+    const sim_encoder_config_t *c = &config.encoder;
+    const double off = sin(SIM_TWO_PI * (turn - c->eccentricity_turn)) -
+                       sin(SIM_TWO_PI * (c->index_turn - c->eccentricity_turn));
+    return c->counts_per_turn * (turn - c->index_turn) + c->eccentricity_counts * off;
+}
+
 /// [ns] largest error of the time stamps against the angle of the edge, in steady turning
 static double worst_stamp_ns(double sign, double eccentricity_counts)
 {
@@ -41,10 +50,7 @@ static double worst_stamp_ns(double sign, double eccentricity_counts)
         turn(1);
         (void)sim_lathe_encoder(&lathe);
         const double edge = lathe.spindle.turn - lathe.encoder.edge_age_s * 100.0 / SIM_TWO_PI;
-        const double error =
-            eccentricity_counts *
-            sin(SIM_TWO_PI * sim_fraction(edge - config.encoder.eccentricity_turn));
-        const double place = config.encoder.counts_per_turn * edge + error;
+        const double place = disc_counts(edge);
         const double off = fabs(place - sim_round(place));
         worst = i > 10 && off > worst ? off : worst;
         TEST_ASSERT_TRUE(lathe.encoder.edge_age_s >= 0.0);
@@ -55,6 +61,7 @@ static double worst_stamp_ns(double sign, double eccentricity_counts)
 
 static void test_time_stamps_are_those_of_the_edges(void)
 {
+    config.encoder.index_turn = 0.30001; // with 10 000 counts a tenth of one past an edge
     TEST_ASSERT_TRUE(worst_stamp_ns(1.0, 0.0) < 0.1);
     TEST_ASSERT_TRUE(worst_stamp_ns(-1.0, 0.0) < 0.1);
     TEST_ASSERT_TRUE(worst_stamp_ns(1.0, 20.0) < 0.1);
