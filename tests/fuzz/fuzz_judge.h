@@ -28,6 +28,7 @@ typedef struct {
     bool is_pressed_right; ///< since the last fault and emergency stop there was one
     bool was_pressed;
     uint32_t n_pressed; ///< [ticks] that the button has been pressed in off, so far
+    uint32_t n_runaway; ///< [ticks] since u_runaway was latched
     bool was_enabled;
     bool is_angle_doubtful; ///< by the target: the spindle moved as no spindle can, and X and Z,
                             ///< which are geared to it, have the limits of the fault `command`

@@ -124,9 +124,7 @@ def _keys(arguments: Options) -> dict[str, Any]:
     return read_tree(arguments.drive) if arguments.drive is not None else {}
 
 
-def _write(
-    folder: Path, subject: Subject, proposal: Proposal, settings: Mapping[str, int]
-) -> None:
+def _write(folder: Path, subject: Subject, proposal: Proposal, settings: Mapping[str, int]) -> None:
     from camtools.tune.plots import loop_png  # matplotlib is slow to load
 
     name, text = subject.name, "\n".join(proposal.lines) + "\n"
