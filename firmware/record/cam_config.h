@@ -241,6 +241,9 @@ typedef struct {
     int32_t jump_q10[hal_n_axes];   ///< [nm / 1024] step of position in a plan
 } cam_axis_command_config_t;
 
+/// [nm / 1024 per tick] A larger speed out of the work counts as this one.
+enum { cam_force_most_leave_q10 = 1 << 28 };
+
 /// Configuration of the force of U (cam_tick_inner.h).
 typedef struct {
     bool is_used; ///< U takes forces

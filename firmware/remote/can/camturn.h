@@ -41,7 +41,7 @@ extern "C" {
 #include <stddef.h>
 
 #ifndef EINVAL
-#define EINVAL 22
+#    define EINVAL 22
 #endif
 
 /* Frame ids. */
@@ -967,8 +967,7 @@ struct camturn_command_t {
     uint16_t periods;
 
     /**
-     * Speed of the axis given by the parameter: 0 U, 1 X, 2 Z; 0 brakes. Repeat at least every 250
-     * ms.
+     * Speed of the axis given by the parameter: 0 U, 1 X, 2 Z; 0 brakes. Repeat at least every 250 ms.
      *
      * Range: -1000000..1000000 (-1000..1000 mm/s)
      * Scale: 0.001
@@ -1022,8 +1021,7 @@ struct camturn_command_t {
     uint16_t fade;
 
     /**
-     * Number of words, with read_scope_fd of sixteen words, at most 252; at the end of the
-     * recording fewer are sent.
+     * Number of words, with read_scope_fd of sixteen words, at most 252; at the end of the recording fewer are sent.
      *
      * Range: 1..255 (1..255 -)
      * Scale: 1
@@ -1035,8 +1033,7 @@ struct camturn_command_t {
 /**
  * Signals in message Answer.
  *
- * Answer to a command or to a downloaded block. A value out of its range is answered three times:
- * by the command's own answer, by get_minimum and by get_maximum.
+ * Answer to a command or to a downloaded block. A value out of its range is answered three times: by the command's own answer, by get_minimum and by get_maximum.
  *
  * All signal values are as on the CAN bus.
  */
@@ -1074,10 +1071,7 @@ struct camturn_answer_t {
     int32_t highest_speed;
 
     /**
-     * Value in force after the command. Refused excite: demand of the wave, in the unit of the
-     * limit; commands about all parameters: number of changes; get_refusal: the field;
-     * take_command: the session, or if refused the present commander. With the result
-     * not_commander, whatever the command: the present commander, 0: nobody.
+     * Value in force after the command. Refused excite: demand of the wave, in the unit of the limit; commands about all parameters: number of changes; get_refusal: the field; take_command: the session, or if refused the present commander. With the result not_commander, whatever the command: the present commander, 0: nobody.
      *
      * Range: -2147483648..2147483647 (-2147483648..2147483647 -)
      * Scale: 1
@@ -1155,8 +1149,7 @@ struct camturn_answer_t {
 /**
  * Signals in message State.
  *
- * Every 10 ms. State, reason of the last start, result of the last check of the table, latched
- * faults.
+ * Every 10 ms. State, reason of the last start, result of the last check of the table, latched faults.
  *
  * All signal values are as on the CAN bus.
  */
@@ -1474,8 +1467,7 @@ struct camturn_detail_t {
     uint32_t table_generation;
 
     /**
-     * Memory errors corrected by the hardware since the start; 0 also if the port does not see
-     * them.
+     * Memory errors corrected by the hardware since the start; 0 also if the port does not see them.
      *
      * Range: 0..16777215 (0..16777215 -)
      * Scale: 1
@@ -1624,8 +1616,7 @@ struct camturn_detail_t {
     uint8_t homed_x;
 
     /**
-     * Turns to the end of the pass, rehearsal included, at the present override; while holding:
-     * after an immediate resume. Not in work: of the next pass.
+     * Turns to the end of the pass, rehearsal included, at the present override; while holding: after an immediate resume. Not in work: of the next pass.
      *
      * Range: 0..134217727 (0..1048575.99219 turn)
      * Scale: 0.0078125
@@ -1682,8 +1673,7 @@ struct camturn_detail_t {
     uint32_t params_version;
 
     /**
-     * Whether a start waits until the spindle turns steadily, or the last one was ended because it
-     * did not.
+     * Whether a start waits until the spindle turns steadily, or the last one was ended because it did not.
      *
      * Range: 0..3 (0..3 -)
      * Scale: 1
@@ -2038,8 +2028,7 @@ struct camturn_detail_t {
 /**
  * Signals in message Recording.
  *
- * Answer to read_scope, before the Answer: words of the recording from an offset on, lowest byte
- * first, seven bytes in each message.
+ * Answer to read_scope, before the Answer: words of the recording from an offset on, lowest byte first, seven bytes in each message.
  *
  * All signal values are as on the CAN bus.
  */
@@ -2064,8 +2053,7 @@ struct camturn_recording_t {
 /**
  * Signals in message RecordingFd.
  *
- * Answer to read_scope_fd, likewise with 63 bytes in each message: a CAN FD frame with the higher
- * bit rate.
+ * Answer to read_scope_fd, likewise with 63 bytes in each message: a CAN FD frame with the higher bit rate.
  *
  * All signal values are as on the CAN bus.
  */
@@ -2146,8 +2134,7 @@ struct camturn_recording_fd_t {
 /**
  * Signals in message Block.
  *
- * ISO 15765-2, normal addressing: a block of a table image or a wave, its offset in four bytes and
- * up to 4096 bytes.
+ * ISO 15765-2, normal addressing: a block of a table image or a wave, its offset in four bytes and up to 4096 bytes.
  *
  * All signal values are as on the CAN bus.
  */
@@ -2185,7 +2172,10 @@ struct camturn_block_flow_t {
  *
  * @return Size of packed data, or negative error code.
  */
-int camturn_command_pack(uint8_t *dst_p, const struct camturn_command_t *src_p, size_t size);
+int camturn_command_pack(
+    uint8_t *dst_p,
+    const struct camturn_command_t *src_p,
+    size_t size);
 
 /**
  * Unpack message Command.
@@ -2196,7 +2186,10 @@ int camturn_command_pack(uint8_t *dst_p, const struct camturn_command_t *src_p, 
  *
  * @return zero(0) or negative error code.
  */
-int camturn_command_unpack(struct camturn_command_t *dst_p, const uint8_t *src_p, size_t size);
+int camturn_command_unpack(
+    struct camturn_command_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
 
 /**
  * Init message fields to default values from Command.
@@ -2369,7 +2362,10 @@ bool camturn_command_count_is_in_range(uint8_t value);
  *
  * @return Size of packed data, or negative error code.
  */
-int camturn_answer_pack(uint8_t *dst_p, const struct camturn_answer_t *src_p, size_t size);
+int camturn_answer_pack(
+    uint8_t *dst_p,
+    const struct camturn_answer_t *src_p,
+    size_t size);
 
 /**
  * Unpack message Answer.
@@ -2380,7 +2376,10 @@ int camturn_answer_pack(uint8_t *dst_p, const struct camturn_answer_t *src_p, si
  *
  * @return zero(0) or negative error code.
  */
-int camturn_answer_unpack(struct camturn_answer_t *dst_p, const uint8_t *src_p, size_t size);
+int camturn_answer_unpack(
+    struct camturn_answer_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
 
 /**
  * Init message fields to default values from Answer.
@@ -2517,7 +2516,10 @@ bool camturn_answer_datum_is_in_range(int32_t value);
  *
  * @return Size of packed data, or negative error code.
  */
-int camturn_state_pack(uint8_t *dst_p, const struct camturn_state_t *src_p, size_t size);
+int camturn_state_pack(
+    uint8_t *dst_p,
+    const struct camturn_state_t *src_p,
+    size_t size);
 
 /**
  * Unpack message State.
@@ -2528,7 +2530,10 @@ int camturn_state_pack(uint8_t *dst_p, const struct camturn_state_t *src_p, size
  *
  * @return zero(0) or negative error code.
  */
-int camturn_state_unpack(struct camturn_state_t *dst_p, const uint8_t *src_p, size_t size);
+int camturn_state_unpack(
+    struct camturn_state_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
 
 /**
  * Init message fields to default values from State.
@@ -2764,7 +2769,10 @@ bool camturn_state_fault_u_force_is_in_range(uint8_t value);
  *
  * @return Size of packed data, or negative error code.
  */
-int camturn_spindle_pack(uint8_t *dst_p, const struct camturn_spindle_t *src_p, size_t size);
+int camturn_spindle_pack(
+    uint8_t *dst_p,
+    const struct camturn_spindle_t *src_p,
+    size_t size);
 
 /**
  * Unpack message Spindle.
@@ -2775,7 +2783,10 @@ int camturn_spindle_pack(uint8_t *dst_p, const struct camturn_spindle_t *src_p, 
  *
  * @return zero(0) or negative error code.
  */
-int camturn_spindle_unpack(struct camturn_spindle_t *dst_p, const uint8_t *src_p, size_t size);
+int camturn_spindle_unpack(
+    struct camturn_spindle_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
 
 /**
  * Init message fields to default values from Spindle.
@@ -2813,7 +2824,10 @@ bool camturn_spindle_angle_is_in_range(uint32_t value);
  *
  * @return Size of packed data, or negative error code.
  */
-int camturn_axis_u_pack(uint8_t *dst_p, const struct camturn_axis_u_t *src_p, size_t size);
+int camturn_axis_u_pack(
+    uint8_t *dst_p,
+    const struct camturn_axis_u_t *src_p,
+    size_t size);
 
 /**
  * Unpack message AxisU.
@@ -2824,7 +2838,10 @@ int camturn_axis_u_pack(uint8_t *dst_p, const struct camturn_axis_u_t *src_p, si
  *
  * @return zero(0) or negative error code.
  */
-int camturn_axis_u_unpack(struct camturn_axis_u_t *dst_p, const uint8_t *src_p, size_t size);
+int camturn_axis_u_unpack(
+    struct camturn_axis_u_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
 
 /**
  * Init message fields to default values from AxisU.
@@ -2862,7 +2879,10 @@ bool camturn_axis_u_u_actual_is_in_range(int32_t value);
  *
  * @return Size of packed data, or negative error code.
  */
-int camturn_detail_pack(uint8_t *dst_p, const struct camturn_detail_t *src_p, size_t size);
+int camturn_detail_pack(
+    uint8_t *dst_p,
+    const struct camturn_detail_t *src_p,
+    size_t size);
 
 /**
  * Unpack message Detail.
@@ -2873,7 +2893,10 @@ int camturn_detail_pack(uint8_t *dst_p, const struct camturn_detail_t *src_p, si
  *
  * @return zero(0) or negative error code.
  */
-int camturn_detail_unpack(struct camturn_detail_t *dst_p, const uint8_t *src_p, size_t size);
+int camturn_detail_unpack(
+    struct camturn_detail_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
 
 /**
  * Init message fields to default values from Detail.
@@ -3532,7 +3555,10 @@ bool camturn_detail_level_left_is_in_range(uint16_t value);
  *
  * @return Size of packed data, or negative error code.
  */
-int camturn_recording_pack(uint8_t *dst_p, const struct camturn_recording_t *src_p, size_t size);
+int camturn_recording_pack(
+    uint8_t *dst_p,
+    const struct camturn_recording_t *src_p,
+    size_t size);
 
 /**
  * Unpack message Recording.
@@ -3543,7 +3569,10 @@ int camturn_recording_pack(uint8_t *dst_p, const struct camturn_recording_t *src
  *
  * @return zero(0) or negative error code.
  */
-int camturn_recording_unpack(struct camturn_recording_t *dst_p, const uint8_t *src_p, size_t size);
+int camturn_recording_unpack(
+    struct camturn_recording_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
 
 /**
  * Init message fields to default values from Recording.
@@ -3581,8 +3610,10 @@ bool camturn_recording_bytes_is_in_range(uint64_t value);
  *
  * @return Size of packed data, or negative error code.
  */
-int camturn_recording_fd_pack(uint8_t *dst_p, const struct camturn_recording_fd_t *src_p,
-                              size_t size);
+int camturn_recording_fd_pack(
+    uint8_t *dst_p,
+    const struct camturn_recording_fd_t *src_p,
+    size_t size);
 
 /**
  * Unpack message RecordingFd.
@@ -3593,8 +3624,10 @@ int camturn_recording_fd_pack(uint8_t *dst_p, const struct camturn_recording_fd_
  *
  * @return zero(0) or negative error code.
  */
-int camturn_recording_fd_unpack(struct camturn_recording_fd_t *dst_p, const uint8_t *src_p,
-                                size_t size);
+int camturn_recording_fd_unpack(
+    struct camturn_recording_fd_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
 
 /**
  * Init message fields to default values from RecordingFd.
@@ -3704,7 +3737,10 @@ bool camturn_recording_fd_fd_bytes_8_is_in_range(uint64_t value);
  *
  * @return Size of packed data, or negative error code.
  */
-int camturn_block_pack(uint8_t *dst_p, const struct camturn_block_t *src_p, size_t size);
+int camturn_block_pack(
+    uint8_t *dst_p,
+    const struct camturn_block_t *src_p,
+    size_t size);
 
 /**
  * Unpack message Block.
@@ -3715,7 +3751,10 @@ int camturn_block_pack(uint8_t *dst_p, const struct camturn_block_t *src_p, size
  *
  * @return zero(0) or negative error code.
  */
-int camturn_block_unpack(struct camturn_block_t *dst_p, const uint8_t *src_p, size_t size);
+int camturn_block_unpack(
+    struct camturn_block_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
 
 /**
  * Init message fields to default values from Block.
@@ -3744,7 +3783,10 @@ bool camturn_block_isotp_is_in_range(uint64_t value);
  *
  * @return Size of packed data, or negative error code.
  */
-int camturn_block_flow_pack(uint8_t *dst_p, const struct camturn_block_flow_t *src_p, size_t size);
+int camturn_block_flow_pack(
+    uint8_t *dst_p,
+    const struct camturn_block_flow_t *src_p,
+    size_t size);
 
 /**
  * Unpack message BlockFlow.
@@ -3755,8 +3797,10 @@ int camturn_block_flow_pack(uint8_t *dst_p, const struct camturn_block_flow_t *s
  *
  * @return zero(0) or negative error code.
  */
-int camturn_block_flow_unpack(struct camturn_block_flow_t *dst_p, const uint8_t *src_p,
-                              size_t size);
+int camturn_block_flow_unpack(
+    struct camturn_block_flow_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
 
 /**
  * Init message fields to default values from BlockFlow.
@@ -3775,6 +3819,7 @@ int camturn_block_flow_init(struct camturn_block_flow_t *msg_p);
  * @return true if in range, false otherwise.
  */
 bool camturn_block_flow_isotp_flow_is_in_range(uint32_t value);
+
 
 #ifdef __cplusplus
 }
