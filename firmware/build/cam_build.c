@@ -493,11 +493,11 @@ static int32_t runaway_q6(const cam_params_t *p, const cam_force_config_t *c)
 }
 
 /// When a reading that stands is frozen. Friction may hold a change of the force by twice itself,
-/// and a quarter more if it is stated too small.
+/// and a tenth more if it is stated too small.
 static void build_frozen(cam_force_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
     const double nm_per_tick2 = 1e9 / ((double)tick_hz * (double)tick_hz); // by 1 m/s2
-    const double stated_m_per_s2 = 2.5 * p->servo_friction_mn / p->servo_mass_g;
+    const double stated_m_per_s2 = 2.2 * p->servo_friction_mn / p->servo_mass_g;
     const double least_m_per_s2 = p->servo_friction_mn > 0 ? least_held_m_per_s2 : unknown_m_per_s2;
     const double held = stated_m_per_s2 > least_m_per_s2 ? stated_m_per_s2 : least_m_per_s2;
     const int64_t delay_ns = (int64_t)p->servo_force_delay_ns + p->u_scale_latency_ns;
@@ -585,8 +585,8 @@ cam_refusal_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     config->guard.following_nm = cam_derived_limits_following_nm(params, table);
     config->guard.approach_nm = cam_derived_limits_approach_nm(params, table, tick_hz);
     config->force.travel_nm = params->u_stroke_nm / 2 + config->guard.approach_nm;
-    config->force.leave_q10 =
-        cam_clamp_i32(config->play.approach[hal_axis_u].speed_q10, 0, cam_force_most_leave_q10);
+    config->force.leave_q10 = config->play.approach[hal_axis_u].speed_q10;
+    config->force.most_excess_q10 = cam_sat_add(config->force.leave_q10, config->guard.u.speed_q10);
     config->play.u_retract_q10 = retract_q10(params, table, &config->guard.u);
     config->guard.u_retract_q10 = config->play.u_retract_q10;
     return refusal;

@@ -3,6 +3,7 @@
 #include "cam_fix.h"    // cam_divided_up_u64, cam_greater_u64
 #include "cam_motion.h" // cam_jerk_filter_most_log2
 #include "cam_plan.h"   // cam_plan_ticks
+#include "hal/hal.h"    // hal_takes_force
 #include <stdbool.h>    // bool
 #include <stddef.h>     // size_t
 
@@ -80,7 +81,8 @@ cam_refusal_t cam_gains_check(const cam_params_t *params, uint32_t tick_hz)
 {
     static const cam_param_id_t gains[] = {cam_param_k1_ns, cam_param_k2_us2,
                                            cam_param_u_friction_nm};
-    for (size_t i = 0; i < hal_n_axes + sizeof gains / sizeof gains[0]; i++) {
+    const size_t n_gains = hal_takes_force() ? 3u : 2u; // a drive of its own may hide its friction
+    for (size_t i = 0; i < hal_n_axes + n_gains; i++) {
         const bool is_jerk = i < (size_t)hal_n_axes;
         const cam_param_id_t id = is_jerk ? jerks[i] : gains[i - hal_n_axes];
         const int64_t value = cam_param_get(params, id);

@@ -241,26 +241,25 @@ typedef struct {
     int32_t jump_q10[hal_n_axes];   ///< [nm / 1024] step of position in a plan
 } cam_axis_command_config_t;
 
-/// [nm / 1024 per tick] A larger speed out of the work counts as this one.
-enum { cam_force_most_leave_q10 = 1 << 28 };
-
 /// Configuration of the force of U (cam_tick_inner.h).
 typedef struct {
     bool is_used; ///< U takes forces
     cam_servo_config_t servo;
-    int32_t motion_q24;     ///< [nm per tick^2 per mN / 64] acceleration by a force, times 64
-    int32_t pos_q18;        ///< [1] gain of the observer: position
-    int32_t vel_q24;        ///< [1 / tick] ... and speed
-    int32_t held_q10;       ///< [nm / 1024 per tick^2] by a change of force that friction may hold
-    int32_t quantum_q10;    ///< [nm / 1024] step of the scale
-    uint32_t still_ticks;   ///< its reading may stand for this long
-    int32_t leave_q10;      ///< [nm / 1024 per tick] speed out of the work without the scale
-    uint32_t blind_ticks;   ///< time for that
-    int32_t unseen_nm;      ///< [nm] by which U and its set-point may move while it stands
-    int32_t runaway_q6;     ///< [nm / 64] accepted deviation of U from its observer
-    int32_t travel_nm;      ///< [nm] U stays within this to either side
-    int32_t braking_nm;     ///< [nm per tick^2] twice the acceleration on which braking relies
-    uint32_t limited_ticks; ///< the force may be at its limit for this long
+    int32_t motion_q24;      ///< [nm per tick^2 per mN / 64] acceleration by a force, times 64
+    int32_t pos_q18;         ///< [1] gain of the observer: position
+    int32_t vel_q24;         ///< [1 / tick] ... and speed
+    int32_t held_q10;        ///< [nm / 1024 per tick^2] by a change of force that friction may hold
+    int32_t quantum_q10;     ///< [nm / 1024] step of the scale
+    uint32_t still_ticks;    ///< its reading may stand for this long
+    int32_t leave_q10;       ///< [nm / 1024 per tick] speed outwards without the scale
+    int32_t most_excess_q10; ///< [nm / 1024 per tick] that and the speed of U: a push changes no
+                             ///< more
+    uint32_t blind_ticks;    ///< time for that
+    int32_t unseen_nm;       ///< [nm] by which U and its set-point may move while it stands
+    int32_t runaway_q6;      ///< [nm / 64] accepted deviation of U from its observer
+    int32_t travel_nm;       ///< [nm] U stays within this to either side
+    int32_t braking_nm;      ///< [nm per tick^2] twice the acceleration on which braking relies
+    uint32_t limited_ticks;  ///< the force may be at its limit for this long
 } cam_force_config_t;
 
 /// Everything that a tick reads without changing it.

@@ -72,12 +72,18 @@ static int32_t feed_forward_force_q6(const cam_servo_config_t *cfg, const cam_se
                     (int64_t)cfg->friction_q12 * sense_q12);
 }
 
-/// @return [mN / 64]
-static int32_t limited_q6(const cam_servo_t *s, const cam_servo_config_t *cfg, int32_t wanted_q6)
+/// @return [mN / 64] a force within what the motor may have
+static int32_t possible_q6(const cam_servo_t *s, const cam_servo_config_t *cfg, int32_t wanted_q6)
 {
     const int32_t motor_q6 = s->is_hot ? cfg->continuous_q6 : cfg->limit_q6;
     const int32_t most_q6 = s->most_q6 != 0 && s->most_q6 < motor_q6 ? s->most_q6 : motor_q6;
-    const int32_t within_q6 = cam_clamp_i32(wanted_q6, -most_q6, most_q6);
+    return cam_clamp_i32(wanted_q6, -most_q6, most_q6);
+}
+
+/// @return [mN / 64] the same, within the largest change of a step
+static int32_t limited_q6(const cam_servo_t *s, const cam_servo_config_t *cfg, int32_t wanted_q6)
+{
+    const int32_t within_q6 = possible_q6(s, cfg, wanted_q6);
     return cam_clamp_i32(within_q6, s->force_q6 - cfg->rate_q6, s->force_q6 + cfg->rate_q6);
 }
 
@@ -142,7 +148,7 @@ void cam_servo_start_isr(cam_servo_t *s, const cam_servo_config_t *cfg, const ca
 
 int32_t cam_servo_push_isr(cam_servo_t *s, const cam_servo_config_t *cfg, int32_t wanted_q6)
 {
-    s->force_q6 = limited_q6(s, cfg, wanted_q6);
+    s->force_q6 = possible_q6(s, cfg, wanted_q6);
     s->is_limited = false;
     heat(s, cfg);
     return s->force_q6;

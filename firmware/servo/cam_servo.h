@@ -112,7 +112,7 @@ void cam_servo_start_isr(cam_servo_t *s, const cam_servo_config_t *cfg,
 int32_t cam_servo_step_isr(cam_servo_t *s, const cam_servo_config_t *cfg,
                            const cam_servo_input_t *in);
 
-/// A step without control: a given force, within the limits of cam_servo_step_isr().
+/// A step without control: a given force, at once, within the limits of force and heat.
 /// @return [mN / 64]
 int32_t cam_servo_push_isr(cam_servo_t *s, const cam_servo_config_t *cfg, int32_t wanted_q6);
 

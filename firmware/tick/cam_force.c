@@ -14,14 +14,14 @@ static int32_t acceleration_q10(const cam_force_config_t *cfg, int32_t force_q6)
     return cam_sat_i32((int64_t)force_q6 * cfg->motion_q24 >> 20);
 }
 
-/// Push a U whose scale is frozen out of the work, by its mass, up to the speed at which it leaves;
-/// never into the work, since it may be a U that is blocked. @return [mN / 64]
+/// Push a U whose scale is frozen outwards, by its mass, up to the speed at which it leaves; never
+/// into the work, since it may be a U that is blocked. @return [mN / 64]
 static int32_t leaving_q6(cam_force_t *f, const cam_force_config_t *cfg)
 {
     const int32_t wanted_q6 = cam_sat_i32(-((int64_t)cfg->servo.mass_q14 * f->excess_q10 >> 18));
     const int32_t force_q6 = cam_servo_push_isr(&f->servo, &cfg->servo, wanted_q6);
-    const int32_t left_q10 = cam_sat_add(f->excess_q10, acceleration_q10(cfg, force_q6));
-    f->excess_q10 = left_q10 > 0 ? left_q10 : 0;
+    const int32_t rest_q10 = cam_sat_add(f->excess_q10, acceleration_q10(cfg, force_q6));
+    f->excess_q10 = rest_q10 > 0 ? rest_q10 : 0;
     return force_q6;
 }
 
@@ -95,8 +95,8 @@ static bool is_frozen(cam_force_t *f, const cam_force_config_t *cfg, int32_t rea
     if (step_nm != 0) {
         f->still_nm = read_nm;
         f->stood_nm = set_nm;
-        f->driven_q10 = cam_clamp_i32(step_nm, -most_nm, most_nm) * 1024;
-        f->speed_q10 = slowed(f->driven_q10, cfg->quantum_q10);
+        f->speed_q10 = slowed(cam_clamp_i32(step_nm, -most_nm, most_nm) * 1024, cfg->quantum_q10);
+        f->driven_q10 = f->speed_q10;
     }
     const bool is_at_rest = cam_is_within(cam_wrap_sub(set_nm, f->stood_nm), cfg->unseen_nm);
     if (step_nm != 0 || (is_at_rest && !is_pushed)) {
@@ -147,9 +147,6 @@ static void start_supervision(cam_force_t *f, int32_t force_q6)
     f->n_limited = 0;
 }
 
-/// [leave_q10] A U that its loop has moved is no faster than its limit and the speed of leaving.
-enum { most_leaves = 5 };
-
 uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
                              const cam_tick_record_t *r, cam_motion_t *m)
 {
@@ -177,8 +174,8 @@ uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
         return travel;
     }
     if (is_blind && !m->is_by_hand) {
-        f->excess_q10 = cam_clamp_i32(cam_sat_add(f->driven_q10, cfg->leave_q10), 0,
-                                      most_leaves * cfg->leave_q10);
+        f->excess_q10 =
+            cam_clamp_i32(cam_sat_add(f->driven_q10, cfg->leave_q10), 0, cfg->most_excess_q10);
         m->u_blind_ticks = cfg->blind_ticks;
     }
     f->n_limited = f->servo.is_limited ? f->n_limited + 1u : f->n_limited - (f->n_limited > 0u);

@@ -3,7 +3,7 @@
 #include "cam_fix.h" // cam_abs_i64, cam_clamp_i32, cam_is_within, ..
 
 /// After these the drives are disabled at once: one of them, or the position loop, does not work. A
-/// U with a frozen scale is moved out of the work first, and at a limit switch the loop works.
+/// U with a frozen scale is pushed outwards first, and at a limit switch the loop works.
 #define LOST (CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(u_travel) | CAM_FAULT_BIT(u_runaway))
 #define ARMED_IN_FAULT                                                                             \
     (LOST | CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(command) |                   \
@@ -229,18 +229,22 @@ static int32_t within_stroke_nm(int32_t last_nm, int32_t range_nm, int64_t nm)
     return (int32_t)cam_clamp_i64(nm, least_nm, most_nm);
 }
 
-/// In state fault retract U; after manual, and while the limit switch ahead of it is on, brake it.
-/// At the end of its stroke it stops. @return whether it rests there
-static bool retract_u(const cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t inputs,
-                      cam_motion_t *m)
+/// @return whether the command of U is out of the work, at its retract position or beyond
+static bool is_out(const cam_guard_config_t *cfg, const cam_motion_t *m)
 {
-    const bool is_at_switch = (g->faults & CAM_FAULT_BIT(u_travel)) != 0u &&
-                              (inputs & (uint32_t)hal_in_limit_u_low) != 0u;
+    return m->u.nm * INT64_C(1024) <= cfg->u_retract_q10;
+}
+
+/// In state fault retract U; after manual, and out of the work at its lower limit switch, brake it.
+/// At the end of its stroke it stops. @return whether it rests there
+static bool retract_u(const cam_guard_config_t *cfg, uint32_t inputs, cam_motion_t *m)
+{
+    const bool is_at_switch = (inputs & (uint32_t)hal_in_limit_u_low) != 0u && is_out(cfg, m);
     cam_axis_motion_t *u = &m->axis[hal_axis_u];
     cam_jerk_filter_t *filter = &m->filter[hal_axis_u];
-    const bool is_out = m->is_by_hand || is_at_switch
-                            ? cam_jerk_filter_stop_isr(filter, u, &cfg->u)
-                            : cam_jerk_filter_to_isr(filter, u, &cfg->u, cfg->u_retract_q10);
+    const bool is_there = m->is_by_hand || is_at_switch
+                              ? cam_jerk_filter_stop_isr(filter, u, &cfg->u)
+                              : cam_jerk_filter_to_isr(filter, u, &cfg->u, cfg->u_retract_q10);
     const int64_t moved_nm = u->pos_q10 >> 10;
     const int32_t nm = within_stroke_nm(m->u.nm, cfg->range_nm, moved_nm);
     if (nm != moved_nm) {
@@ -248,18 +252,22 @@ static bool retract_u(const cam_guard_t *g, const cam_guard_config_t *cfg, uint3
         cam_jerk_filter_begin_isr(filter, u, cfg->u.log2_window);
     }
     m->u = moved_to(&m->u, nm * 64, nm);
-    return is_out;
+    return is_there;
 }
 
 /// Overwrite set-point and command with the retract. The drives stay enabled until it has ended, or
-/// until a fault of LOST and, where U's scale is frozen, until it has left the work.
+/// until a fault of LOST. A U with a frozen scale is pushed outwards after that, unless it is out.
 static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
                     cam_motion_t *m)
 {
     cam_want_t *want = &r->want;
-    const bool is_u_out = retract_u(g, cfg, r->in.inputs, m);
+    const bool is_u_out = retract_u(cfg, r->in.inputs, m);
     m->is_retracted = m->is_retracted || (is_u_out && m->is_clear);
-    m->u_blind_ticks = (g->faults & CAM_FAULT_BIT(drive)) == 0u ? m->u_blind_ticks : 0u;
+    const uint32_t ends = CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(u_travel);
+    const bool is_at_switch = (r->in.inputs & (uint32_t)hal_in_limit_u_low) != 0u;
+    if (is_at_switch || (g->faults & ends) != 0u || is_out(cfg, m)) {
+        m->u_blind_ticks = 0;
+    }
     want->state = cam_state_fault;
     want->spindle_mrpm = 0;
     want->u_set_q6 = m->u.set_q6;

@@ -30,10 +30,11 @@ cam_tick_record_t *cam_trace_begin_isr(cam_trace_t *trace);
 /// N and 1.5 kg.
 ///
 ///     u_runaway   U deviates from its observer by more than servo_runaway_nm: its force is
-///                 reversed, it is blocked or pushed, and the enable drops at once. Or its reading
+///                 reversed, it is pushed, and the enable drops at once. Or its reading
 ///                 stands, to the last digit, though U was asked to move and, by its last speed and
-///                 what its force has changed since, must have: the scale is frozen. Then the force
-///                 pushes U out of the work, by its mass; in manual the enable drops at once.
+///                 what its force has changed since, must have: the scale is frozen, or U is
+///                 blocked. Then the force pushes U outwards, by its mass; in manual the enable
+///                 drops at once.
 ///     u_travel    U is beyond its stroke by more than its accepted following error, or too fast to
 ///                 stop before that with half its force. The enable drops at once: before this U's
 ///                 set-point has braked within the stroke, so the loop does not work. Or a limit
@@ -161,7 +162,7 @@ uint32_t cam_axis_command_plan_isr(const cam_axis_command_config_t *cfg, cam_mot
 /// its speed, and retracts U within its limits (after manual it brakes it); the spindle's set-point
 /// becomes 0. From the next plan on X moves off by the clearance, and Z brakes; then the enable
 /// drops. If a drive is not ready, or U's position loop does not work, the enable drops at once; a
-/// U with a frozen scale is moved out of the work first.
+/// U with a frozen scale is pushed outwards first.
 /// The command never leaves the stroke: at its end U stops at once, and a U that is already outside
 /// moves inward only.
 ///

@@ -60,12 +60,15 @@ static bool check_interface(lin_can_t *can, bool is_fd, common_error_t *e)
     }
     if ((request.ifr_flags & IFF_UP) == 0) {
         errno = ENETDOWN;
-        return refuse(can,
-                      "bring the interface up: ip link set .. up, with the bit rate of the bus", e);
+        return refuse(
+            can, "bring the interface up: ip link set NAME up, with the bit rate of the bus", e);
     }
     if (ioctl(can->fd, SIOCGIFMTU, &request) == 0 && is_fd && request.ifr_mtu != (int)CANFD_MTU) {
         errno = EMSGSIZE;
-        return refuse(can, "can.fd = true needs `ip link set ... mtu 72` or `... fd on`", e);
+        return refuse(can,
+                      "can.fd = true needs an interface with CAN FD: `fd on` when it is set up, or "
+                      "a vcan with mtu 72",
+                      e);
     }
     can->n_room = ioctl(can->fd, SIOCGIFTXQLEN, &request) == 0 ? (uint32_t)request.ifr_qlen : 0u;
     return true;

@@ -318,7 +318,10 @@ def _begins(start: Floats, near: ModeFit | None) -> Iterator[Floats]:
 
 
 def fit_mode(spectra: Spectra, plain: DriveFit, near: ModeFit | None = None) -> ModeFit | None:
-    """Return the constants beside one mode, from several begins or one; none for few lines."""
+    """Return the constants beside one mode, from several begins or one.
+
+    None for few lines, and where no mode is found: the drive has none that the lines show.
+    """
     if spectra.s.size < _MODE_LINES:
         return None
     residual = _Residual(spectra, plain)
@@ -336,7 +339,8 @@ def fit_mode(spectra: Spectra, plain: DriveFit, near: ModeFit | None = None) -> 
             best = found
     assert best is not None
     best = least_squares(residual, best.x, bounds=(low, high), xtol=1e-12, ftol=1e-12)
-    best = converged(best, "record: mode", OF_RECORD)
+    if not best.success:
+        return None
     variance = 2 * best.cost / (best.fun.size - best.x.size)
     return ModeFit(
         values=np.asarray(best.x[:4] * residual.scale),

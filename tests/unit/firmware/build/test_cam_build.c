@@ -415,7 +415,7 @@ static void test_force(void)
     params.servo_runaway_nm = 777;
     build();
     TEST_ASSERT_EQUAL_INT32(777 * 64, c->runaway_q6);
-    expect_near(2.5 * 4.0e9 / hz / hz * 1024.0, c->held_q10);
+    expect_near(2.2 * 4.0e9 / hz / hz * 1024.0, c->held_q10);
     TEST_ASSERT_EQUAL_INT32(40100, c->unseen_nm);
     params.servo_friction_mn = 0;
     build();

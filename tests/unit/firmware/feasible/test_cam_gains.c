@@ -69,6 +69,9 @@ static void test_refused_gain_is_named_with_the_largest_that_would_do(void)
     TEST_ASSERT_EQUAL_INT64(2560000, refusal->limit); // 0.4 m/s * 3.2 ms / (2 * 250 m/s2)
     TEST_ASSERT_EQUAL_INT32(0, rig.machine.params.k2_us2);
     set(cam_param_k2_us2, 2560000);
+    set(cam_param_u_friction_nm, 10001); // of a drive that takes positions
+    set(cam_param_u_friction_nm, 0);
+    hal_host.slow.force.quantum_un = 20000;
     TEST_ASSERT_EQUAL_INT(cam_err_gain, fixture_rig_set(&rig, cam_param_u_friction_nm, 10001));
     TEST_ASSERT_EQUAL_INT(cam_param_u_friction_nm, refusal->param);
     TEST_ASSERT_EQUAL_INT64(10000, refusal->limit); // reversed in a tick, as fast as U: 0.4 m/s

@@ -258,16 +258,20 @@ static void test_frozen_u_leaves_the_work_by_its_mass(void)
     }
 }
 
-/// The force keeps its limits, also that of its change, and a U that was blocked is not thrown.
+/// The force is within its limit, also of a hot motor, and never inwards; a U that was blocked is
+/// not thrown faster than it may move.
 static void test_force_without_the_scale_is_limited(void)
 {
     p.servo_force_rate_n_per_ms = 100;
     configure();
-    force.excess_q10 = INT32_MAX;
-    m.u_blind_ticks = 200;
-    for (int32_t n = 1; n < 200; n++) {
+    for (int is_hot = 0; is_hot <= 1; is_hot++) {
+        force.servo.is_hot = is_hot != 0;
+        force.servo.heat_q54 = is_hot != 0 ? INT64_C(1) << 54 : 0;
+        force.servo.force_q6 = 300000 * 64;
+        force.excess_q10 = INT32_MAX;
+        m.u_blind_ticks = 1;
         (void)tick(0);
-        TEST_ASSERT_EQUAL_INT32(n < 120 ? -5000 * 64 * n : -600000 * 64, r.force_q6);
+        TEST_ASSERT_EQUAL_INT32(is_hot != 0 ? -300000 * 64 : -600000 * 64, r.force_q6);
     }
     setUp();
     is_on = is_frozen = true;
@@ -311,7 +315,7 @@ static void test_turning_points_are_no_frozen_scale(void)
 }
 
 /// A slide that sticks moves only after its force has changed by twice the friction, which may be
-/// stated a quarter too small; what it needs to hold a weight before the set-point moves does not
+/// stated a tenth too small; what it needs to hold a weight before the set-point moves does not
 /// count.
 static void test_u_that_sticks_is_no_frozen_scale(void)
 {
@@ -328,7 +332,7 @@ static void test_u_that_sticks_is_no_frozen_scale(void)
         configure();
         let_settle();
         is_blocked = true;
-        const double nm_per_s2 = sign * cases[i % 3].share * 15.0 / MASS_KG * 1e9;
+        const double nm_per_s2 = sign * cases[i % 3].share * 13.2 / MASS_KG * 1e9;
         m.axis[hal_axis_u].acc_q10 = (int32_t)(nm_per_s2 * TICK_S * TICK_S * 1024.0);
         uint32_t faults = 0;
         for (uint32_t n = 0; n < 400u; n++) {

@@ -404,17 +404,20 @@ static void test_retract_stops_at_the_end_of_the_stroke(void)
     }
 }
 
-/// While the switch at its lower end is on U brakes, otherwise it retracts; beyond its travel it is
-/// let go at once. One with a frozen scale is held while it is braked, unless its drive is lost.
-static void test_u_that_takes_forces_is_held_while_it_can_be(void)
+/// At a limit switch U retracts; out of the work, at the lower one, it brakes where it is. Beyond
+/// its travel it is let go at once.
+static void test_u_that_takes_forces_is_held_at_a_limit_switch(void)
 {
     static const struct {
         uint32_t line;
-        int32_t ends_nm, within_nm;
-    } cases[] = {{hal_in_limit_u_low, 10000, 20000}, {hal_in_limit_u_high, -500000, 0}};
-    for (int i = 0; i < 2; i++) {
+        int32_t from_nm, ends_nm, within_nm;
+    } cases[] = {{hal_in_limit_u_low, 1000, -500000, 0},
+                 {hal_in_limit_u_high, 1000, -500000, 0},
+                 {hal_in_limit_u_high, -520000, -500000, 0},
+                 {hal_in_limit_u_low, -520000, -540000, 19000}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         begin(cam_state_cutting);
-        motion.u = (cam_u_t){.nm = 1000, .step_nm = 1000};
+        motion.u = (cam_u_t){.nm = cases[i].from_nm, .step_nm = -1000};
         in.inputs |= cases[i].line;
         want.faults = CAM_FAULT_BIT(u_travel);
         for (int n = 0; n < 300; n++) {
@@ -425,19 +428,35 @@ static void test_u_that_takes_forces_is_held_while_it_can_be(void)
         motion.is_u_beyond = true;
         TEST_ASSERT_EQUAL_HEX32(hal_out_fault, tick().outputs);
     }
-    for (int i = 0; i < 2; i++) {
+}
+
+/// With a frozen scale U is held while it is pushed outwards, unless it cannot be or is out.
+static void test_u_with_a_frozen_scale_is_held_while_it_is_pushed(void)
+{
+    static const struct {
+        uint32_t faults, on, off;
+        int32_t nm;
+        bool is_held;
+    } cases[] = {
+        {0, 0, 0, 0, true},
+        {CAM_FAULT_BIT(u_travel), 0, 0, 0, false},
+        {0, hal_in_limit_u_high, 0, 0, true},
+        {0, hal_in_limit_u_low, 0, 0, false},
+        {0, 0, hal_in_drive_ready, 0, false},
+        {0, 0, 0, -500000, false},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         begin(cam_state_cutting);
-        want.faults = CAM_FAULT_BIT(u_runaway);
+        motion.u = (cam_u_t){.nm = cases[i].nm};
+        want.faults = CAM_FAULT_BIT(u_runaway) | cases[i].faults;
         motion.u_blind_ticks = 3;
-        TEST_ASSERT_EQUAL_HEX32(hal_out_fault | hal_out_enable, tick().outputs);
+        in.inputs = (in.inputs | cases[i].on) & ~cases[i].off;
+        const uint32_t enable = cases[i].is_held ? (uint32_t)hal_out_enable : 0u;
+        TEST_ASSERT_EQUAL_HEX32(hal_out_fault | enable, tick().outputs);
+        TEST_ASSERT_EQUAL_UINT32(cases[i].is_held ? 3 : 0, motion.u_blind_ticks);
         want.state = cam_state_fault;
-        if (i == 0) {
-            motion.u_blind_ticks = 0;
-        } else {
-            in.inputs = 0;
-        }
+        motion.u_blind_ticks = 0;
         TEST_ASSERT_EQUAL_HEX32(hal_out_fault, tick().outputs);
-        TEST_ASSERT_EQUAL_UINT32(0, motion.u_blind_ticks);
     }
     motion.u_blind_ticks = 1;
     want.state = motion.state = cam_state_off;

@@ -141,7 +141,7 @@ static int32_t deepest_nm(int32_t friction_nm, uint32_t late_percent)
 /// Neither the reversal of friction nor a tick off its time is taken for a speed of U.
 static void test_no_single_step_of_the_command_throws_u_into_the_work(void)
 {
-    static const int32_t frictions_nm[] = {300, 10000};
+    static const int32_t frictions_nm[] = {300, 20000};
     const int32_t usual_nm = deepest_nm(0, 0);
     for (size_t i = 0; i < sizeof frictions_nm / sizeof frictions_nm[0]; i++) {
         TEST_ASSERT_INT32_WITHIN(50, usual_nm, deepest_nm(frictions_nm[i], 0));

@@ -224,8 +224,9 @@ static void test_lathe_is_homed_by_its_switches(void)
     TEST_ASSERT_DOUBLE_WITHIN(60.0, u_nm, cam_machine_position_nm(&machine, hal_axis_u));
 }
 
-/// A scale that freezes while U comes back from its stop: homing finds no home, or finds the fault
-/// soon after. U does not press on the other stop with a force that homing does not have.
+/// A scale that freezes while U comes back from its stop: homing finds no home, and U presses on
+/// the other stop with the force of homing. Or it freezes just before the end: then the fault comes
+/// within half a millisecond of the full force, which has risen to five times that.
 static void test_scale_that_freezes_on_the_way_back_gives_no_home(void)
 {
     for (int32_t back_um = 4; back_um <= 49; back_um += 9) {
