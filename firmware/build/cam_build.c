@@ -585,8 +585,9 @@ cam_refusal_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     config->guard.following_nm = cam_derived_limits_following_nm(params, table);
     config->guard.approach_nm = cam_derived_limits_approach_nm(params, table, tick_hz);
     config->force.travel_nm = params->u_stroke_nm / 2 + config->guard.approach_nm;
-    config->force.leave_q10 = config->play.approach[hal_axis_u].speed_q10;
-    config->force.most_excess_q10 = cam_sat_add(config->force.leave_q10, config->guard.u.speed_q10);
+    config->force.push_speed_q10 = config->play.approach[hal_axis_u].speed_q10;
+    config->force.most_excess_q10 =
+        cam_sat_add(config->force.push_speed_q10, config->guard.u.speed_q10);
     config->play.u_retract_q10 = retract_q10(params, table, &config->guard.u);
     config->guard.u_retract_q10 = config->play.u_retract_q10;
     return refusal;

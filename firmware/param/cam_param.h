@@ -137,13 +137,13 @@
     X(servo_friction_mn,              0,          0,     200000, cam_flag_off, "friction, likewise") \
     X(servo_stiffness_n_per_m,        0,          0,  100000000, cam_flag_off, "stiffness of flexures, likewise") \
     X(servo_force_limit_mn,         200,     600000,    4000000, cam_flag_off, "largest force, at most 15 times the continuous one") \
-    X(servo_force_rate_n_per_ms,      1,    1000000,    1000000, cam_flag_off, "largest change of the force") \
+    X(servo_force_rate_n_per_ms,      1,    1000000,    1000000, cam_flag_off, "largest change of the loop's force; the push after a frozen scale ignores it") \
     X(servo_continuous_mn,          200,     300000,    4000000, cam_flag_off, "force allowed for ever") \
     X(servo_thermal_ms,             100,      20000,     200000, cam_flag_off, "thermal time constant of the motor: I2t") \
     X(servo_limited_ms,               1,         20,      10000, cam_flag_off, "the force at its limit is a fault after this time") \
     X(servo_runaway_nm,               0,          0,   10000000, cam_flag_off, "accepted deviation of U from the motion that its force causes; 0: that caused by an unknown force as large as the force limit, at most 50 um") \
     X(u_home_force_mn,              100,      20000,     200000, 0, "largest force while U is homed by its stop; more than friction and flexures there") \
-    X(servo_measured,                 0,          0,          1, cam_flag_off, "1: the loop was designed for what was measured of this drive; 0: for data, and the controller says so")
+    X(servo_measured,                 0,          0,          1, cam_flag_off, "1: the loop was designed from measurements of this drive; 0: from data sheets, which the controller reports")
 
 /// Beginnings of the names of retired parameters: texts that have them are read, these lines are
 /// reported and ignored.

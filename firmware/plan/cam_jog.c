@@ -187,7 +187,8 @@ static bool has_left_stop(const cam_jog_t *h, const cam_jog_config_t *cfg,
     const bool is_in_stroke = o->sense > 0 ? u_q10 <= cfg->u_end_q10 : u_q10 >= -cfg->u_end_q10;
     const int64_t off_q10 =
         cam_wrap_sub_i64(m->axis[hal_axis_u].pos_q10, (int64_t)r->in.actual_nm[hal_axis_u] * 1024);
-    const bool follows = cam_is_between(off_q10, -follows_nm * 1024, follows_nm * 1024);
+    const bool follows =
+        cam_is_between(off_q10, -follows_nm * INT64_C(1024), follows_nm * INT64_C(1024));
     return follows && (int64_t)o->sense * back_nm >= left_nm && (o->has_index || is_in_stroke);
 }
 

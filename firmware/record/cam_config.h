@@ -251,7 +251,7 @@ typedef struct {
     int32_t held_q10;        ///< [nm / 1024 per tick^2] by a change of force that friction may hold
     int32_t quantum_q10;     ///< [nm / 1024] step of the scale
     uint32_t still_ticks;    ///< its reading may stand for this long
-    int32_t leave_q10;       ///< [nm / 1024 per tick] speed outwards without the scale
+    int32_t push_speed_q10;  ///< [nm / 1024 per tick] speed outwards without the scale
     int32_t most_excess_q10; ///< [nm / 1024 per tick] that and the speed of U: a push changes no
                              ///< more
     uint32_t blind_ticks;    ///< time for that

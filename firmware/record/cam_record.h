@@ -107,7 +107,7 @@ typedef struct {
     int32_t u_speed_q10;     ///< [nm / 1024 per tick] manual: speed limit of U, 0: it brakes
     int32_t u_push_q6;       ///< [mN / 64] identifying: force that a wave adds to that of U in the
                              ///< next tick; 0: none, or a wave of positions
-    uint32_t u_blind_ticks;  ///< [ticks] left in which a U with a frozen scale leaves the work
+    uint32_t u_blind_ticks;  ///< [ticks] remaining of the push outwards of a U with a frozen scale
     int32_t u_press_q6;      ///< [mN / 64] limit of U's force until homed by its stop; 0: none
     int64_t x_left_q10;      ///< [nm / 1024] X in the tick of the fault
     int64_t height_q32;      ///< [slices] U's height on the table

@@ -253,7 +253,7 @@ static bool say_loop(cam_log_text_t *l, const cam_machine_t *machine, cam_state_
         return false;
     }
     l->has_loop = true;
-    say("loop of U: not measured on its drive; tools/tune --bus --apply does", "", "", "");
+    say("loop of U: not measured on its drive; run tools/tune --bus --apply", "", "", "");
     return true;
 }
 

@@ -16,7 +16,7 @@ static int32_t acceleration_q10(const cam_force_config_t *cfg, int32_t force_q6)
 
 /// Push a U whose scale is frozen outwards, by its mass, up to the speed at which it leaves; never
 /// into the work, since it may be a U that is blocked. @return [mN / 64]
-static int32_t leaving_q6(cam_force_t *f, const cam_force_config_t *cfg)
+static int32_t push_out_q6(cam_force_t *f, const cam_force_config_t *cfg)
 {
     const int32_t wanted_q6 = cam_sat_i32(-((int64_t)cfg->servo.mass_q14 * f->excess_q10 >> 18));
     const int32_t force_q6 = cam_servo_push_isr(&f->servo, &cfg->servo, wanted_q6);
@@ -43,7 +43,7 @@ void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_
         r->force_q6 = cam_servo_step_isr(&f->servo, &cfg->servo, &in);
     } else if (m->u_blind_ticks > 0u) {
         m->u_blind_ticks--;
-        r->force_q6 = leaving_q6(f, cfg);
+        r->force_q6 = push_out_q6(f, cfg);
     } else {
         cam_servo_rest_isr(&f->servo, &cfg->servo);
     }
@@ -100,12 +100,12 @@ static bool is_frozen(cam_force_t *f, const cam_force_config_t *cfg, int32_t rea
     }
     const bool is_at_rest = cam_is_within(cam_wrap_sub(set_nm, f->stood_nm), cfg->unseen_nm);
     if (step_nm != 0 || (is_at_rest && !is_pushed)) {
-        f->left_q6 = force_q6;
+        f->reference_q6 = force_q6;
         f->free_q10 = 0;
         f->n_still = 0;
         return false;
     }
-    const int32_t more_q10 = acceleration_q10(cfg, cam_sat_sub(force_q6, f->left_q6));
+    const int32_t more_q10 = acceleration_q10(cfg, cam_sat_sub(force_q6, f->reference_q6));
     f->driven_q10 = cam_sat_add(f->driven_q10, more_q10);
     f->speed_q10 = slowed(cam_sat_add(f->speed_q10, more_q10), cfg->held_q10);
     f->free_q10 = cam_sat_add(f->free_q10, f->speed_q10);
@@ -118,9 +118,9 @@ static bool is_frozen(cam_force_t *f, const cam_force_config_t *cfg, int32_t rea
 static bool is_beyond(const cam_force_config_t *cfg, int32_t pos_nm, int32_t vel_nm)
 {
     const bool is_down = vel_nm < 0 || (vel_nm == 0 && pos_nm < 0);
-    const int32_t left_nm =
+    const int32_t room_nm =
         is_down ? cam_sat_add(cfg->travel_nm, pos_nm) : cam_sat_sub(cfg->travel_nm, pos_nm);
-    return left_nm < 0 || (int64_t)vel_nm * vel_nm > (int64_t)cfg->braking_nm * left_nm;
+    return room_nm < 0 || (int64_t)vel_nm * vel_nm > (int64_t)cfg->braking_nm * room_nm;
 }
 
 /// @return whether a limit switch stops U; in manual one that U leaves does not
@@ -139,7 +139,7 @@ static bool is_at_line(uint32_t inputs, const cam_motion_t *m)
 /// A U that rests, or that a stop holds.
 static void start_supervision(cam_force_t *f, int32_t force_q6)
 {
-    f->left_q6 = force_q6;
+    f->reference_q6 = force_q6;
     f->driven_q10 = 0;
     f->speed_q10 = 0;
     f->free_q10 = 0;
@@ -175,7 +175,7 @@ uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
     }
     if (is_blind && !m->is_by_hand) {
         f->excess_q10 =
-            cam_clamp_i32(cam_sat_add(f->driven_q10, cfg->leave_q10), 0, cfg->most_excess_q10);
+            cam_clamp_i32(cam_sat_add(f->driven_q10, cfg->push_speed_q10), 0, cfg->most_excess_q10);
         m->u_blind_ticks = cfg->blind_ticks;
     }
     f->n_limited = f->servo.is_limited ? f->n_limited + 1u : f->n_limited - (f->n_limited > 0u);

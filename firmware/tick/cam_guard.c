@@ -263,9 +263,9 @@ static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_reco
     cam_want_t *want = &r->want;
     const bool is_u_out = retract_u(cfg, r->in.inputs, m);
     m->is_retracted = m->is_retracted || (is_u_out && m->is_clear);
-    const uint32_t ends = CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(u_travel);
-    const bool is_at_switch = (r->in.inputs & (uint32_t)hal_in_limit_u_low) != 0u;
-    if (is_at_switch || (g->faults & ends) != 0u || is_out(cfg, m)) {
+    const bool is_low = (r->in.inputs & (uint32_t)hal_in_limit_u_low) != 0u;
+    const bool is_lost = (g->faults & CAM_FAULT_BIT(drive)) != 0u || m->is_u_beyond;
+    if (is_low || is_lost || is_out(cfg, m)) {
         m->u_blind_ticks = 0;
     }
     want->state = cam_state_fault;

@@ -61,19 +61,19 @@ typedef struct {
 
 /// State of the force of U. Zero-initialised: off.
 typedef struct {
-    bool is_on;         ///< the drives were enabled in the last step
-    cam_servo_t servo;  ///< position loop
-    int64_t pos_q24;    ///< [nm / 2^24] observer, in port coordinates
-    int64_t vel_q24;    ///< [nm / 2^24 per tick] observer
-    int32_t still_nm;   ///< [nm] last reading
-    uint32_t n_still;   ///< [ticks] for which it has stood though U must have moved
-    int32_t stood_nm;   ///< [nm] set-point when it last changed
-    int32_t left_q6;    ///< [mN / 64] force when U was last not asked to move
-    int32_t driven_q10; ///< [nm / 1024 per tick] speed of U since then, but for friction
-    int32_t speed_q10;  ///< [nm / 1024 per tick] least speed of U since then
-    int32_t excess_q10; ///< [nm / 1024 per tick] to be added to its speed out of the work
-    int32_t free_q10;   ///< [nm / 1024] by which U must have moved since then
-    uint32_t n_limited; ///< [ticks] at the limit minus those below it, at least 0
+    bool is_on;           ///< the drives were enabled in the last step
+    cam_servo_t servo;    ///< position loop
+    int64_t pos_q24;      ///< [nm / 2^24] observer, in port coordinates
+    int64_t vel_q24;      ///< [nm / 2^24 per tick] observer
+    int32_t still_nm;     ///< [nm] last reading
+    uint32_t n_still;     ///< [ticks] for which it has stood though U must have moved
+    int32_t stood_nm;     ///< [nm] set-point when it last changed
+    int32_t reference_q6; ///< [mN / 64] force when U was last not asked to move
+    int32_t driven_q10;   ///< [nm / 1024 per tick] speed of U since then, but for friction
+    int32_t speed_q10;    ///< [nm / 1024 per tick] least speed of U since then
+    int32_t excess_q10;   ///< [nm / 1024 per tick] to be added to its speed out of the work
+    int32_t free_q10;     ///< [nm / 1024] by which U must have moved since then
+    uint32_t n_limited;   ///< [ticks] at the limit minus those below it, at least 0
 } cam_force_t;
 
 /// [ticks] of U kept for the following error; a power of two.

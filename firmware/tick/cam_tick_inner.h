@@ -29,8 +29,8 @@ cam_tick_record_t *cam_trace_begin_isr(cam_trace_t *trace);
 /// both poles at 300 Hz: an unknown force d keeps it d / (mass (2 pi 300 Hz)^2) away, 19 um at 100
 /// N and 1.5 kg.
 ///
-///     u_runaway   U deviates from its observer by more than servo_runaway_nm: its force is
-///                 reversed, it is pushed, and the enable drops at once. Or its reading
+///     u_runaway   U deviates from its observer by more than servo_runaway_nm, because its force
+///                 acts backwards or something pushes it: the enable drops at once. Or its reading
 ///                 stands, to the last digit, though U was asked to move and, by its last speed and
 ///                 what its force has changed since, must have: the scale is frozen, or U is
 ///                 blocked. Then the force pushes U outwards, by its mass; in manual the enable

@@ -74,7 +74,7 @@ void camsim_print_cut(const sim_cut_t *cut, double wall_s)
     }
     if (sim_cut_is_loop_assumed(cut)) {
         (void)printf(
-            "loop of U       not measured: tools/tune --machine FILE -o DIR --apply does\n");
+            "loop of U       not measured; run tools/tune --machine FILE -o DIR --apply\n");
     }
     print_passes(cut);
     print_lobes(s);

@@ -212,7 +212,7 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(pos_q18, 0, 1 << 18)                                                                         \
     X(vel_q24, 0, 1 << 22)                                                                         \
     X(held_q10, 0, INT32_MAX)                                                                      \
-    X(leave_q10, 0, 1 << 29)                                                                       \
+    X(push_speed_q10, 0, 1 << 29)                                                                  \
     X(quantum_q10, 0, 10000 * 1024)                                                                \
     X(unseen_nm, 0, 40100)                                                                         \
     X(runaway_q6, 0, INT32_MAX)                                                                    \

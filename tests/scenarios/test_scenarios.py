@@ -88,7 +88,8 @@ def check_fault_reaction(trace: Rows, expect: Expect) -> None:
     assert not enabled[-1], "enable drops in the end"
     n_enabled = int(np.argmin(enabled))
     if "let_go_s" in expect:
-        assert n_enabled * TICK_S <= expect["let_go_s"] and not enabled[n_enabled:].any()
+        assert expect.get("held_s", 0) <= n_enabled * TICK_S <= expect["let_go_s"]
+        assert not enabled[n_enabled:].any()
         return
     assert enabled[:n_enabled].all() and not enabled[n_enabled:].any()
     at_rest = after["u_set_nm"][~enabled]

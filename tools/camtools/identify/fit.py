@@ -320,7 +320,7 @@ def _begins(start: Floats, near: ModeFit | None) -> Iterator[Floats]:
 def fit_mode(spectra: Spectra, plain: DriveFit, near: ModeFit | None = None) -> ModeFit | None:
     """Return the constants beside one mode, from several begins or one.
 
-    None for few lines, and where no mode is found: the drive has none that the lines show.
+    None for few lines, or if the fit does not converge; the drive may still have a mode.
     """
     if spectra.s.size < _MODE_LINES:
         return None

@@ -348,7 +348,7 @@ def run(
         text = "encoder counts do not average at this speed (whole ones per tick)"
         rows.append(ReportRow("better speed", f"{outcome.summary['better_rpm']:g} r/min: {text}"))
     if "is_loop_assumed" in outcome.summary:
-        text = "not measured; tools/tune --machine FILE -o DIR --apply does"
+        text = "not measured; run tools/tune --machine FILE -o DIR --apply"
         rows.append(ReportRow("loop of U", text))
     form = outcome.summary["form_error_um"]
     if form.get("turned_urad") is not None:

@@ -17,7 +17,7 @@ crossover 100 Hz, phase margin 72.0 degrees, gain margin 14.0 dB at 500 Hz
 >>> refusal_by_lines(OpenLoop(hz, response))
 ''
 >>> refusal_by_lines(OpenLoop(hz, response * np.exp(-2j * np.pi * hz * 1.5e-3))).split(",")[0]
-'on the measured lines it has 1.9 dB and 18 degrees'
+'as measured it has 1.9 dB and 18 degrees'
 """
 
 from collections.abc import Iterator, Mapping
@@ -309,12 +309,14 @@ _OF_LEAST = 2.0 / 3.0  # of the margins, that a loop needs on the lines themselv
 def refusal_by_lines(loop: OpenLoop) -> str:
     """Return why a loop that is good on the model is not on what was measured; "" if it is."""
     found = figures(loop)
+    if found.crossover_hz is None:
+        return "its crossover is outside the measured frequencies; give another --highest-hz"
     gain_db = np.inf if found.gain_db is None else found.gain_db
     phase_deg = np.inf if found.phase_deg is None else found.phase_deg
     if gain_db >= _OF_LEAST * LEAST_GAIN_DB and phase_deg >= _OF_LEAST * LEAST_PHASE_DEG:
         return ""
     return (
-        f"on the measured lines it has {gain_db:.1f} dB and {phase_deg:.0f} degrees, so the model "
+        f"as measured it has {gain_db:.1f} dB and {phase_deg:.0f} degrees, so the model "
         "does not fit the drive; raise the crossover of the loop in force, and measure again"
     )
 

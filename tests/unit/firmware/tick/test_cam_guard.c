@@ -436,20 +436,21 @@ static void test_u_with_a_frozen_scale_is_held_while_it_is_pushed(void)
     static const struct {
         uint32_t faults, on, off;
         int32_t nm;
-        bool is_held;
+        bool is_beyond, is_held;
     } cases[] = {
-        {0, 0, 0, 0, true},
-        {CAM_FAULT_BIT(u_travel), 0, 0, 0, false},
-        {0, hal_in_limit_u_high, 0, 0, true},
-        {0, hal_in_limit_u_low, 0, 0, false},
-        {0, 0, hal_in_drive_ready, 0, false},
-        {0, 0, 0, -500000, false},
+        {0, 0, 0, 0, false, true},
+        {CAM_FAULT_BIT(u_travel), hal_in_limit_u_high, 0, 0, false, true},
+        {CAM_FAULT_BIT(u_travel), 0, 0, 0, true, false},
+        {0, hal_in_limit_u_low, 0, 0, false, false},
+        {0, 0, hal_in_drive_ready, 0, false, false},
+        {0, 0, 0, -500000, false, false},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         begin(cam_state_cutting);
         motion.u = (cam_u_t){.nm = cases[i].nm};
         want.faults = CAM_FAULT_BIT(u_runaway) | cases[i].faults;
         motion.u_blind_ticks = 3;
+        motion.is_u_beyond = cases[i].is_beyond;
         in.inputs = (in.inputs | cases[i].on) & ~cases[i].off;
         const uint32_t enable = cases[i].is_held ? (uint32_t)hal_out_enable : 0u;
         TEST_ASSERT_EQUAL_HEX32(hal_out_fault | enable, tick().outputs);
