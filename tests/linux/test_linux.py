@@ -50,7 +50,8 @@ def fault_after_s(result: Result, cause_s: float) -> float:
     """Return the time from a cause [s of cutting] to the fault output."""
     fault = column(result, "fault")
     assert fault.any(), "no fault"
-    return float(column(result, "t_s")[np.argmax(fault)]) - cut_at_s(result) - cause_s
+    fault_s = float(column(result, "t_s")[np.argmax(fault)])
+    return round(fault_s - cut_at_s(result) - cause_s, 9)
 
 
 def stop_s(result: Result, axis: str) -> float:
