@@ -282,7 +282,8 @@ def errors_um(folder: Path) -> Floats:
 def test_independent_machines_are_as_forecast(tmp_path: Path) -> None:
     """Their median is that of the forecast, and nine of ten are below its 90 %.
 
-    Of 64 machines 57.6 +- 2.4 are below the true quantile; that of 128 others is uncertain by 1.7.
+    Of 64 machines 57.6 +- 2.4 are below the true quantile; that of 128 others is uncertain by 1.7:
+    three deviations of the difference are 8.8.
     """
     words = ("--turns", str(TURNS), "--runs", str(DRAWN), "-o", str(tmp_path / "o"))
     assert main([str(PERKINS), *words]) == 0
@@ -290,4 +291,4 @@ def test_independent_machines_are_as_forecast(tmp_path: Path) -> None:
     median, ninety, *_ = about["form_error_um"]
     found = errors_um(tmp_path)
     assert np.median(found) == pytest.approx(median["value_um"], rel=0.15)
-    assert 51 <= np.count_nonzero(found <= ninety["value_um"]) <= 63
+    assert 49 <= np.count_nonzero(found <= ninety["value_um"]) <= 64

@@ -436,7 +436,7 @@ def test_slot_whose_edges_ring(tmp_path: Path, capsys: pytest.CaptureFixture[str
             break
         largest.append(float(np.abs(rounds.cut(number).deviation_um).max()))
     assert len(largest) == 2, largest
-    assert largest[1] < 0.5 * largest[0]
+    assert largest[1] < 0.6 * largest[0]
     best = f"keep the table of round 1 (table_crc32 {checksum(tmp_path / '1')}), max "
     assert f"{best}{largest[1]:.4g} um, rms 0.6" in capsys.readouterr().err
 

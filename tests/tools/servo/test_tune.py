@@ -309,7 +309,7 @@ def test_a_loop_is_set_over_can_and_measured(
         said = capsys.readouterr().out
         weak = re.search(rf"as it is \(measured\): {_FIGURES}", said)
         assert weak is not None and float(weak[1]) == pytest.approx(60.0, rel=0.1)
-        assert "applied: 18 parameters; the drives are off, enable and home again" in said
+        assert "applied: 19 parameters; the drives are off, enable and home again" in said
         path = tmp_path / "out" / "coil_servo.toml"
         loop = tomllib.loads(path.read_text("utf-8"))["axis_u"]
         assert loop["servo_force_limit_mn"] == 450_000
