@@ -251,10 +251,9 @@ typedef struct {
     int32_t held_q10;        ///< [nm / 1024 per tick^2] by a change of force that friction may hold
     int32_t quantum_q10;     ///< [nm / 1024] step of the scale
     uint32_t still_ticks;    ///< its reading may stand for this long
-    int32_t push_speed_q10;  ///< [nm / 1024 per tick] speed outwards without the scale
-    int32_t most_excess_q10; ///< [nm / 1024 per tick] that and the speed of U: a push changes no
-                             ///< more
-    uint32_t blind_ticks;    ///< time for that
+    int32_t push_speed_q10;  ///< [nm / 1024 per tick] to which a U with a frozen scale is pushed
+    int32_t most_excess_q10; ///< [nm / 1024 per tick] the push changes the speed by no more
+    uint32_t blind_ticks;    ///< the push takes no longer
     int32_t unseen_nm;       ///< [nm] by which U and its set-point may move while it stands
     int32_t runaway_q6;      ///< [nm / 64] accepted deviation of U from its observer
     int32_t travel_nm;       ///< [nm] U stays within this to either side

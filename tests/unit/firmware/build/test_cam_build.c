@@ -383,45 +383,6 @@ static void test_guard(void)
     TEST_ASSERT_EQUAL_INT32(550000, c->range_nm);
 }
 
-/// 1.5 kg, 200 N and an observer of 300 Hz; the force of a tick acts four ticks later, for which
-/// the reading may stand three ticks longer. Friction counts twice, at least 5 m/s2,
-/// and 12 m/s2 where none is stated.
-static void test_force(void)
-{
-    hal_host.slow.force.quantum_un = 20000;
-    params.servo_crossover_hz = 400;
-    params.servo_friction_mn = 1000;
-    params.servo_force_delay_ns = 130000;
-    params.u_scale_latency_ns = 70000;
-    params.servo_limited_ms = 30;
-    build();
-    const cam_force_config_t *c = &config.force;
-    const double wt = 2.0 * acos(-1.0) * 300.0 / hz;
-    const double motion = 1e9 / 1500.0 / hz / hz; // [nm / mN]
-    TEST_ASSERT_TRUE(c->is_used);
-    expect_near(ldexp(motion, 24), c->motion_q24);
-    expect_near(ldexp(2.0 * wt, 18), c->pos_q18);
-    expect_near(ldexp(wt * wt, 24), c->vel_q24);
-    TEST_ASSERT_EQUAL_UINT32(3 + 4, c->still_ticks);
-    TEST_ASSERT_EQUAL_INT32(10 * 1024, c->quantum_q10);
-    TEST_ASSERT_EQUAL_INT32(140, c->unseen_nm);
-    TEST_ASSERT_EQUAL_UINT32(600, c->limited_ticks);
-    TEST_ASSERT_EQUAL_INT32(1000, c->braking_nm);
-    TEST_ASSERT_EQUAL_INT32(params.u_stroke_nm / 2 + config.guard.approach_nm, c->travel_nm);
-    TEST_ASSERT_EQUAL_INT32(50000 * 64, c->runaway_q6);
-    expect_near(5.0e9 / hz / hz * 1024.0, c->held_q10);
-    params.servo_friction_mn = 6000;
-    params.u_scale_nm = 10000;
-    params.servo_runaway_nm = 777;
-    build();
-    TEST_ASSERT_EQUAL_INT32(777 * 64, c->runaway_q6);
-    expect_near(2.2 * 4.0e9 / hz / hz * 1024.0, c->held_q10);
-    TEST_ASSERT_EQUAL_INT32(40100, c->unseen_nm);
-    params.servo_friction_mn = 0;
-    build();
-    expect_near(12.0e9 / hz / hz * 1024.0, c->held_q10);
-}
-
 static void test_origin_shifts_all_targets(void)
 {
     build();
