@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_remote_inner.h"
 #include "cam_feasible.h" // cam_derived_limits_form_pm
-#include "cam_fix.h"      // cam_abs_i64
 #include "cam_param.h"    // cam_text_number
 #include <stddef.h>       // NULL
 
@@ -228,17 +227,16 @@ void cam_log_text_refused(cam_log_text_t *l, uint32_t sender, uint32_t command, 
 static bool say_counts_of_turn(cam_log_text_t *l, const cam_machine_t *machine,
                                const cam_status_t *status)
 {
-    const uint32_t of_encoder = CAM_FAULT_BIT(lost_counts) | CAM_FAULT_BIT(index_missing);
-    const uint32_t found = (uint32_t)cam_abs_i64(status->edge_distance);
-    const uint32_t set = (uint32_t)machine->params.counts_per_turn;
-    l->has_distance = l->has_distance && (l->faults & of_encoder) != 0u;
-    if (l->has_distance || (l->faults & of_encoder) == 0u || found == 0u || found == set) {
+    const int32_t set = machine->params.counts_per_turn;
+    const uint32_t found = cam_status_counts_found(status, l->faults, set);
+    l->has_distance = l->has_distance && l->faults != 0u;
+    if (l->has_distance || found == 0u) {
         return false;
     }
     line_t line = {.n = 0};
     l->has_distance = true;
     add_number(&line, "encoder: ", found);
-    add_number(&line, " counts between two index edges, counts_per_turn is ", set);
+    add_number(&line, " counts between two index edges, counts_per_turn is ", (uint32_t)set);
     hal_text(line.text);
     return true;
 }

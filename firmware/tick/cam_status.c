@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_tick_inner.h"
+#include "cam_fix.h" // cam_abs_i64
 
 #define COPY(to, from)                                                                             \
     do {                                                                                           \
@@ -60,4 +61,13 @@ cam_status_t cam_status_read(const cam_t *c)
         .n_late = now.spindle.n_late,
         .max_period = now.spindle.max_period,
     };
+}
+
+uint32_t cam_status_counts_found(const cam_status_t *status, uint32_t faults,
+                                 int32_t counts_per_turn)
+{
+    const uint32_t of_encoder = CAM_FAULT_BIT(lost_counts) | CAM_FAULT_BIT(index_missing);
+    const uint32_t found = (uint32_t)cam_abs_i64(status->edge_distance);
+    const bool is_other = found != (uint32_t)counts_per_turn;
+    return is_other && (faults & of_encoder) != 0u ? found : 0u;
 }

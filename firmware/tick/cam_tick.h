@@ -71,7 +71,7 @@ typedef struct {
     int32_t reference_q6; ///< [mN / 64] force when U was last not asked to move
     int32_t driven_q10;   ///< [nm / 1024 per tick] speed of U since then, but for friction
     int32_t speed_q10;    ///< [nm / 1024 per tick] least speed of U since then
-    int32_t excess_q10;   ///< [nm / 1024 per tick] to be added to its speed out of the work
+    int32_t excess_q10;   ///< [nm / 1024 per tick] by which the push is to change the speed of U
     int32_t free_q10;     ///< [nm / 1024] by which U must have moved since then
     uint32_t n_limited;   ///< [ticks] at the limit minus those below it, at least 0
 } cam_force_t;
@@ -200,5 +200,12 @@ static inline uint32_t cam_status_tick(const cam_t *c)
 
 /// @return the status of the newest tick; all fields belong to the same tick
 cam_status_t cam_status_read(const cam_t *c);
+
+/// @param faults           mask of those to be explained
+/// @param counts_per_turn  the parameter
+/// @return [counts] found between two index edges where they explain a fault of the encoder: they
+///         are others than those set; 0: they do not
+uint32_t cam_status_counts_found(const cam_status_t *status, uint32_t faults,
+                                 int32_t counts_per_turn);
 
 #endif

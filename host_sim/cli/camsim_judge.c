@@ -2,38 +2,29 @@
 #include "camsim.h"
 #include "sim_cut_pass.h" // sim_cut_left_stock
 #include <stdio.h>        // snprintf
-#include <stdlib.h>       // abs
-
-/// @return the counts between two index edges, where they explain a fault of the encoder, or ""
-static const char *counts_of_turn(const sim_cut_t *cut, cam_fault_t fault)
-{
-    static char text[120];
-    const int found = abs(sim_cut_status(cut).edge_distance);
-    const int set = (int)cut->params.counts_per_turn;
-    const bool is_known = found != 0 && found != set;
-    text[0] = '\0';
-    if (is_known && (fault == cam_fault_lost_counts || fault == cam_fault_index_missing)) {
-        (void)snprintf(
-            text, sizeof text,
-            "; the encoder gave %d counts between two index edges, counts_per_turn is %d", found,
-            set);
-    }
-    return text;
-}
 
 /// Explain the first fault; of several at once, the first in the list.
 static void explain_fault(const sim_cut_t *cut, const char *table, common_error_t *e)
 {
-    const uint32_t first = sim_cut_status(cut).first_fault;
+    const cam_status_t status = sim_cut_status(cut);
+    const int set = (int)cut->params.counts_per_turn;
     int i = 0;
-    while (i + 1 < cam_n_faults && (first >> i & 1u) == 0u) {
+    while (i + 1 < cam_n_faults && (status.first_fault >> i & 1u) == 0u) {
         i++;
+    }
+    const unsigned found = cam_status_counts_found(&status, UINT32_C(1) << i, set);
+    char counts[120] = "";
+    if (found > 0u) {
+        (void)snprintf(
+            counts, sizeof counts,
+            "; the encoder gave %u counts between two index edges, counts_per_turn is %d", found,
+            set);
     }
     (void)common_error(
         e,
         "%s: fault %s: %s, %.6f s after the start, %s at %.3f mm%s; see FAULTS.md for the remedy",
         table, cam_fault_name((cam_fault_t)i), cam_fault_text((cam_fault_t)i), cut->fault_s,
-        cam_state_name(cut->fault_state), cut->fault_z_mm, counts_of_turn(cut, (cam_fault_t)i));
+        cam_state_name(cut->fault_state), cut->fault_z_mm, counts);
 }
 
 /// Name the surface that was not gauged, and the remedy: a feed of half the lobe's height, or half
