@@ -56,9 +56,9 @@ int32_t cam_derived_limits_approach_nm(const cam_params_t *params, const cam_tab
     const int64_t late_nm = p->lead_ns * v_um_per_s / 2000000 + v_um_per_s * 500 / tick_hz;
     const int64_t lag_nm = (p->k1_ns * v_um_per_s + p->k2_us2 * a_mm_per_s2) / 1000000;
     const int64_t cut_nm = cam_derived_limits_following_nm(params, table);
+    const int64_t off_nm = lag_nm / 2 + late_nm;
     const int64_t weak_nm = hal_takes_force() ? unknown_following_nm : 0; // a loop of power-up
-    const int64_t off_nm = lag_nm / 2 + late_nm > weak_nm ? lag_nm / 2 + late_nm : weak_nm;
-    const int64_t wrong_nm = p->following_limit_nm > 0 ? 0 : off_nm;
+    const int64_t wrong_nm = p->following_limit_nm > 0 ? 0 : off_nm > weak_nm ? off_nm : weak_nm;
     return cam_sat_i32(lag_nm + (cut_nm > wrong_nm ? cut_nm : wrong_nm));
 }
 

@@ -237,14 +237,13 @@ static bool is_out(const cam_guard_config_t *cfg, const cam_motion_t *m)
 
 /// In state fault retract U; after manual, and out of the work at its lower limit switch, brake it.
 /// At the end of its stroke it stops. @return whether it rests there
-static bool retract_u(const cam_guard_config_t *cfg, uint32_t inputs, cam_motion_t *m)
+static bool retract_u(const cam_guard_config_t *cfg, bool is_low, cam_motion_t *m)
 {
-    const bool is_at_switch = (inputs & (uint32_t)hal_in_limit_u_low) != 0u && is_out(cfg, m);
+    const bool stays = m->is_by_hand || (is_low && is_out(cfg, m));
     cam_axis_motion_t *u = &m->axis[hal_axis_u];
     cam_jerk_filter_t *filter = &m->filter[hal_axis_u];
-    const bool is_there = m->is_by_hand || is_at_switch
-                              ? cam_jerk_filter_stop_isr(filter, u, &cfg->u)
-                              : cam_jerk_filter_to_isr(filter, u, &cfg->u, cfg->u_retract_q10);
+    const bool is_there = stays ? cam_jerk_filter_stop_isr(filter, u, &cfg->u)
+                                : cam_jerk_filter_to_isr(filter, u, &cfg->u, cfg->u_retract_q10);
     const int64_t moved_nm = u->pos_q10 >> 10;
     const int32_t nm = within_stroke_nm(m->u.nm, cfg->range_nm, moved_nm);
     if (nm != moved_nm) {
@@ -261,9 +260,9 @@ static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_reco
                     cam_motion_t *m)
 {
     cam_want_t *want = &r->want;
-    const bool is_u_out = retract_u(cfg, r->in.inputs, m);
-    m->is_retracted = m->is_retracted || (is_u_out && m->is_clear);
     const bool is_low = (r->in.inputs & (uint32_t)hal_in_limit_u_low) != 0u;
+    const bool is_u_out = retract_u(cfg, is_low, m);
+    m->is_retracted = m->is_retracted || (is_u_out && m->is_clear);
     const bool is_lost = (g->faults & CAM_FAULT_BIT(drive)) != 0u || m->is_u_beyond;
     if (is_low || is_lost || is_out(cfg, m)) {
         m->u_blind_ticks = 0;
