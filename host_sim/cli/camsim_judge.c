@@ -33,7 +33,7 @@ static void explain_not_gauged(const sim_cut_t *cut, const char *table, common_e
 {
     if (cut->session.work.n == 0u) {
         const char *remedy = cut->is_stopped ? "leave the stop out, or stop later"
-                                             : "check the slots in [cut] of the machine file";
+                                             : "check [[piston.window]] of the part file";
         (void)common_error(
             e, "%s: not gauged: nothing was cut to full depth before the cut was %s; %s", table,
             sim_cut_end_name(cut), remedy);

@@ -41,7 +41,7 @@ bool sim_cut_is_gauged(const sim_cut_t *cut)
 bool sim_cut_is_good(const sim_cut_t *cut)
 {
     return cut->end == sim_cut_done && sim_cut_is_gauged(cut) &&
-           cut->session.work.max_um <= cut->session.options.tolerance_um && sim_cut_left_stock(cut);
+           sim_session_is_within(&cut->session) && sim_cut_left_stock(cut);
 }
 
 double sim_cut_rpm(const sim_cut_t *cut)
@@ -83,7 +83,7 @@ static bool measure_removal(sim_cut_t *cut)
                          s->cut_turns < cut->full_last_turn;
     const double sense = s->table.direction; // the measurement needs a rising angle
     cut->removal.config.blank_mm = s->work.blank_mm;
-    const double radius_mm = s->is_in_slot ? s->work.blank_mm : s->radius_mm;
+    const double radius_mm = s->place == sim_place_air ? s->work.blank_mm : s->radius_mm;
     const bool has_slice = sim_removal_touch(&cut->removal, s->at.t_s, sense * sim_session_turn(s),
                                              s->z_mm, radius_mm, is_full && !cut->is_stopped);
     cut->removal.slice.turn *= has_slice ? sense : 1.0; // back to the drawing's angle

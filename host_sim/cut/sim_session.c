@@ -89,27 +89,35 @@ static void gauge_skirt(sim_session_t *s)
         sim_nose_radius_mm(&s->nose, &s->design, s->part_turn, s->z_mm, &is_beside);
     s->exact_mm = drawn_mm + s->allowance_mm;
     s->work.blank_mm = s->has_stock ? drawn_mm + s->stock_mm : s->work.blank_mm;
-    if (s->is_in_slot) {
-        s->work.last_z_mm = s->z_mm;
+    const bool is_made = !is_beside || s->radius_mm < s->exact_mm;
+    const bool is_counted = s->is_cutting && is_made;
+    s->place = sim_areas_kind(&s->design.areas, s->part_turn, s->z_mm, s->exact_mm);
+    sim_work_remove(&s->work, s->z_mm, s->place == sim_place_air ? s->work.blank_mm : s->radius_mm,
+                    is_counted);
+    if (s->place != sim_place_metal) {
+        sim_sections_skip(&s->sections, sim_session_turn(s));
         return;
     }
-    const bool is_made = !is_beside || s->radius_mm < s->exact_mm;
-    sim_work_touch(&s->work, s->part_turn, s->z_mm, s->radius_mm, s->exact_mm,
-                   s->is_cutting && is_made);
-    if (s->has_target && s->is_cutting && is_made) {
+    sim_work_judge(&s->work, s->part_turn, s->z_mm, s->radius_mm, s->exact_mm, is_counted);
+    if (is_counted) {
+        sim_areas_judge(&s->design.areas, s->part_turn, s->z_mm, s->exact_mm,
+                        (s->radius_mm - s->exact_mm) * 1e3, s->options.tolerance_um);
+    }
+    if (s->has_target && is_counted) {
         const double played_mm =
             sim_nose_radius_mm(&s->nose, &s->target, s->part_turn, s->z_mm, &is_beside);
         sim_work_judge(&s->control, s->part_turn, s->z_mm, s->radius_mm,
                        played_mm + s->allowance_mm, true);
     }
     sim_sections_touch(&s->sections, sim_session_turn(s), s->z_mm, s->radius_mm - s->exact_mm,
-                       s->is_cutting && is_made);
+                       is_counted);
     sim_scallop_touch(&s->scallop, sim_session_played(s), s->part_turn, s->z_mm, s->radius_mm);
 }
 
 void sim_session_begin_pass(sim_session_t *s)
 {
     init_work(s, s->work.blank_mm);
+    sim_areas_restart(&s->design.areas);
     const sim_sections_t *sections = &s->sections;
     sim_sections_init(&s->sections, sections->z_mm, sections->n, s->design.z_first_mm,
                       s->design.z_last_mm);
@@ -125,8 +133,8 @@ void sim_session_begin_pass(sim_session_t *s)
 double sim_session_depth_mm(const sim_session_t *s)
 {
     const double depth_mm = s->work.blank_mm - s->radius_mm;
-    const bool is_in =
-        s->is_on_part && !s->is_in_slot && s->design.shape != sim_shape_lobes && depth_mm > 0.0;
+    const bool is_in = s->is_on_part && s->place != sim_place_air &&
+                       s->design.shape != sim_shape_lobes && depth_mm > 0.0;
     return is_in ? depth_mm : 0.0;
 }
 
@@ -144,8 +152,6 @@ void sim_session_touch(sim_session_t *s, const sim_sample_t *at, bool is_cutting
     s->is_cutting = is_cutting && s->is_on_part;
     const double turn = sim_session_turn(s);
     s->part_turn = sim_fraction(turn);
-    s->is_in_slot = s->design.shape != sim_shape_lobes &&
-                    sim_chip_is_in_slot(&s->options.config.lathe.chip, s->part_turn, s->z_mm);
     if (s->is_cutting && !s->has_touched) {
         s->has_touched = true;
         s->touched_at_turn = turn;
@@ -184,6 +190,12 @@ sim_inject_t *sim_session_next_inject(sim_session_t *s, double now_s)
         }
     }
     return NULL;
+}
+
+bool sim_session_is_within(const sim_session_t *s)
+{
+    const bool has_zones = s->design.areas.n_zones > 0;
+    return has_zones ? s->design.areas.excess_um <= 0.0 : s->work.max_um <= s->options.tolerance_um;
 }
 
 double sim_session_following_rms_um(const sim_session_t *s)

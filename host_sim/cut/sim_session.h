@@ -66,7 +66,7 @@ typedef struct {
     // last sample
     sim_sample_t at;
     bool is_on_part;        ///< at a height of the part, not in the air before or after it
-    bool is_in_slot;        ///< the blank has no material there
+    sim_place_kind_t place; ///< what the surface is there
     bool is_cutting;        ///< the sample belongs to the judged surface
     bool has_touched;       ///< a sample has belonged to the judged surface
     double touched_at_turn; ///< angle of the first one in the sense of cutting
@@ -114,6 +114,9 @@ double sim_session_turn(const sim_session_t *s);
 
 /// Get the next due injection; each happens once. @return NULL when there is none
 sim_inject_t *sim_session_next_inject(sim_session_t *s, double now_s);
+
+/// @return whether the gauged surface is within its tolerances, those of zones included
+bool sim_session_is_within(const sim_session_t *s);
 
 /// @return [um] rms following error, 0 without samples
 double sim_session_following_rms_um(const sim_session_t *s);

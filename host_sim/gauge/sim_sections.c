@@ -117,19 +117,41 @@ static double cubic(const sim_section_tip_t tip[4], double turn)
     return sum;
 }
 
+/// The places between two angles, none where they are far apart.
+typedef struct {
+    int64_t first, last;
+} places_t;
+
+static places_t places_between(double from_turn, double to_turn)
+{
+    const double turned = to_turn - from_turn;
+    if (sim_abs(turned) > 0.5) {
+        return (places_t){.first = 0, .last = -1};
+    }
+    const double low = turned > 0.0 ? from_turn : to_turn;
+    const double high = turned > 0.0 ? to_turn : from_turn;
+    return (places_t){sim_floor(low * sim_sections_places) + 1,
+                      sim_floor(high * sim_sections_places)};
+}
+
+/// Forget the passes before this one at all places between two angles.
+static void forget(sim_sections_t *s, double from_turn, double to_turn)
+{
+    const int64_t n = sim_sections_places;
+    const places_t found = places_between(from_turn, to_turn);
+    for (int64_t place = found.first; place <= found.last; place++) {
+        s->before_z_mm[((place % n) + n) % n] = NAN;
+    }
+}
+
 /// Record all points between the two middle samples.
 static void pass_between(sim_sections_t *s)
 {
     const sim_section_tip_t *from = &s->tip[1];
     const sim_section_tip_t *to = &s->tip[2];
     const double turned = to->turn - from->turn;
-    if (turned == 0.0 || sim_abs(turned) > 0.5) {
-        return;
-    }
-    const double low = turned > 0.0 ? from->turn : to->turn;
-    const double high = turned > 0.0 ? to->turn : from->turn;
-    const int64_t last = sim_floor(high * sim_sections_places);
-    for (int64_t place = sim_floor(low * sim_sections_places) + 1; place <= last; place++) {
+    const places_t found = places_between(from->turn, to->turn);
+    for (int64_t place = found.first; place <= found.last; place++) {
         const double turn = (double)place / sim_sections_places;
         const double share = (turn - from->turn) / turned;
         const sim_place_t at = {.e_mm = cubic(s->tip, turn)};
@@ -152,5 +174,17 @@ void sim_sections_touch(sim_sections_t *s, double turn, double z_mm, double e_mm
     s->tip[s->n_tips++] = (sim_section_tip_t){.turn = turn, .z_mm = z_mm, .e_mm = e_mm};
     if (s->n_tips == 4) {
         pass_between(s);
+    } else if (s->n_tips < 3) { // points up to the second sample after a window are not recorded
+        forget(s, s->n_tips == 1 ? s->skipped_turn : s->tip[0].turn, turn);
+    }
+}
+
+void sim_sections_skip(sim_sections_t *s, double turn)
+{
+    if (s->n > 0) {
+        const int before = s->n_tips - 2; // points after the third sample were not recorded
+        forget(s, before >= 0 ? s->tip[before].turn : s->skipped_turn, turn);
+        s->skipped_turn = turn;
+        s->n_tips = 0;
     }
 }

@@ -95,17 +95,22 @@ void sim_work_judge(sim_work_t *w, double turn, double z_mm, double radius_mm, d
     w->n++;
 }
 
+void sim_work_remove(sim_work_t *w, double z_mm, double radius_mm, bool is_counted)
+{
+    if (!is_counted) {
+        return;
+    }
+    const double fed_mm = w->n == 0u ? 0.0 : sim_abs(z_mm - w->last_z_mm);
+    const double depth_mm = w->blank_mm - radius_mm;
+    // Ring area pi (R^2 - r^2) = pi (R - r) (R + r); its height is the feed since the last sample.
+    w->removed_mm3 += SIM_PI * depth_mm * (w->blank_mm + radius_mm) * fed_mm;
+    w->last_z_mm = z_mm;
+}
+
 void sim_work_touch(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
                     bool is_counted)
 {
-    if (is_counted) {
-        const double fed_mm = w->n == 0u ? 0.0 : sim_abs(z_mm - w->last_z_mm);
-        const double depth_mm = w->blank_mm - radius_mm;
-        // Ring area pi (R^2 - r^2) = pi (R - r) (R + r); its height is the feed since the last
-        // sample.
-        w->removed_mm3 += SIM_PI * depth_mm * (w->blank_mm + radius_mm) * fed_mm;
-        w->last_z_mm = z_mm;
-    }
+    sim_work_remove(w, z_mm, radius_mm, is_counted);
     sim_work_judge(w, turn, z_mm, radius_mm, exact_mm, is_counted);
 }
 

@@ -70,7 +70,10 @@ void sim_work_init(sim_work_t *w, double blank_mm, double z_first_mm, double z_l
 void sim_work_touch(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
                     bool is_counted);
 
-/// Judge a sample without counting removed metal, which sim_lobe_work counts by dexels.
+/// Count the metal that a sample removes. @param radius_mm  blank_mm where there is none
+void sim_work_remove(sim_work_t *w, double z_mm, double radius_mm, bool is_counted);
+
+/// Judge a sample without counting removed metal.
 void sim_work_judge(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
                     bool is_counted);
 
@@ -165,6 +168,7 @@ typedef struct {
     double first_mm, step_mm; ///< heights of the lines
     int n_tips;               ///< 0 .. 4 consecutive samples
     sim_section_tip_t tip[4]; ///< the oldest first
+    double skipped_turn;      ///< [turn] of the last sample in a window
     bool has_passes;          ///< before_* hold a pass
     double before_z_mm[sim_sections_places], before_e_mm[sim_sections_places]; ///< NAN: none
     sim_place_t section[sim_sections_most][sim_sections_places];
@@ -182,6 +186,10 @@ void sim_sections_init(sim_sections_t *s, const double *z_mm, int n, double z_fi
 /// @param e_mm        radius of the tip less exact radius
 /// @param is_counted  the sample belongs to the surface that is judged
 void sim_sections_touch(sim_sections_t *s, double turn, double z_mm, double e_mm, bool is_counted);
+
+/// Take a sample in a window: it is not gauged, and nothing is interpolated across it.
+/// @param turn  [turn] drawing's angle, not wrapped
+void sim_sections_skip(sim_sections_t *s, double turn);
 
 /// Record a pass over one point at a height.
 /// @param place  any whole number; it wraps

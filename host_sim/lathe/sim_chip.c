@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_lathe.h"
 #include "sim_units.h" // sim_abs
-#include <math.h>      // remainder
 
 /// Below this speed the spindle counts as stopped, without a chip.
 #define LEAST_TURNS_PER_S 1e-3
@@ -14,19 +13,6 @@ double sim_chip_force_n(const sim_chip_config_t *c, double depth_mm, double z_mm
     }
     const double thick_mm = sim_abs(z_mm_per_s) / sim_abs(turns_per_s);
     return c->kc_n_per_mm2 * c->radial_share * depth_mm * thick_mm;
-}
-
-bool sim_chip_is_in_slot(const sim_chip_config_t *c, double turn, double z_mm)
-{
-    for (int i = 0; i < sim_chip_slots; i++) {
-        const sim_chip_slot_t *slot = &c->slot[i];
-        const bool is_high = z_mm >= slot->low_mm && z_mm <= slot->high_mm;
-        const double off_deg = is_high ? remainder(360.0 * turn - slot->middle_deg, 360.0) : 360.0;
-        if (2.0 * sim_abs(off_deg) < slot->width_deg) {
-            return true;
-        }
-    }
-    return false;
 }
 
 double sim_chip_bend_um(const sim_chip_config_t *c, double force_n)

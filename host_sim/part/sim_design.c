@@ -92,4 +92,5 @@ void sim_design_free(sim_design_t *d)
     sim_sides_free(&d->sides);
     sim_lobe_design_free(&d->lobes);
     sim_correction_free(&d->correction);
+    sim_areas_free(&d->areas);
 }

@@ -21,6 +21,7 @@
 
 #include "cam_table.h"       // cam_table_t
 #include "common_error.h"    // common_error_t
+#include "sim_area.h"        // sim_areas_t
 #include "sim_json.h"        // sim_cubics_t
 #include "sim_lobe_design.h" // sim_lobe_design_t
 #include "sim_surface.h"
@@ -72,6 +73,7 @@ typedef struct {
     bool is_turned;          ///< the sections are rotated by phase_rad over height
     sim_cubics_t phase_rad;
     sim_correction_t correction;  ///< of a target, from a gauged part; otherwise empty
+    sim_areas_t areas;            ///< windows and zones of a skirt's drawing
     sim_lobe_design_t lobes;      ///< sim_shape_lobes only
     const cam_table_t *table;     ///< sim_shape_table only
     double nose_mm;               ///< nose of the tool for which the table is made; 0: a point

@@ -156,7 +156,8 @@ static bool read_design(sim_design_t *d, const cJSON *root, const char *path, co
         d->shape = sim_shape_lobes;
         return sim_lobe_design_read(&d->lobes, from.tree, path, e);
     }
-    return read_tool(d, root, path, e) && read_gauge(d, from.tree, path, e) && read_skirt(d, &from);
+    return read_tool(d, root, path, e) && read_gauge(d, from.tree, path, e) &&
+           sim_areas_read(&d->areas, from.tree, path, e) && read_skirt(d, &from);
 }
 
 static void begin(sim_design_t *d, const cam_table_t *table)

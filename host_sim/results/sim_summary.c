@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_summary.h"
 #include "cam_state.h" // cam_fault_name
+#include <math.h>      // sqrt
 
 void sim_summary_number(cJSON *object, const char *key, double value)
 {
@@ -43,6 +44,30 @@ static cJSON *add_errors(cJSON *root, const char *key, const sim_session_t *s, c
     return errors;
 }
 
+/// Add what was found in each zone; nothing of a zone in which nothing was gauged.
+static void add_zones(cJSON *root, const sim_session_t *s)
+{
+    const sim_areas_t *areas = &s->design.areas;
+    cJSON *list = areas->n_zones > 0 ? cJSON_AddArrayToObject(root, "zones") : NULL;
+    for (int i = 0; i < areas->n_zones; i++) {
+        const sim_zone_t *z = &areas->zone[i];
+        cJSON *object = cJSON_CreateObject();
+        sim_summary_text(object, "name", z->name);
+        sim_summary_number(object, "samples", (double)z->n);
+        const double tolerance_um = sim_zone_tolerance_um(z, s->options.tolerance_um);
+        sim_summary_number(object, "tolerance_um", tolerance_um);
+        if (z->n > 0u) {
+            sim_summary_number(object, "max_um", z->max_um);
+            sim_summary_number(object, "rms_um", sqrt(z->sum_um2 / (double)z->n));
+            sim_summary_number(object, "max_at_turn", z->max_turn);
+            sim_summary_number(object, "max_at_z_mm", z->max_z_mm);
+            sim_summary_number(object, "excess_um", z->excess_um);
+            (void)cJSON_AddBoolToObject(object, "is_good", z->excess_um <= 0.0);
+        }
+        (void)cJSON_AddItemToArray(list, object);
+    }
+}
+
 void sim_summary_errors(cJSON *root, const sim_session_t *s)
 {
     cJSON *form = add_errors(root, "form_error_um", s, &s->work);
@@ -54,6 +79,7 @@ void sim_summary_errors(cJSON *root, const sim_session_t *s)
             sim_summary_sampled(form, s, "max_not_turned", sim_work_shape_max_um(&s->work));
         }
     }
+    add_zones(root, s);
     (void)add_errors(root, "control_error_um", s, sim_session_control(s));
     cJSON *following = cJSON_AddObjectToObject(root, "following_error_um");
     sim_summary_sampled(following, s, "max", s->following_max_um);

@@ -22,11 +22,6 @@ enum { max_bytes = 1 << 20, least_mode_hz = 10 };
     REAL("u", key "_damping", mode[i].damping, 0.03, 0.001, 2.0, ""), \
     REAL("u", key "_share", mode[i].share, 1.0, -2.0, 2.0, of_share), \
     WHOLE("u", key "_on_scale", mode[i].is_on_scale, 0.0, 0.0, 1.0, "0: between scale and tip; 1: the scale measures it")
-#define SLOT(key, i, what) \
-    REAL("cut", key "_deg", chip.slot[i].middle_deg, 0.0, -360.0, 360.0, what), \
-    REAL("cut", key "_width_deg", chip.slot[i].width_deg, 0.0, 0.0, 360.0, "without force, and not gauged; 0: none"), \
-    REAL("cut", key "_low_mm", chip.slot[i].low_mm, 0.0, -2000.0, 2000.0, "its lower height"), \
-    REAL("cut", key "_high_mm", chip.slot[i].high_mm, 0.0, -2000.0, 2000.0, "its upper height")
 #define HOME(section, i, what) \
     REAL(section, "home_mm", home[i].switch_mm, 0.0, -2000.0, 2000.0, "place of the home switch's edge" what), \
     REAL(section, "home_side", home[i].side, 0.0, -1.0, 1.0, "1: active from there upwards, -1: downwards, 0: no switch"), \
@@ -100,10 +95,6 @@ static const common_setting_t fields[] = {
     REAL("cut", "kc_n_per_mm2", chip.kc_n_per_mm2, 0.0, 0.0, 100000.0, "specific cutting force, 0: no force"),
     REAL("cut", "radial_share", chip.radial_share, 0.3, 0.0, 10.0, "radial share of the force"),
     REAL("cut", "tool_stiffness_n_per_um", chip.tool_stiffness_n_per_um, 0.0, 0.0, 1e6, "between tip and slide, 0: rigid"),
-    SLOT("slot", 0, "middle of a window without material: a slot, the bore of a pin"),
-    SLOT("slot_2", 1, "middle of another one"),
-    SLOT("slot_3", 2, "middle of a third one"),
-    SLOT("slot_4", 3, "middle of a fourth one"),
     REAL("wheel", "wear_um_per_lobe", wheel_wear_um, 0.0, 0.0, 1000.0, "loss of radius per lobe"),
 };
 // clang-format on
@@ -272,23 +263,6 @@ static bool check_modes(const sim_lathe_config_t *lathe, const char *name, commo
     return true;
 }
 
-/// Refuse windows without material that have no height.
-static bool check_slots(const sim_lathe_config_t *lathe, const char *name, common_error_t *e)
-{
-    for (int i = 0; i < sim_chip_slots; i++) {
-        const sim_chip_slot_t *slot = &lathe->chip.slot[i];
-        if (slot->width_deg > 0.0 && !(slot->low_mm < slot->high_mm)) {
-            const char number[] = {'_', (char)('1' + i), '\0'};
-            const char *key = i > 0 ? number : "";
-            return common_error(
-                e,
-                "%s: cut.slot%s_low_mm = %.12g: must be below slot%s_high_mm = %.12g; correct them",
-                name, key, slot->low_mm, key, slot->high_mm);
-        }
-    }
-    return true;
-}
-
 bool sim_config_read(sim_config_t *config, const char *text, size_t size, const char *name,
                      common_error_t *e)
 {
@@ -304,7 +278,7 @@ bool sim_config_read(sim_config_t *config, const char *text, size_t size, const 
                              .e = e};
     if (!read_once(&all, text, size) ||
         (others.has_belief && !read_belief(&all, config, text, size)) ||
-        !check_modes(&config->lathe, name, e) || !check_slots(&config->lathe, name, e)) {
+        !check_modes(&config->lathe, name, e)) {
         return false;
     }
     return true;

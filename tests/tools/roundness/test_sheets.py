@@ -11,7 +11,9 @@ from pydantic import ValidationError
 from scipy.interpolate import CubicSpline
 
 from camtools.base.quantities import Floats
-from camtools.part.common import FormTolerances, Tolerances
+from camtools.part.areas import Area, ZonedTolerances
+from camtools.part.common import FormTolerances
+from camtools.part.datum import Datum
 from camtools.plots.style import drawing
 from camtools.report.sheet import NO_TOLERANCE, Feature, Sheets, Subject, make_sheets
 from camtools.report.sheet_page import out_of_tolerance, sheet_pages, sheets_json
@@ -213,7 +215,7 @@ def test_stated_tolerance_decides_at_its_value(sheets: Sheets, key: str) -> None
     assert off is not None
     size = abs(off) * (1e3 if one.unit == "mm" else 1)
     for share, verdict in ((1.001, "good"), (0.999, "out of tolerance")):
-        stated = Tolerances.model_validate({key: share * size})
+        stated = ZonedTolerances.model_validate({key: share * size})
         found = make_sheets(cut_of(GAUGED), OVAL._replace(tolerances=stated))
         assert found is not None
         judged = features(found)
@@ -225,9 +227,95 @@ def test_stated_tolerance_decides_at_its_value(sheets: Sheets, key: str) -> None
 def test_tolerances_of_a_part_file(perkins: SkirtPart) -> None:
     """[tolerances] is taken as it is written; of polygons axes have none."""
     part = perkins.model_dump(exclude_none=True) | {"tolerances": {"ovality_um": 2.0}}
-    assert SkirtPart.model_validate(part).tolerances == Tolerances(ovality_um=2.0)
+    assert SkirtPart.model_validate(part).tolerances == ZonedTolerances(ovality_um=2.0)
     with pytest.raises(ValidationError, match="ovality_um"):
         FormTolerances.model_validate({"ovality_um": 2.0})
+
+
+def oval_at(turn: Floats, z_mm: Floats) -> Floats:
+    """Return the drawing at places of the made-up part."""
+    return drawn_mm(2 * np.pi * turn) + 0 * z_mm
+
+
+def with_gap(off_mm: Floats) -> GaugedSection:
+    """Return a section without the places from 80 to 100 degrees."""
+    is_there = (np.radians(80) > PHI) | (np.radians(100) < PHI)
+    radius_mm = (drawn_mm(PHI) + off_mm)[is_there]
+    return GaugedSection(1, 20.0, PHI[is_there] / (2 * np.pi), radius_mm, off_mm[is_there])
+
+
+def slot(from_deg: float, to_deg: float) -> Area:
+    """Return a box around the height of the section, without a margin."""
+    return Area((from_deg + to_deg) / 2, to_deg - from_deg, 10.0, 30.0, *(0.0, 0.0, 0.0))
+
+
+def test_window_is_left_out_of_circles_and_axes() -> None:
+    """An eccentric circle keeps its centre; diameters need both their ends; the share is stated."""
+    off_mm = C_MM * np.cos(PHI - C_RAD)
+    subject = OVAL._replace(windows=(slot(80, 100),), drawn_mm=oval_at)
+    found = make_sheets(cut_of(GaugedSections((with_gap(off_mm),), ())), subject)
+    assert found is not None and found.missing == []
+    sheet = found.sections[0]
+    names = by_name(sheet.features)
+    assert names["share of the turn that was measured"].actual == pytest.approx(
+        100 * 340 / 360, abs=0.06
+    )
+    centre = sheet.section.off.circle
+    bridge_mm = C_MM * (1 - np.cos(np.radians(10)))  # between a chord of 20 degrees and its arc
+    assert (
+        np.hypot(centre.x_mm - C_MM * np.cos(C_RAD), centre.y_mm - C_MM * np.sin(C_RAD)) < bridge_mm
+    )
+    assert sheet.section.off.total_mm < 2 * bridge_mm
+    # The short axis lies at 102 degrees, so its opposite ends are 282 and, still there, 102.
+    assert names["short axis"].nominal == pytest.approx(2 * (A_MM - G_MM / 2), abs=1e-9)
+    assert names["short axis"].deviation == pytest.approx(0, abs=1e-4)
+
+
+@pytest.mark.parametrize("windows", [(), (slot(80, 95),), (slot(200, 220),)])
+def test_gap_without_a_window_is_no_section(windows: tuple[Area, ...]) -> None:
+    """What is not cut all round but for windows is named, not judged."""
+    subject = OVAL._replace(windows=windows, drawn_mm=oval_at)
+    found = make_sheets(cut_of(GaugedSections((with_gap(0 * PHI),), LINES)), subject)
+    assert found is not None
+    assert (found.sections, found.missing) == ([], ["height 20 mm"])
+
+
+def test_zone_states_its_own_tolerances() -> None:
+    """Those of the zone where it has any, else those of the part; straightness within the zone."""
+    zones = [
+        {"name": "low", "from_mm": 0, "to_mm": 30, "form_error_um": 7, "straightness_um": 0.2},
+        {"name": "high", "from_mm": 30, "to_mm": 60, "ovality_um": 9},
+    ]
+    stated = {"zone": zones, "ovality_um": 3, "roundness_um": 4}
+    tolerances = ZonedTolerances.model_validate(stated)
+    found = make_sheets(cut_of(GAUGED), OVAL._replace(tolerances=tolerances))
+    assert found is not None
+    sheet = found.sections[0]
+    names = by_name(sheet.features)
+    assert sheet.name == "height 20 mm, zone low"
+    assert names["form: largest deviation, unfiltered"].tolerance == 7
+    assert names["ovality: long less short axis"].tolerance == 3
+    assert names["roundness of the deviation RONt, MZ"].tolerance == 4
+    # The lower half of a parabola of 1 um over 60 mm is a quarter of it over 30 mm.
+    straight = by_name(found.lines[0].features)["straightness of the deviation STRt, MZ, zone low"]
+    assert straight.actual == pytest.approx(0.25, abs=0.002)
+    assert (straight.tolerance, straight.verdict) == (0.2, "out of tolerance")
+
+
+def test_run_out_is_seen_from_the_datum() -> None:
+    """A perfect section 3 and 4 um beside the axis runs out by 2 x 5 um; the phase by the bore."""
+    datum = Datum(offset_um=[3, 2], tilt_um_per_mm=[0, 0.1], bore_deg=91)
+    gauged = GaugedSections(
+        (GaugedSection(1, 20.0, PHI / (2 * np.pi), drawn_mm(PHI), 0 * PHI),), ()
+    )
+    for most_um, verdict in ((10.01, "good"), (9.99, "out of tolerance")):
+        subject = OVAL._replace(datum=datum, tolerances=ZonedTolerances(runout_um=most_um))
+        found = make_sheets(cut_of(gauged), subject)
+        assert found is not None
+        names = by_name(found.sections[0].features)
+        assert names["run-out to the datum axis"].actual == pytest.approx(10, abs=1e-4)
+        assert names["run-out to the datum axis"].verdict == verdict
+        assert names["phase of the long axis"].actual == pytest.approx(PHASE_DEG - 1, abs=1e-6)
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -262,7 +350,9 @@ def test_too_few_ticks_call_no_roundness_good(is_fastest_told: bool) -> None:
             cut.summary["feasibility"]["spindle_rpm"] = {"needed": 6000.0}
         else:
             cut.summary["cut"]["spindle_rpm"] = 6000.0
-        found = make_sheets(cut, OVAL._replace(tolerances=Tolerances(roundness_um=tolerance_um)))
+        found = make_sheets(
+            cut, OVAL._replace(tolerances=ZonedTolerances(roundness_um=tolerance_um))
+        )
         assert found is not None
         assert by_name(found.sections[0].features)[name].verdict == verdict
         points = {row.name: row.value for row in found.head}["points"]
@@ -274,7 +364,7 @@ def test_too_few_ticks_call_no_roundness_good(is_fastest_told: bool) -> None:
 def test_what_is_out_is_told_by_the_verdict_of_the_part() -> None:
     """The form error is good, a stated tolerance is not: the part is out, and its data say why."""
     cut = cut_of(GAUGED, 9.0)
-    oval = OVAL._replace(tolerances=Tolerances(ovality_um=0.1))
+    oval = OVAL._replace(tolerances=ZonedTolerances(ovality_um=0.1))
     sheets, pages = make_sheets(cut, oval), sheet_pages(cut, oval)
     assert sheets is not None and pages is not None
     assert pages.out == ["height 20 mm: ovality: long less short axis"]

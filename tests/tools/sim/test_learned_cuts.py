@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
+from camtools.cli.mktables import main as mktables
 from tests.tools.cases.camsim_cases import ROOT, cut, refusal, while_in
 from tests.tools.cases.part_cases import TableOf
 
@@ -165,9 +166,13 @@ def test_a_slow_cam_is_learned(table_of: TableOf, rpm: float, turns: int) -> Non
 
 
 def errors_of(table_of: TableOf, machine: str, feed: str) -> tuple[np.ndarray, dict[str, Any]]:
-    """Cut the Perkins skirt; return height [mm] and error [um] of its surface, and the summary."""
-    words = ("--feed", feed, "--tolerance-um=99")
-    found = cut(table_of("perkins240"), *words, machine=machine)
+    """Cut the Perkins skirt; see `errors_in`."""
+    return errors_in(table_of("perkins240"), machine, feed)
+
+
+def errors_in(table: Path, machine: str, feed: str) -> tuple[np.ndarray, dict[str, Any]]:
+    """Cut a part; return height [mm] and error [um] of its surface, and the summary."""
+    found = cut(table, "--feed", feed, "--tolerance-um=99", machine=machine)
     rows = np.column_stack([found.surface["z_mm"], found.surface["error_nm"] / 1e3])
     return rows, found.summary
 
@@ -201,70 +206,68 @@ def test_spring_deflects_alike_by_the_mean(table_of: TableOf) -> None:
     assert learned["chip_mean_nm_per_mm2"] == pytest.approx(expected, rel=0.02)
 
 
-SLOTS = """\
-slot_deg = 90
-slot_width_deg = 40
-slot_low_mm = 10
-slot_high_mm = 35
-slot_2_deg = 270
-slot_2_width_deg = 40
-slot_2_low_mm = 10
-slot_2_high_mm = 35
+WINDOWS = """\
+[[piston.window]]
+angle_deg = 90
+width_deg = 40
+from_mm = 10
+to_mm = 35
+margin_mm = 0
+both_sides = true
+
+[process]
 """
 
 
-def slotted(machine: str) -> str:
-    """Return a machine whose blank has two slots on the short axis, 25 mm high."""
-    return machine.replace("[cut]\n", f"[cut]\n{SLOTS}")
+@pytest.fixture(scope="module")
+def windowed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the table of a Perkins skirt with two windows on the short axis, 25 mm high."""
+    folder = tmp_path_factory.mktemp("windows")
+    text = (ROOT / "tools" / "parts" / "perkins240.toml").read_text()
+    part = folder / "part.toml"
+    part.write_text(text.replace("[process]\n", WINDOWS))
+    assert mktables([str(part), "-o", str(folder / "made")]) == 0
+    return folder / "made" / "perkins240.camtab"
 
 
 @pytest.mark.parametrize(("name", "most_um"), [("chip", 0.05), ("real", 0.31)])
-def test_slots_do_not_harm_the_rest(table_of: TableOf, name: str, most_um: float) -> None:
+def test_windows_do_not_harm_the_rest(windowed: Path, name: str, most_um: float) -> None:
     """The rest of the surface is as good as without, after the first turns at either end."""
-    machine = slotted(REAL.read_text() if name == "real" else of(name))
-    rows, summary = errors_of(table_of, machine, "0.1")
+    machine = REAL.read_text() if name == "real" else of(name)
+    rows, summary = errors_in(windowed, machine, "0.1")
     assert summary["learning"]["masked"] == []
     for low_mm, high_mm in ((1, 9.9), (14, 34.9), (39, 61)):
         assert largest_um(rows, low_mm, high_mm) <= most_um, low_mm
     assert 0.5 < largest_um(rows, 9.9, 39) < 3  # the force steps by up to 4 N
 
 
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ("slot_low_mm = -9\nslot_high_mm = 99",
-         "not gauged: nothing was cut to full depth before the cut was done; check the slots in"),
-        ("slot_low_mm = 35\nslot_high_mm = 10",
-         "cut.slot_low_mm = 35: must be below slot_high_mm = 10; correct them"),
-        ("slot_4_width_deg = 9", "cut.slot_low_mm = 0: must be below slot_high_mm = 0; correct"),
-        ('slot = "90"', 'line 3: cut.slot: unknown; see host_sim/machines/default.toml'),
-    ],
-)  # fmt: skip
-def test_slots_that_leave_nothing_or_are_none(table_of: TableOf, keys: str, message: str) -> None:
-    """One line each: a slot all around the part, heights that are exchanged or none, no number."""
-    table, machine = table_of("perkins240"), f"[cut]\nslot_width_deg = 360\n{keys}\n"
-    if message.startswith("not gauged"):
-        line = cut(table, "--feed", 2, machine=machine, status=1).message
-    else:
-        line = refusal(table, "--feed", 2, machine=machine)
-    assert message in line and "stop" not in line
+def test_window_that_leaves_nothing(tmp_path: Path) -> None:
+    """A window all around the part: nothing is gauged, and the message names the key."""
+    text = (ROOT / "tools" / "parts" / "perkins240.toml").read_text()
+    box = WINDOWS.replace("= 40", "= 360").replace("10", "-9").replace("35", "99")
+    part = tmp_path / "part.toml"
+    part.write_text(text.replace("[process]\n", box.replace("both_sides = true\n", "")))
+    assert mktables([str(part), "-o", str(tmp_path / "made")]) == 0
+    line = cut(tmp_path / "made" / "perkins240.camtab", "--feed", 2, status=1).message
+    assert "not gauged: nothing was cut to full depth" in line
+    assert "check [[piston.window]] of the part file" in line and "stop" not in line
 
 
-def test_slots_hold_no_metal(table_of: TableOf) -> None:
+def test_windows_hold_no_metal(table_of: TableOf, windowed: Path) -> None:
     """Two windows of 40 degrees and 25 of 62 mm, at the short axis, where the cut is deepest."""
-    whole = of("chip")
-    cuts = [errors_of(table_of, machine, "0.5")[1] for machine in (whole, slotted(whole))]
-    removed, slotted_removed = (one["cut"]["removed_mm3"] for one in cuts)
+    tables = (table_of("perkins240"), windowed)
+    cuts = [errors_in(table, of("chip"), "0.5")[1] for table in tables]
+    removed, windowed_removed = (found["cut"]["removed_mm3"] for found in cuts)
     depth_mm, radius_mm = 0.21, 45.9  # mean of the windows
     missing_mm3 = 2 * np.radians(40) * radius_mm * 25 * depth_mm
-    assert removed - slotted_removed == pytest.approx(missing_mm3, rel=0.1)
-    volumes = [one["removal"]["volume_mm3"] for one in cuts]
+    assert removed - windowed_removed == pytest.approx(missing_mm3, rel=0.1)
+    volumes = [found["removal"]["volume_mm3"] for found in cuts]
     assert volumes[0] - volumes[1] == pytest.approx(missing_mm3, rel=0.1)
 
 
-def test_what_is_learned_survives_slots_at_a_large_feed(table_of: TableOf) -> None:
+def test_what_is_learned_survives_windows_at_a_large_feed(windowed: Path) -> None:
     """The steps of the force do not end in the coefficient: the last turns are good."""
-    rows, _ = errors_of(table_of, slotted(REAL.read_text()), "0.5")
+    rows, _ = errors_in(windowed, REAL.read_text(), "0.5")
     assert largest_um(rows, 57.5, 62.0) <= 0.8
 
 

@@ -33,6 +33,13 @@ def mktables(
             "write the JSON schemas of part and machine files into DIR, for editors, and no table"
         ),
     ] = False,
+    propose_feed: Annotated[
+        bool,
+        Option(
+            "print a feed law with the largest feed that scallop_um and roughness_um accept, and "
+            "make no table"
+        ),
+    ] = False,
     tolerance_nm: Annotated[
         float | None,
         Option(
@@ -75,6 +82,9 @@ def mktables(
     if tolerance_nm is not None:
         check_tolerance(tolerance_nm)
     loaded = load(part)
+    if propose_feed:
+        sys.stdout.write(loaded.kind.proposed_feed(loaded.part))
+        return 0
     correction = correcting.correction(loaded, output)
     made = make(loaded, part, tolerance_nm=tolerance_nm, correction=correction)
     exported = _exported(made.table.table, export, export_height, export_points)

@@ -28,6 +28,7 @@ from scipy.interpolate import CubicSpline, PPoly
 
 from camtools.base.quantities import UM_PER_MM, Floats, FloatsLike
 from camtools.base.text import Json
+from camtools.part.areas import Area
 
 N_NODES = 65  # heights over the part
 FADE_MM = 0.5
@@ -55,6 +56,7 @@ class Drawing(NamedTuple):
     radius_mm: Callable[[Floats, Floats], Floats]  # of turns and heights of the same shape
     swing_mm: float  # largest less least reduction of the radius
     document: Json  # `design` of NAME.json
+    windows: tuple[Area, ...] = ()  # without material
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,6 +21,7 @@ from camtools.cut.correction import MAX_ORDER, Correction, Drawing, correction_o
 from camtools.measured.correction_step import RoundStep, account_of, best_text, judged, take, taper
 from camtools.measured.points import MAX_BYTES, GaugedPoints, parse_points
 from camtools.measured.surface import SurfaceFit, fit_surface
+from camtools.part.areas import in_any
 
 _MAX_BYTES = 64 * 1024 * 1024
 _SUMMARY = "summary.json"  # that camsim and tools/run write beside a surface
@@ -107,7 +108,7 @@ def find_previous(surface: Path, given: Path | None, name: str, design: Json) ->
     if own != name:
         problem = f"is of the part '{own}', not of '{name}'"
         raise CamtoolsError([f"--previous {path}: {problem}; give that of the table that cut it"])
-    drawn = {key: value for key, value in report["design"].items() if key != "gauge_mm"}
+    drawn = {key: value for key, value in report["design"].items() if key not in _NO_SHAPE}
     if not is_alike(drawn, design):
         problem = "not the drawing of the part file, so the surface belongs to another one"
         remedy = "measure a part that the table of this part file has cut"
@@ -122,6 +123,7 @@ def find_previous(surface: Path, given: Path | None, name: str, design: Json) ->
     return Previous(path, crc32, report, correction)
 
 
+_NO_SHAPE = ("gauge_mm", "windows", "zones")  # of a drawing: where it is judged, and how
 DEFAULT_GAIN = 0.7
 MIN_GAIN, MAX_GAIN = 0.05, 1.0
 MAX_MEAN_UM = 100.0
@@ -244,6 +246,17 @@ def _check_gain(rounds: Sequence[Json]) -> None:
     raise CamtoolsError([f"--measured: {problem}; {remedy}"])
 
 
+def _on_metal(points: GaugedPoints, drawing: Drawing) -> GaugedPoints:
+    """Return the points that lie in no window of the drawing, nor in the margin of one."""
+    if not drawing.windows:
+        return points
+    radius_mm = drawing.radius_mm(points.turn, np.clip(points.z_mm, *drawing.ends_mm))
+    is_metal = ~in_any(drawing.windows, points.turn, points.z_mm, radius_mm)
+    own_mm = None if points.radius_mm is None else points.radius_mm[is_metal]
+    turn, z_mm, deviation_um = (column[is_metal] for column in points[:3])
+    return GaugedPoints(turn, z_mm, deviation_um, own_mm)
+
+
 def next_round(request: Request, name: str, drawing: Drawing) -> Round:
     """Return the correction of the next table.
 
@@ -258,6 +271,7 @@ def next_round(request: Request, name: str, drawing: Drawing) -> Round:
     points = parse_points(utf8_text(data, file), file)
     try:
         _check_place(points, drawing)
+        points = _on_metal(points, drawing)
         first = 2 if request.is_centred else 0
         fit = fit_surface(points, drawing.ends_mm, request.most_order, first)
         _check_size(fit, drawing)

@@ -192,14 +192,28 @@ class FormTolerances(TomlTable):
     )
 
 
-class Tolerances(FormTolerances):
-    """[tolerances]: in addition to `form_error_um`; [sheets](REPORT.md#sheets) use them."""
+class SectionTolerances(FormTolerances):
+    """What a drawing states of sections, all over the part or in a zone."""
 
     diameter_um: LengthUm | None = Field(None, description=_DIAMETER)
     ovality_um: LengthUm | None = Field(None, description=_DIAMETER)
     phase_deg: Annotated[float, Field(gt=0, le=45)] | None = Field(
         None, description="plus and minus: direction of the long axis"
     )
+    scallop_um: LengthUm | None = Field(
+        None, description="height of the ridges that feed and nose radius leave between tracks"
+    )
+    roughness_um: LengthUm | None = Field(
+        None, description="mean roughness Ra that they leave; both refuse a larger feed"
+    )
+    runout_um: LengthUm | None = Field(
+        None, description="run-out of a section to the axis of `[piston.datum]` (radial)"
+    )
+
+
+class Tolerances(SectionTolerances):
+    """[tolerances]: in addition to `form_error_um`; [sheets](REPORT.md#sheets) use them."""
+
     taper_um: LengthUm | None = Field(
         None, description="plus and minus: taper deviation over the part (diametral)"
     )

@@ -153,6 +153,11 @@ class Kind(ABC, Generic[PartT, MadeT, CutT]):
         self.drawing(part)
         raise NotImplementedError
 
+    def proposed_feed(self, part: PartT) -> str:
+        """Return a feed law that keeps the limits of the surface, as text for the part file."""
+        problem = f"{self.plural} have no limits of scallop or roughness"
+        raise CamtoolsError([f"part.kind = '{self.name}': {problem}; leave out --propose-feed"])
+
     @abstractmethod
     def summary(self, made: MadeT) -> Json:
         """Return everything that is known about a table; no dates, no paths."""

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from camtools.base.quantities import MM_PER_M, NM_PER_MM, UM_PER_MM, Floats, omega_rad_s
-from camtools.part.common import Tolerances
+from camtools.part.areas import ZonedTolerances
 from camtools.plots.style import (
     BLUE,
     GREY,
@@ -202,7 +202,7 @@ def motion_of(outcome: PolygonCut) -> TurnOfU:
 
 
 def _subject(cut: PolygonCut) -> Subject:
-    stated = Tolerances(**cut.generated.part.tolerances.model_dump())
+    stated = ZonedTolerances(**cut.generated.part.tolerances.model_dump())
     return Subject(False, True, _LEFT_OUT, tolerances=stated)
 
 

@@ -27,7 +27,7 @@ from camtools.sim.results import AnyCut
 _HERE = Path(__file__).resolve().parent
 _MAP_TEXT = (
     "The surface unrolled: red is metal left standing, blue is cut too deep, each cell shows its "
-    "worst point, grey areas were not cut. "
+    "worst point, grey areas were not cut or are windows. "
 )
 
 

@@ -4,13 +4,15 @@
 ('good', 'out of tolerance', 'no tolerance given')
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 
-from camtools.base.quantities import UM_PER_MM, Floats
-from camtools.part.common import Tolerances
+from camtools.base.quantities import UM_PER_MM, Bools, Floats
+from camtools.part.areas import Area, Zone, ZonedTolerances, in_any
+from camtools.part.common import SectionTolerances
+from camtools.part.datum import Datum
 from camtools.report.text import ReportRow, origin_rows
 from camtools.roundness.section import (
     POINTS_PER_WAVE,
@@ -19,11 +21,13 @@ from camtools.roundness.section import (
     section_of,
     straightness,
 )
-from camtools.sim.results import PLACES, AnyCut, GaugedLine
+from camtools.sim.results import PLACES, AnyCut, GaugedLine, GaugedSection
 
 GOOD, OUT, NO_TOLERANCE = "good", "out of tolerance", "no tolerance given"
 TOO_COARSE = "not judged: too few points"
 _LEAST_POINTS = 3  # of a line
+_LEAST_SHARE = 0.25  # of a section, that must be material
+_LOST_TICKS = 4  # beside a window, where the gauge has no cubic
 _OVALITY = "ovality: long less short axis"
 _ROUNDNESS_MZ = "roundness of the deviation RONt, MZ"
 _STRAIGHTNESS_MZ = "straightness of the deviation STRt, MZ"
@@ -37,8 +41,11 @@ class Subject(NamedTuple):
     has_radius: bool  # the deviation is along the radius, else along the normal of the profile
     left_out: str = ""  # what does not apply and why
     names: tuple[str, ...] = ()  # of the sections by number, else they are named by height
-    tolerances: Tolerances = Tolerances()  # that the drawing states beside the form error
+    tolerances: ZonedTolerances = ZonedTolerances()  # that the drawing states
     note: str = ""  # what the reader must know of the drawing
+    windows: tuple[Area, ...] = ()  # without material
+    datum: Datum = Datum()  # of run-out and phase
+    drawn_mm: Callable[[Floats, Floats], Floats] | None = None  # radius at turns and heights
 
 
 class Feature(NamedTuple):
@@ -119,7 +126,9 @@ def feature(
     return Feature(name, *kind, nominal, actual, deviation, tolerance, verdict)
 
 
-def _axes_features(section: SectionFigures, stated: Tolerances) -> list[Feature]:
+def _axes_features(
+    section: SectionFigures, stated: SectionTolerances, bore_deg: float
+) -> list[Feature]:
     drawn, cut = section.drawn_axes, section.cut_axes
     size = ("diameter", "mm")
     found = [
@@ -130,7 +139,8 @@ def _axes_features(section: SectionFigures, stated: Tolerances) -> list[Feature]
     if drawn.ovality_mm * UM_PER_MM < _OVAL_UM:
         return found
     turned_deg = (cut.phase_deg - drawn.phase_deg + 90) % 180 - 90
-    nearest_deg = drawn.phase_deg + turned_deg
+    normal_deg = bore_deg - 90
+    nearest_deg = drawn.phase_deg + turned_deg - normal_deg
     degrees, most_deg = ("angle", "°"), stated.phase_deg
     return [
         *found,
@@ -139,11 +149,13 @@ def _axes_features(section: SectionFigures, stated: Tolerances) -> list[Feature]
     ]
 
 
-def _form_features(section: SectionFigures, subject: Subject, tolerance_um: float) -> list[Feature]:
+def _form_features(
+    section: SectionFigures, subject: Subject, tolerance_um: float, stated: SectionTolerances
+) -> list[Feature]:
     um = ("radius" if subject.has_radius else "along the normal", "µm")
     off, zone_um = section.off, section.off_zone.width_mm * UM_PER_MM
     parts = {"RONp": off.peak_mm, "RONv": off.valley_mm, "RONq": off.q_mm}
-    zone = feature(_ROUNDNESS_MZ, um, zone_um, None, subject.tolerances.roundness_um)
+    zone = feature(_ROUNDNESS_MZ, um, zone_um, None, stated.roundness_um)
     largest_um = section.largest_mm * UM_PER_MM
     return [
         feature("form: largest deviation, unfiltered", um, largest_um, None, tolerance_um),
@@ -167,17 +179,38 @@ def _whole_features(section: SectionFigures) -> list[Feature]:
     ]
 
 
-def _line_sheet(line: GaugedLine, tolerance_um: float, stated: Tolerances) -> LineSheet:
+def _within(line: GaugedLine, zone: Zone) -> GaugedLine:
+    is_in = (line.z_mm >= zone.from_mm) & (line.z_mm <= zone.to_mm)
+    columns = (column[is_in] for column in (line.z_mm, line.radius_mm, line.deviation_mm))
+    return GaugedLine(line.angle_deg, *columns)
+
+
+def _zone_features(line: GaugedLine, stated: ZonedTolerances) -> Iterator[Feature]:
+    """Yield the straightness within each zone that has one of its own."""
+    for zone in stated.zones:
+        part = _within(line, zone)
+        is_at = zone.area.holds(np.array([line.angle_deg / 360]), part.z_mm[:1], part.radius_mm[:1])
+        if zone.straightness_um is not None and part.z_mm.size >= _LEAST_POINTS and is_at.all():
+            zone_um = straightness(part.z_mm, part.deviation_mm).zone_mm * UM_PER_MM
+            name = f"{_STRAIGHTNESS_MZ}, zone {zone.name}"
+            found = feature(name, ("radius", "µm"), zone_um, None, zone.straightness_um)
+            yield found._replace(is_width=True)
+
+
+def _line_sheet(line: GaugedLine, tolerance_um: float, stated: ZonedTolerances) -> LineSheet:
     off, whole = (straightness(line.z_mm, values) for values in (line.deviation_mm, line.radius_mm))
     um, zone_um = ("radius", "µm"), off.zone_mm * UM_PER_MM
     straight_um = stated.straightness_um
     worst_um = float(line.deviation_mm[np.abs(line.deviation_mm).argmax()]) * UM_PER_MM
     features = [
-        feature("profile: largest deviation", um, worst_um, None, tolerance_um),
+        feature(
+            "profile: largest deviation", um, worst_um, None, None if stated.zones else tolerance_um
+        ),
         feature("straightness of the deviation STRt, LS", um, off.total_mm * UM_PER_MM),
         feature(_STRAIGHTNESS_MZ, um, zone_um, None, straight_um)._replace(is_width=True),
         feature("STRq, LS", um, off.q_mm * UM_PER_MM),
         feature("straightness as it is STRt, LS", um, whole.total_mm * UM_PER_MM),
+        *_zone_features(line, stated),
     ]
     return LineSheet(*line, off, whole, features)
 
@@ -243,26 +276,81 @@ def _head(outcome: AnyCut, upr: int) -> list[ReportRow]:
     ]
 
 
+class _Around(NamedTuple):
+    """A section at all places of a turn; NaN where it was not measured."""
+
+    drawn_mm: Floats
+    deviation_mm: Floats
+    is_measured: Bools
+
+
+def _around(measured: GaugedSection, subject: Subject, lost: float) -> _Around | None:
+    """Return a section that was cut all round but for windows and `lost` [turn] beside them."""
+    if measured.is_whole:
+        whole = np.ones(PLACES, dtype=np.bool_)
+        return _Around(measured.radius_mm - measured.deviation_mm, measured.deviation_mm, whole)
+    if subject.drawn_mm is None or measured.turn.size < _LEAST_SHARE * PLACES:
+        return None
+    turn, z_mm = np.arange(PLACES) / PLACES, np.full(PLACES, measured.z_mm)
+    drawn_mm, deviation_mm = subject.drawn_mm(turn, z_mm), np.full(PLACES, np.nan)
+    places = np.round(measured.turn * PLACES).astype(np.int64) % PLACES
+    deviation_mm[places] = measured.deviation_mm
+    lost_mm = 2 * np.pi * lost * float(drawn_mm.max())
+    beside = [area._replace(margin_mm=area.margin_mm + lost_mm) for area in subject.windows]
+    is_measured = np.isfinite(deviation_mm)
+    is_known = is_measured | in_any(beside, turn, z_mm, drawn_mm)
+    return _Around(drawn_mm, deviation_mm, is_measured) if is_known.all() else None
+
+
+def _run_out(
+    section: SectionFigures, centre_mm: tuple[float, float], tolerance_um: float | None
+) -> Feature:
+    """Return the range of the deviation, seen from an axis beside that of the skirt."""
+    n = section.filtered_mm.size
+    phi = 2 * np.pi * np.arange(n) / n
+    seen_mm = section.filtered_mm - centre_mm[0] * np.cos(phi) - centre_mm[1] * np.sin(phi)
+    range_um = float(np.ptp(seen_mm[section.is_measured])) * UM_PER_MM
+    found = feature("run-out to the datum axis", ("radius", "µm"), range_um, None, tolerance_um)
+    return found._replace(is_width=True)
+
+
+def _share(section: SectionFigures) -> Feature:
+    percent = 100 * float(section.is_measured.mean())
+    return feature("share of the turn that was measured", ("angle", "%"), percent)
+
+
 def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
     """Return the sheets of a cut; nothing when no section was gauged."""
     gauged, upr, stated = outcome.sections, outcome.cutoff_upr, subject.tolerances
     if not gauged.sections and not gauged.lines:
         return None
     tolerance_um = float(outcome.summary["form_error_um"]["tolerance"])
-    is_coarse = ticks_per_turn(outcome) < POINTS_PER_WAVE * upr
+    per_turn = ticks_per_turn(outcome)
+    is_coarse, lost = per_turn < POINTS_PER_WAVE * upr, _LOST_TICKS / per_turn
     sections, missing = [], []
     for measured in gauged.sections:
         named = measured.number <= len(subject.names)
         name = subject.names[measured.number - 1] if named else f"height {measured.z_mm:g} mm"
-        if not measured.is_whole:
+        zone = stated.zone_at(measured.z_mm)
+        name += "" if zone is None else f", zone {zone.name}"
+        found = _around(measured, subject, lost)
+        if found is None:
             missing.append(name)
             continue
-        section = section_of(measured.radius_mm - measured.deviation_mm, measured.deviation_mm, upr)
-        features = _form_features(section, subject, tolerance_um)
+        section = section_of(*found[:2], upr, found.is_measured)
+        own_um = tolerance_um if zone is None else zone.tolerance_um(tolerance_um)
+        own = stated.stated_at(measured.z_mm)
+        features = _form_features(section, subject, own_um, own)
         if subject.is_oval:
-            features = [*_axes_features(section, stated), *features, *_whole_features(section)]
+            axes = _axes_features(section, own, subject.datum.bore_deg)
+            features = [*axes, *features, *_whole_features(section)]
+            features.append(
+                _run_out(section, subject.datum.centre_mm(measured.z_mm), own.runout_um)
+            )
         features = _not_too_coarse(features) if is_coarse else features
-        sections.append(SectionSheet(name, measured.z_mm, measured.turn, section, features))
+        features += [_share(section)] if subject.windows else []
+        turn = np.arange(PLACES) / PLACES if subject.windows else measured.turn
+        sections.append(SectionSheet(name, measured.z_mm, turn, section, features))
     judged = (line for line in gauged.lines if line.z_mm.size >= _LEAST_POINTS)
     lines = [_line_sheet(line, tolerance_um, stated) for line in judged]
     head = _head(outcome, upr)

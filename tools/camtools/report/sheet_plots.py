@@ -43,7 +43,7 @@ def _text(value_mm: float) -> str:
 
 def _limit_mm(off_mm: Floats) -> float:
     """Return the round deviation that the outer ring stands for [mm]."""
-    return style.nice_limit(float(np.abs(off_mm).max()) * UM_PER_MM) / UM_PER_MM
+    return style.nice_limit(float(np.nanmax(np.abs(off_mm))) * UM_PER_MM) / UM_PER_MM
 
 
 def _ring(axes: Axes, turn: Floats, radius: Floats | float, **look: object) -> None:
@@ -88,7 +88,7 @@ def _circle_line(
 def _draw_whole(axes: Axes, sheet: SectionSheet) -> None:
     found = sheet.section
     circle = found.whole.circle
-    off_mm = found.cut_mm - circle.radius_mm
+    off_mm = np.where(found.is_measured, found.cut_mm - circle.radius_mm, np.nan)
     limit_mm = _limit_mm(off_mm)
     middle = (
         f"LS circle Ø {2 * circle.radius_mm:.4f} mm\n"
@@ -104,7 +104,10 @@ def _draw_whole(axes: Axes, sheet: SectionSheet) -> None:
 
 def _draw_off(axes: Axes, sheet: SectionSheet, upr: int, along: str) -> None:
     found = sheet.section
-    limit_mm, mean_mm = _limit_mm(found.raw_mm), float(found.drawn_mm.mean())
+    raw_mm, filtered_mm = (
+        np.where(found.is_measured, values, np.nan) for values in (found.raw_mm, found.filtered_mm)
+    )
+    limit_mm, mean_mm = _limit_mm(raw_mm), float(found.drawn_mm.mean())
     circle, zone = found.off.circle, found.off_zone
     middle = (
         f"Gauss 1\N{EN DASH}{upr} UPR\n"
@@ -114,8 +117,8 @@ def _draw_off(axes: Axes, sheet: SectionSheet, upr: int, along: str) -> None:
     )
     _polar(axes, f"deviation from the drawing, {along}", limit_mm, middle)
     _ring(axes, _TURN, 1.0, **(_DRAWN_STYLE | {"lw": 1.6}))
-    _profile(axes, found.raw_mm, limit_mm, **_RAW_STYLE)
-    _profile(axes, found.filtered_mm, limit_mm, color=style.RED, lw=1.2)
+    _profile(axes, raw_mm, limit_mm, **_RAW_STYLE)
+    _profile(axes, filtered_mm, limit_mm, color=style.RED, lw=1.2)
     centre = (circle.x_mm, circle.y_mm)
     _circle_line(axes, circle.radius_mm - mean_mm, centre, limit_mm, **_CIRCLE_STYLE)
     for side in (-0.5, 0.5):

@@ -284,10 +284,15 @@ class OvalAxes(NamedTuple):
         return self.long_mm - self.short_mm
 
 
-def axes_of(radius_mm: Floats) -> OvalAxes:
-    """Return the axes of a section by its RADII at an even number of even angles."""
+def axes_of(radius_mm: Floats, is_measured: Bools | None = None) -> OvalAxes:
+    """Return the axes of a section by its RADII at an even number of even angles.
+
+    Diameters count where both their ends were measured.
+    """
     half = radius_mm.size // 2
     diameter_mm = radius_mm[:half] + radius_mm[half:]
+    if is_measured is not None:
+        diameter_mm = diameter_mm[is_measured[:half] & is_measured[half:]]
     phase_deg = harmonics(radius_mm, 2)[1].phase_deg
     return OvalAxes(
         float(diameter_mm.max()),
@@ -315,6 +320,7 @@ class SectionFigures(NamedTuple):
     cut_axes: OvalAxes  # DIAMETERS of the section as it is
     off_waves: list[RoundWave]  # of the deviation, unfiltered
     whole_waves: list[RoundWave]  # of the section, unfiltered
+    is_measured: Bools  # (n,); elsewhere there is no material, and lines bridge the deviation
 
     @property
     def cut_mm(self) -> Floats:
@@ -322,16 +328,32 @@ class SectionFigures(NamedTuple):
         return self.drawn_mm + self.filtered_mm
 
 
-def section_of(drawn_mm: Floats, deviation_mm: Floats, cutoff_upr: float) -> SectionFigures:
+def bridged(deviation_mm: Floats, is_measured: Bools) -> Floats:
+    """Return a closed profile with straight lines over the angles that were not measured.
+
+    >>> bridged(np.array([0.0, np.nan, 2.0, 1.0]), np.array([True, False, True, True])).tolist()
+    [0.0, 1.0, 2.0, 1.0]
+    """
+    n, at = deviation_mm.size, np.flatnonzero(is_measured)
+    found = np.interp(np.arange(n), at, deviation_mm[at], period=n)
+    return np.asarray(found, dtype=np.float64)
+
+
+def section_of(
+    drawn_mm: Floats, deviation_mm: Floats, cutoff_upr: float, is_measured: Bools | None = None
+) -> SectionFigures:
     """Return the figures of a section by its drawing and deviation at even angles from 0 on.
 
-    The Gaussian filter takes the deviation only: a drawing is not rounded off.
+    The Gaussian filter takes the deviation only: a drawing is not rounded off. Filter and waves are
+    of the bridged deviation; circles, zones and axes are of the angles that were measured.
     """
+    there = np.ones(drawn_mm.size, dtype=np.bool_) if is_measured is None else is_measured
     phi = 2 * np.pi * np.arange(drawn_mm.size) / drawn_mm.size
+    deviation_mm = bridged(deviation_mm, there)
     filtered_mm = low_pass(deviation_mm, cutoff_upr)
-    off = RoundProfile(phi, float(drawn_mm.mean()) + filtered_mm)
-    whole = RoundProfile(phi, drawn_mm + filtered_mm)
-    worst = int(np.abs(deviation_mm).argmax())
+    off = RoundProfile(phi[there], float(drawn_mm.mean()) + filtered_mm[there])
+    whole = RoundProfile(phi[there], (drawn_mm + filtered_mm)[there])
+    worst = int(np.where(there, np.abs(deviation_mm), 0.0).argmax())
     return SectionFigures(
         drawn_mm,
         deviation_mm,
@@ -344,8 +366,9 @@ def section_of(drawn_mm: Floats, deviation_mm: Floats, cutoff_upr: float) -> Sec
         minimum_zone(whole),
         minimum_circumscribed(whole),
         maximum_inscribed(whole),
-        axes_of(drawn_mm),
-        axes_of(whole.radius_mm),
+        axes_of(drawn_mm, there),
+        axes_of(drawn_mm + filtered_mm, there),
         harmonics(deviation_mm),
         harmonics(drawn_mm + deviation_mm),
+        there,
     )

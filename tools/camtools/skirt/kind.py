@@ -4,16 +4,14 @@
 ['--rpm', '600.0']
 """
 
-import numpy as np
-
-from camtools.base.quantities import NM_PER_MM, Floats
+from camtools.base.quantities import NM_PER_MM
 from camtools.cut.correction import Drawing
 from camtools.cut.path import ToolPath
 from camtools.pipeline.kind import Kind, Rig
 from camtools.sim.results import Cut, control_of
 from camtools.skirt.geometry.profile import smoothing_takes_um
 from camtools.skirt.geometry.skirt_geometry import make_geometry
-from camtools.skirt.part.part_file import SkirtPart, margin_mm, spread
+from camtools.skirt.part.part_file import SkirtPart, margin_mm, spread, with_zones
 from camtools.skirt.report.outcome import (
     SkirtOutcome,
     compare_removal,
@@ -23,6 +21,7 @@ from camtools.skirt.report.outcome import (
 from camtools.skirt.report.summary import drawing_of, emit_text, make_summary
 from camtools.skirt.table.generate import GeneratedSkirt, generate
 from camtools.skirt.tool.exact_shape import exact_skirt
+from camtools.skirt.tool.texture import proposed_law
 
 
 class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
@@ -46,13 +45,9 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
     def drawing(self, part: SkirtPart) -> Drawing:
         """See `Kind.drawing`."""
         geometry = make_geometry(part)
-
-        def radius_mm(turn: Floats, z_mm: Floats) -> Floats:
-            reduction = geometry.drawing.delta(2 * np.pi * turn, z_mm).delta
-            return np.asarray(geometry.radius_mm(z_mm) - reduction, dtype=np.float64)
-
         swing_mm = max(geometry.deepest_mm(float(z)) for z in geometry.breaks_mm())
-        return Drawing(geometry.skirt_mm, radius_mm, swing_mm, drawing_of(part, geometry))
+        document, windows = drawing_of(part, geometry), part.piston.window_areas
+        return Drawing(geometry.skirt_mm, geometry.drawn_mm, swing_mm, document, windows)
 
     def at_speed(self, part: SkirtPart, rpm: float | None) -> SkirtPart:
         """Return the part for another mean speed: only a modulated spindle's law depends on it."""
@@ -60,6 +55,10 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
             return part
         process = part.process.model_copy(update={"spindle_rpm": rpm})
         return part.model_copy(update={"process": process})
+
+    def proposed_feed(self, part: SkirtPart) -> str:
+        """See `Kind.proposed_feed`."""
+        return proposed_law(part)
 
     def turns(self, made: GeneratedSkirt, feed_mm: float) -> float:
         """See `Kind.turns`."""
@@ -69,7 +68,8 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
     def sections_mm(self, made: GeneratedSkirt, feed_mm: float) -> list[float]:
         """See `Kind.sections_mm`: at heights that profile and ovality name."""
         named_mm = {float(z) for z in made.geometry.breaks_mm()}
-        return spread(sorted(named_mm), made.geometry.skirt_mm, margin_mm(feed_mm))
+        found = spread(sorted(named_mm), made.geometry.skirt_mm, margin_mm(feed_mm))
+        return with_zones(found, made.part.tolerances)
 
     def taken_um(self, made: GeneratedSkirt) -> float:
         """See `Kind.taken_um`."""

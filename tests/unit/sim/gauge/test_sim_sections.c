@@ -2,7 +2,7 @@
 #include "sim_work.h"
 #include "sim_units.h" // SIM_TWO_PI
 #include "unity.h"
-#include <math.h> // cos, fabs, isnan
+#include <math.h> // cos, fabs, floor, isnan
 
 #define FEED_MM 0.1
 #define LAST_MM 4.0
@@ -115,5 +115,35 @@ static void test_spindle_that_turns_back_leaves_numbers(void)
     cut_helix(5.01, 12.0, 1);
     for (int k = 0; k < sim_sections_places; k++) {
         TEST_ASSERT_TRUE(fabs(s.section[0][k].e_mm) < 0.01);
+    }
+}
+
+/// A window of 30 degrees, from 1 to 3 mm: nothing in it, nothing across it, all beside it.
+static void test_window_is_not_bridged(void)
+{
+    const double per_turn = 480.0;
+    for (int i = 0; i <= (int)(40.0 * per_turn); i++) {
+        const double turn = i / per_turn;
+        const double z_mm = FEED_MM * turn;
+        const double place = turn - floor(turn);
+        if (place > 0.25 && place < 0.25 + 30.0 / 360.0 && z_mm > 1.0 && z_mm < 3.0) {
+            sim_sections_skip(&s, turn);
+        } else {
+            sim_sections_touch(&s, turn, z_mm, surface_mm(turn, z_mm), true);
+        }
+    }
+    for (int k = 0; k < sim_sections_places; k++) {
+        const double turn = (double)k / sim_sections_places;
+        const bool is_in = turn > 0.25 && turn < 0.25 + 30.0 / 360.0;
+        const bool is_beside =
+            turn > 0.25 - 2.1 / per_turn && turn < 0.25 + 30.0 / 360.0 + 2.1 / per_turn;
+        const double e_mm = s.section[1][k].e_mm;
+        if (is_in) {
+            TEST_ASSERT_TRUE(isnan(e_mm));
+        } else if (!is_beside || !isnan(e_mm)) {
+            TEST_ASSERT_DOUBLE_WITHIN(0.0043 * 0.4e-3 + 1e-9, surface_mm(turn, 2.0), e_mm);
+        }
+        TEST_ASSERT_FALSE(isnan(s.section[0][k].e_mm)); // below the window
+        TEST_ASSERT_FALSE(isnan(s.section[2][k].e_mm)); // above it
     }
 }

@@ -333,7 +333,7 @@ def _with_recipe(corner: Corner, part: SkirtPart, heights_mm: Floats) -> Corner:
     if wish.ends == "as-paper" and np.ptp(corner.joint_deg(corner.joint_deg.x)) > 0:
         problem = 'ends = "as-paper" is defined for one joint angle only'
         raise GeometryError("piston.section.refit.ends", problem, 'use "mirror"')
-    limit_um = wish.deviation_um or REFIT_SHARE * part.process.form_error_um
+    limit_um = wish.deviation_um or REFIT_SHARE * part.tightest_um
     found = _judged(corner, wish, rpm)
     if wish.delete == "optimise":
         best = best_of(found, jerk_limit_of(wish.ends, wish.jerk_limit_mm_s3), limit_um)

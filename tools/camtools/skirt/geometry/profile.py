@@ -14,7 +14,8 @@ from scipy.interpolate import PPoly
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import UM_PER_MM, Floats, rounded_up
 from camtools.base.text import Json
-from camtools.part.common import Tolerances
+from camtools.part.areas import ZonedTolerances
+from camtools.part.common import SectionTolerances
 from camtools.part.smoothing import (
     PeakChange,
     band_words,
@@ -135,7 +136,7 @@ def smoothing_takes_um(part: SkirtPart) -> float:
     return sum(_taken_by_curve_um(part).values(), 0.0)
 
 
-def tolerances_left(part: SkirtPart) -> Tolerances:
+def tolerances_left(part: SkirtPart) -> ZonedTolerances:
     """Return the tolerances of the sheets less what smoothing may take of each."""
     stated, taken = part.tolerances, _taken_by_curve_um(part)
     if not taken:
@@ -148,12 +149,13 @@ def tolerances_left(part: SkirtPart) -> Tolerances:
         "straightness_um": 2 * radius_um,
         "taper_um": _taper_um(part),
     }
-    left = {
-        name: max(0.0, getattr(stated, name) - um)
-        for name, um in takes.items()
-        if getattr(stated, name) is not None
-    }
-    return stated.model_copy(update=left)
+
+    def less(of: SectionTolerances) -> dict[str, float]:
+        given = {name: getattr(of, name, None) for name in takes}  # a zone has no taper
+        return {name: max(0.0, um - takes[name]) for name, um in given.items() if um is not None}
+
+    zones = [zone.model_copy(update=less(zone)) for zone in stated.zones]
+    return stated.model_copy(update=less(stated) | {"zones": zones})
 
 
 def _taper_um(part: SkirtPart) -> float:
@@ -171,7 +173,7 @@ def check_smoothing(part: SkirtPart) -> None:
     if found:
         worst = max(found, key=lambda name: found[name])
         field = f"piston.{worst}.smooth_um"
-        check_share(field, sum(found.values()), part.process.form_error_um)
+        check_share(field, sum(found.values()), part.tightest_um)
 
 
 def profile_spline(profile: Profile | PowerProfile) -> PPoly:

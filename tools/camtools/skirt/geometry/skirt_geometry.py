@@ -254,6 +254,11 @@ class Geometry:
         """Return a(z), a'(z) or a''(z) [mm, mm/mm, mm/mm^2] with the shape of z_mm."""
         return np.asarray(self.radius(z_mm, nu=derivative), dtype=np.float64)
 
+    def drawn_mm(self, turn: Floats, z_mm: Floats) -> Floats:
+        """Return the radius of the drawing [mm] at turns and heights of the same shape."""
+        reduction = self.drawing.delta(2 * np.pi * turn, z_mm).delta
+        return np.asarray(self.radius_mm(z_mm) - reduction, dtype=np.float64)
+
     def ovality_mm(self, z_mm: FloatsLike | Sequence[float]) -> Floats:
         """Return G(z) [mm] with the shape of z_mm."""
         return np.asarray(self.ovality(z_mm), dtype=np.float64)

@@ -9,9 +9,11 @@ from collections.abc import Sequence
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import Field, Tag, ValidationInfo, field_validator, model_validator
+from pydantic import AliasChoices, Field, Tag, ValidationInfo, field_validator, model_validator
 
-from camtools.part.common import FeedLaw, Machine, PartInfo, SectionProcess, Tolerances, Tool
+from camtools.part.areas import MAX_WINDOWS, Area, Window, ZonedTolerances
+from camtools.part.common import FeedLaw, Machine, PartInfo, SectionProcess, Tool
+from camtools.part.datum import Datum
 from camtools.part.model import TomlTable, wrong
 from camtools.skirt.part.curves import LAW_OR_POINTS, PeakOvality, PowerProfile
 from camtools.skirt.part.keys import (
@@ -39,6 +41,12 @@ class Piston(TomlTable):
         | None
     ) = None
     antithrust: Antithrust | None = None
+    datum: Datum | None = None
+    windows: list[Window] = Field(
+        default_factory=list,
+        max_length=MAX_WINDOWS,
+        validation_alias=AliasChoices("window", "windows"),
+    )
 
     @field_validator("ovality")
     @classmethod
@@ -54,6 +62,11 @@ class Piston(TomlTable):
             problem = f'has no meaning for shape = "{section.shape}": the points determine it'
             raise wrong("extra_ovality", problem, "remove [piston.ovality]")
         return value
+
+    @property
+    def window_areas(self) -> tuple[Area, ...]:
+        """Return all windows, those on opposite sides apart."""
+        return tuple(area for window in self.windows for area in window.areas)
 
     @model_validator(mode="after")
     def _check_together(self) -> Self:
@@ -183,7 +196,7 @@ class SkirtPart(TomlTable):
     machine: Machine = Field(default_factory=Machine)
     tool: Tool = Field(default_factory=Tool)
     magnify: Magnify | None = None
-    tolerances: Tolerances = Field(default_factory=Tolerances)
+    tolerances: ZonedTolerances = Field(default_factory=ZonedTolerances)
 
     @model_validator(mode="after")
     def _take_mean_feed(self) -> Self:
@@ -195,6 +208,12 @@ class SkirtPart(TomlTable):
             mean = process.model_copy(update={"feed_mm": law.mean_mm(*ends)})
             object.__setattr__(self, "process", mean)  # the model is frozen, and this is its making
         return self
+
+    @property
+    def tightest_um(self) -> float:
+        """Return the least form error that is accepted anywhere [um]."""
+        accepted_um = self.process.form_error_um
+        return min([accepted_um, *(z.tolerance_um(accepted_um) for z in self.tolerances.zones)])
 
     @property
     def height_mm(self) -> float:
@@ -247,6 +266,26 @@ def spread(
         heights[1:-1] = np.linspace(*ends_mm, _MOST)[1:-1]
     chosen = np.linspace(0, heights.size - 1, min(_MOST, heights.size)).round().astype(np.int64)
     return [round(float(mm), 6) for mm in heights[chosen]]
+
+
+_MOST_SECTIONS = 16  # of the gauge
+
+
+def with_zones(heights_mm: list[float], tolerances: ZonedTolerances) -> list[float]:
+    """Return heights of sections with the middle of each zone that has none of its own.
+
+    >>> skirt = {"name": "skirt", "from_mm": 4, "to_mm": 9}
+    >>> with_zones([0.5, 20.0], ZonedTolerances.model_validate({"zone": [skirt]}))
+    [0.5, 6.5, 20.0]
+    """
+    found = list(heights_mm)
+    for zone in tolerances.zones:
+        is_there = any(zone.from_mm <= z_mm <= zone.to_mm for z_mm in found)
+        middle_mm = (zone.from_mm + zone.to_mm) / 2
+        is_room = bool(found) and found[0] <= middle_mm <= found[-1]
+        if not is_there and is_room and len(found) < _MOST_SECTIONS:
+            found = sorted([*found, round(middle_mm, 6)])
+    return found
 
 
 def margin_mm(feed_mm: float) -> float:

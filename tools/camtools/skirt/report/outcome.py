@@ -207,6 +207,34 @@ def _control_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     return [ReportRow("controller's own error", f"{error_pair(control)} against the {played}")]
 
 
+def _zone_text(found: Json) -> str:
+    if not found["samples"]:
+        return "not cut"
+    verdict = "good" if found["is_good"] else "out of tolerance"
+    beyond_um = found["excess_um"]
+    of_band = beyond_um > max(0.0, found["max_um"] - found["tolerance_um"])
+    beyond = f", {length_text(beyond_um)} beyond its band" if of_band else ""
+    text = error_pair({"max": found["max_um"], "rms": found["rms_um"]})
+    at = f"{360 * found['max_at_turn']:.1f} degrees, height {found['max_at_z_mm']:.3f} mm"
+    return f"{verdict}: {text} at {at}; {length_text(found['tolerance_um'])} accepted{beyond}"
+
+
+def _zone_rows(outcome: SkirtOutcome) -> list[ReportRow]:
+    """Return the verdict of each zone of tolerance."""
+    zones = outcome.summary.get("zones", [])
+    return [ReportRow(f"zone {found['name']}", _zone_text(found)) for found in zones]
+
+
+def _window_rows(outcome: SkirtOutcome) -> list[ReportRow]:
+    windows = outcome.generated.part.piston.windows
+    if not windows:
+        return []
+    names = ", ".join(dict.fromkeys(window.name for window in windows))
+    margins = sorted({window.margin_mm for window in windows})
+    apart = " .. ".join(f"{margin:g}" for margin in dict.fromkeys((margins[0], margins[-1])))
+    return [ReportRow("windows", f"{names}: no verdict in them, nor within {apart} mm of an edge")]
+
+
 def _smoothing_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     part = outcome.generated.part
     found, noise = smoothing_facts(part.piston), noise_facts(part.piston)
@@ -272,6 +300,8 @@ ROWS = (
         "form error",
         lambda cut: form_text(cut.summary["form_error_um"], smoothing_takes_um(cut.generated.part)),
     ),
+    _zone_rows,
+    _window_rows,
     _correction_rows,
     _control_rows,
     pass_rows,

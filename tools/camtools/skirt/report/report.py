@@ -19,6 +19,7 @@ from camtools.base.quantities import (
     length_unit,
     omega_rad_s,
 )
+from camtools.part.datum import Datum
 from camtools.part.smoothing import sheet_note
 from camtools.plots.style import (
     BLUE,
@@ -329,7 +330,15 @@ def _is_even(cut: SkirtOutcome) -> bool:
 def _subject(cut: SkirtOutcome) -> Subject:
     part = cut.generated.part
     note = sheet_note(cut.summary["form_error_um"], smoothing_takes_um(part))
-    return Subject(True, True, tolerances=tolerances_left(part), note=note)
+    return Subject(
+        True,
+        True,
+        tolerances=tolerances_left(part),
+        note=note,
+        windows=part.piston.window_areas,
+        datum=part.piston.datum or Datum(),
+        drawn_mm=cut.generated.geometry.drawn_mm,
+    )
 
 
 _VIEWS: tuple[views.View[SkirtOutcome], ...] = (

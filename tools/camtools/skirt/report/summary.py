@@ -17,6 +17,7 @@ from camtools.base.quantities import NM_PER_MM, NM_PER_UM, Floats, omega_rad_s
 from camtools.base.text import Json
 from camtools.cut.feasibility import feasibility_of, tenth_below
 from camtools.measured.correction_step import round_text
+from camtools.part.areas import Zone
 from camtools.part.common import Tool
 from camtools.part.smoothing import share_text
 from camtools.skirt.geometry.corner import Corner
@@ -79,9 +80,31 @@ def drawing_of(part: SkirtPart, geometry: Geometry) -> Json:
     return _document(part, geometry, radius, geometry.drawing)
 
 
+def _zone(zone: Zone, taken_um: float) -> Json:
+    found: Json = zone.area.document() | {"name": zone.name}
+    if zone.form_error_um is not None:
+        found["tolerance_um"] = zone.form_error_um - taken_um
+    for key, um in (("lower_um", zone.lower_um), ("upper_um", zone.upper_um)):
+        if zone.height_mm is not None and um is not None:
+            slopes = np.diff(um) / np.diff(zone.height_mm)
+            pieces = np.stack([0 * slopes, 0 * slopes, slopes, np.array(um[:-1])])
+            found[key] = piecewise(PPoly(pieces, zone.height_mm))
+    return found
+
+
+def _areas_of(part: SkirtPart) -> Json:
+    """Return windows and zones, where a part has any; layout: host_sim/part/sim_area.h."""
+    taken_um = smoothing_takes_um(part)
+    lists = {
+        "windows": [area.document() for area in part.piston.window_areas],
+        "zones": [_zone(zone, taken_um) for zone in part.tolerances.zones],
+    }
+    return {name: found for name, found in lists.items() if found}
+
+
 def design_of(result: GeneratedSkirt) -> Json:
     """Return the drawing, by which a part is judged: corners and all measured points included."""
-    return drawing_of(result.part, result.geometry)
+    return drawing_of(result.part, result.geometry) | _areas_of(result.part)
 
 
 def target_of(result: GeneratedSkirt) -> Json:

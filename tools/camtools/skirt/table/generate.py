@@ -32,6 +32,7 @@ from camtools.skirt.table.accuracy import Accuracy, UnreachableError, choose_u, 
 from camtools.skirt.table.speed import SpeedTable, make_speed
 from camtools.skirt.tool.exact_shape import geometry_of, law_key, way_key
 from camtools.skirt.tool.nose import tip_geometry
+from camtools.skirt.tool.texture import check_texture
 from camtools.skirt.tool.turning import (
     Heel,
     check_heel,
@@ -208,6 +209,7 @@ def generate(
     shape is impossible, the tolerance is out of reach, or the machine is too weak.
     """
     passes = checked_passes(part, part.tool, tolerance_nm)
+    check_texture(passes[-1])
     geometry = _geometry_of(part, passes)
     if correction is not None:
         geometry = corrected(geometry, correction)
@@ -223,7 +225,7 @@ def _generated(
     heel = check_heel(geometry, part.tool, process.direction)
     air = with_run(geometry, process.run_in_mm, process.run_out_mm)
     tip = tip_geometry(air, part.tool)
-    most_nm = 0.0 if tolerance_nm else process.form_error_um * NM_PER_UM * CORNER_SHARE
+    most_nm = 0.0 if tolerance_nm else part.tightest_um * NM_PER_UM * CORNER_SHARE
     key = way_key(part, tolerance_nm), correction
     tolerance_u_nm, (u, accuracy_u) = recall(
         ("skirt u", key), lambda: _within(part, geometry, tip, tolerance_nm, most_nm)

@@ -28,16 +28,16 @@ def shape_key(part: SkirtPart) -> Hashable:
     section = part.piston.section
     names = [section.csv, *(entry.csv for entry in section.files or [])]
     files = tuple(file_state(name) for name in names if name is not None)
-    refit = f"{part.process.form_error_um!r}" if smoothed_curves(part.piston) else ""
+    refit = f"{part.tightest_um!r}" if smoothed_curves(part.piston) else ""
     if section.shape == "ellipse-arc":
-        refit = f"{part.process.spindle_rpm!r} {part.process.form_error_um!r}"
+        refit = f"{part.process.spindle_rpm!r} {part.tightest_um!r}"
     return part.piston.model_dump_json(), magnify, files, refit
 
 
 def way_key(part: SkirtPart, tolerance_nm: float | None) -> Hashable:
     """Return what the channels of u and x follow from."""
     process = part.process
-    runs = process.run_in_mm, process.run_out_mm, process.form_error_um
+    runs = process.run_in_mm, process.run_out_mm, part.tightest_um
     return shape_key(part), runs, part.tool.nose_radius_mm, tolerance_nm
 
 

@@ -1,0 +1,209 @@
+"""Windows without material and zones of tolerance: keys, gauge, correction, feed.
+
+The bore is checked as a cylinder in space, not by the angles of the gauge.
+"""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camtools.cli.mktables import main as mktables
+from camtools.skirt.tool.texture import feed_for_roughness_mm, roughness_um, scallop_um
+from tests.tools.cases.camsim_cases import cut
+from tests.tools.cases.part_cases import parse_part, refused
+
+PART = """\
+[part]
+name = "piston"
+kind = "piston"
+source = "Invented."
+[piston.profile]
+height_mm = [0, 40]
+diameter_mm = [92, 92]
+[piston.ovality]
+height_mm = [0, 40]
+ovality_mm = [0.2, 0.3]
+[process]
+spindle_rpm = 1500
+feed_mm = {feed_mm}
+form_error_um = 5
+[tool]
+nose_radius_mm = {nose_mm}
+{more}
+"""
+BORE = """\
+[[piston.window]]
+name = "pin bore"
+angle_deg = 90
+height_mm = 20
+diameter_mm = 16
+offset_mm = 1
+margin_mm = 0.5
+both_sides = true
+"""
+BOX = "[[piston.window]]\nangle_deg = 0\nwidth_deg = 30\nfrom_mm = 5\nto_mm = 9\n"
+OWN = "form_error_um = 9"
+
+
+def text_of(more: str, feed_mm: float = 0.5, nose_mm: float = 0.0) -> str:
+    """Return a part with more tables."""
+    return PART.format(more=more, feed_mm=feed_mm, nose_mm=nose_mm)
+
+
+def made(folder: Path, more: str, *words: str) -> Path:
+    """Return the table of a part with more tables."""
+    part = folder / "part.toml"
+    part.write_text(text_of(more))
+    assert mktables([str(part), "-o", str(folder / "made"), *words]) == 0
+    return folder / "made" / "piston.camtab"
+
+
+def zone(name: str, from_mm: float, to_mm: float, more: str = "") -> str:
+    """Return a zone of tolerance."""
+    ends = f"from_mm = {from_mm}\nto_mm = {to_mm}\n"
+    return f'[[tolerances.zone]]\nname = "{name}"\n{ends}{more}\n'
+
+
+def test_bore_is_not_gauged(tmp_path: Path) -> None:
+    """Surface points keep the margin from two cylinders of 16 mm, and come near to it."""
+    found = cut(made(tmp_path, BORE), "--feed", 0.5).surface
+    phi, z_mm, r_mm = 2 * np.pi * found["turn"], found["z_mm"], found["radius_mm"]
+    across_mm, along_mm = r_mm * np.cos(phi), r_mm * np.sin(phi)
+    for sign in (1, -1):  # angles rise from 90 degrees towards the negative side of 0 degrees
+        off_mm = np.hypot(across_mm + 1.0, z_mm - 20)[sign * along_mm > 0]
+        assert 8.5 < off_mm.min() < 8.5 + 0.5
+
+
+def test_material_beside_the_bore_is_removed(tmp_path: Path) -> None:
+    """The metal that is missing is that of two bores: their area on the surface times the depth."""
+    for name in "plain", "bored":
+        (tmp_path / name).mkdir()
+    tables = made(tmp_path / "plain", ""), made(tmp_path / "bored", BORE)
+    removed = [cut(table, "--feed", 0.1).summary["cut"]["removed_mm3"] for table in tables]
+    depth_mm = (
+        0.1 + 0.12
+    )  # at the short axis; of the bore's height and angles on average a little less
+    assert removed[0] - removed[1] == pytest.approx(2 * np.pi * 8**2 * depth_mm, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("zones", "is_good"),
+    [
+        ((zone("all", 0, 40, "form_error_um = 0.01"),), False),
+        ((zone("all", 0, 40, "form_error_um = 99"),), True),
+        ((zone("low", 0, 20, "form_error_um = 99"), zone("high", 20, 40)), False),
+        ((zone("low", 0, 20, "form_error_um = 99"), zone("high", 20, 40, OWN)), True),
+        ((zone("all", 0, 40, "height_mm = [0, 40]\nlower_um = [-50, -50]\nupper_um = [50, 50]\n"
+          "form_error_um = 99"),), True),
+        ((zone("all", 0, 40, "height_mm = [0, 40]\nlower_um = [-50, -50]\nupper_um = [-40, 50]\n"
+          "form_error_um = 99"),), False),
+    ],
+)  # fmt: skip
+def test_zone_decides_the_verdict(tmp_path: Path, zones: tuple[str, ...], is_good: bool) -> None:
+    """The cut errs by some nanometres everywhere; the part accepts 1, its zones what they say."""
+    table = made(tmp_path, "".join(zones))
+    words = ("--tolerance-um", "0.001", "--feed", "0.5")
+    summary = cut(table, *words, status=0 if is_good else 1).summary
+    assert summary["is_good"] is is_good
+    largest_um = max(found["max_um"] for found in summary["zones"])
+    assert largest_um == pytest.approx(summary["form_error_um"]["max"], rel=1e-12)
+    samples = sum(found["samples"] for found in summary["zones"])
+    assert samples == pytest.approx(summary["cut"]["samples"], rel=1e-3)
+
+
+def test_points_in_a_window_do_not_correct(tmp_path: Path) -> None:
+    """A gauge that dives into the bore by 0.3 mm changes nothing of the correction."""
+    turn, z_mm = (axis.ravel() for axis in np.meshgrid(np.arange(720) / 720, np.arange(1, 40, 1.5)))
+    off_um = 2 * np.cos(6 * np.pi * turn)
+    r_mm, phi = 46.0, 2 * np.pi * turn
+    is_in = np.hypot(r_mm * np.cos(phi) + 1.0, z_mm - 20) < 7
+    corrections: list[Any] = []
+    for name, dive_um in (("plain", 0.0), ("diving", -300.0)):
+        made(tmp_path, BORE)
+        rows = zip(turn, z_mm, off_um + np.where(is_in, dive_um, 0.0), strict=True)
+        text = "turn,z_mm,deviation_um\n" + "".join(f"{t},{z},{e}\n" for t, z, e in rows)
+        gauged = tmp_path / f"{name}.csv"
+        gauged.write_text(text)
+        words = ("--measured", str(gauged), "--previous", str(tmp_path / "made" / "piston.json"))
+        out = tmp_path / name
+        assert mktables([str(tmp_path / "part.toml"), "-o", str(out), *words]) == 0
+        corrections.append(json.loads((out / "piston.json").read_text())["correction"]["waves"])
+    assert corrections[0] == corrections[1] and corrections[0]
+
+
+ZONE = zone("skirt", 0, 20)
+
+
+@pytest.mark.parametrize(
+    ("more", "line"),
+    [
+        (BORE.replace("diameter_mm = 16\n", ""), "piston.window.0: has height_mm; give height"),
+        (BOX + "diameter_mm = 3\n", "window.0: has width_deg, from_mm, to_mm, diameter_mm; "),
+        (BOX.replace("= 9", "= 5"), "window.0.to_mm = 5.0: must be above from_mm = 5; exchange"),
+        (BOX.replace("30", "361"), "piston.window.0.width_deg = 361"),
+        (ZONE + zone("skirt", 20, 40), 'tolerances.zone: has "skirt" twice; give every zone'),
+        (ZONE + zone("top", 19, 40), 'tolerances.zone: "skirt" and "top" overlap; change their'),
+        (ZONE + "width_deg = 90\nroundness_um = 1\n", "zone.0.roundness_um = 1.0: needs a zone all"),
+        (ZONE + "height_mm = [0, 9]\nlower_um = [1, 2]\n", "has a band of height_mm with 2, lower"),
+        (ZONE + "height_mm = [0, 9]\nlower_um = [1, 2]\nupper_um = [2, 2]\n", "lower_um = 2.0: must"),
+    ],
+)  # fmt: skip
+def test_wrong_areas_are_refused(more: str, line: str) -> None:
+    """Each with its place and a remedy."""
+    assert line in refused(lambda: parse_part(text_of(more).encode(), "part.toml"))
+
+
+def test_opposite_areas_do_not_overlap() -> None:
+    """Two sides at the same height, which share an edge, are two zones."""
+    sides = ZONE + "width_deg = 180\n" + zone("other", 0, 20, "angle_deg = 180\nwidth_deg = 180")
+    assert len(parse_part(text_of(sides).encode(), "part.toml").tolerances.zones) == 2
+
+
+@pytest.mark.parametrize(("feed_mm", "nose_mm"), [(0.05, 0.4), (0.2, 0.8), (0.5, 3.0)])
+def test_roughness_is_that_of_the_arcs(feed_mm: float, nose_mm: float) -> None:
+    """Arcs of the nose, sampled: height and mean distance from the mean line."""
+    x_mm = (np.arange(200_000) + 0.5) / 200_000 * feed_mm - feed_mm / 2
+    y_um = 1e3 * (nose_mm - np.sqrt(nose_mm**2 - x_mm**2))
+    share = (feed_mm / nose_mm) ** 2 / 16
+    ra_um = float(np.abs(y_um - y_um.mean()).mean())
+    assert roughness_um(feed_mm, nose_mm) == pytest.approx(ra_um, rel=share + 1e-6)
+    assert scallop_um(feed_mm, nose_mm) == pytest.approx(np.ptp(y_um), rel=1e-4)
+    back_mm = feed_for_roughness_mm(roughness_um(feed_mm, nose_mm), nose_mm)
+    assert back_mm == pytest.approx(feed_mm, rel=1e-12)
+
+
+ROUGH = "[tolerances]\nroughness_um = 2\n" + zone("skirt", 0, 20, "scallop_um = 3")
+
+
+def test_feed_that_leaves_too_much_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Per zone, with the largest feed; the law that is proposed makes a table, a larger one none.
+
+    3 um of scallop with a nose of 0.8 mm: 2 sqrt(2 r h - h^2); Ra of 2 um: f^2 / (18 sqrt(3) r).
+    """
+    part, out = tmp_path / "part.toml", tmp_path / "made"
+    scallop_mm = 2 * np.sqrt(2 * 0.8 * 0.003 - 0.003**2)
+    ra_mm = np.sqrt(0.002 * 18 * np.sqrt(3) * 0.8)
+    part.write_text(text_of(ROUGH, 0.2, 0.8))
+    assert mktables([str(part), "-o", str(out)]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert "process.feed_mm = 0.2: leaves scallops of 6.27 um and Ra 1.6 um in zone skirt" in line
+    assert f"feed at most {np.floor(scallop_mm * 1e4) / 1e4:g} mm there" in line
+    assert mktables([str(part), "-o", str(out), "--propose-feed"]) == 0
+    law = capsys.readouterr().out
+    highest = [float(text) for text in law.splitlines()[2].split("[")[1][:-1].split(",")]
+    assert min(highest) == pytest.approx(scallop_mm, abs=1e-4)
+    assert max(highest) == pytest.approx(ra_mm, abs=1e-4)
+    plain = text_of(ROUGH, 0.2, 0.8).replace("feed_mm = 0.2\n", "")
+    for factor, status in ((1.0, 0), (1.01, 2)):
+        feeds = ", ".join(f"{factor * feed:g}" for feed in highest)
+        own = [*law.splitlines()[:2], f"feed_mm = [{feeds}]"]
+        part.write_text(plain + "\n".join(own) + "\n")
+        assert mktables([str(part), "-o", str(out)]) == status
+    part.write_text(text_of(ROUGH, 0.2))
+    assert mktables([str(part), "-o", str(out)]) == 2
+    assert "tool.nose_radius_mm: is missing: limits of scallop_um" in capsys.readouterr().err
