@@ -66,6 +66,26 @@ static const char *form_remedy(const sim_cut_t *cut)
                : "match the controller to the machine, or cut slower";
 }
 
+/// Name the place that is out of tolerance: a zone, or the surface beside zones.
+static void explain_form(const sim_cut_t *cut, const char *table, common_error_t *e)
+{
+    const sim_session_t *s = &cut->session;
+    const sim_areas_t *areas = &s->design.areas;
+    for (int i = 0; i < areas->n_zones; i++) {
+        const sim_zone_t *zone = &areas->zone[i];
+        if (zone->excess_um > 0.0) {
+            (void)common_error(e,
+                               "%s: zone %s: the form error exceeds its tolerance by %.3f um; %s",
+                               table, zone->name, zone->excess_um, form_remedy(cut));
+            return;
+        }
+    }
+    (void)common_error(
+        e, "%s: form error %.3f um is beyond --tolerance-um %.6g%s; %s", table,
+        areas->n_zones > 0 ? areas->excess_um + s->options.tolerance_um : s->work.max_um,
+        s->options.tolerance_um, areas->n_zones > 0 ? " beside the zones" : "", form_remedy(cut));
+}
+
 int camsim_judge_cut(const sim_cut_t *cut, const char *table, common_error_t *e)
 {
     const sim_session_t *s = &cut->session;
@@ -96,8 +116,7 @@ int camsim_judge_cut(const sim_cut_t *cut, const char *table, common_error_t *e)
                            "--tolerance-um %.6g; leave more allowance_um, or cut it slower",
                            table, s->options.tolerance_um);
     } else {
-        (void)common_error(e, "%s: form error %.3f um is beyond --tolerance-um %.6g; %s", table,
-                           s->work.max_um, s->options.tolerance_um, form_remedy(cut));
+        explain_form(cut, table, e);
     }
     return camsim_not_good;
 }

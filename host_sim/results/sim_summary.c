@@ -72,6 +72,9 @@ void sim_summary_errors(cJSON *root, const sim_session_t *s)
 {
     cJSON *form = add_errors(root, "form_error_um", s, &s->work);
     sim_summary_number(form, "tolerance", s->options.tolerance_um);
+    if (s->design.areas.n_zones > 0) {
+        sim_summary_sampled(form, s, "excess", s->design.areas.excess_um);
+    }
     if (s->design.shape != sim_shape_lobes) {
         sim_summary_sampled(form, s, "turned_urad", sim_work_turned_rad(&s->work) * 1e6);
         sim_summary_sampled(form, s, "rms_not_turned", sim_work_shape_rms_um(&s->work));

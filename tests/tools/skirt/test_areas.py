@@ -5,15 +5,19 @@ The bore is checked as a cylinder in space, not by the angles of the gauge.
 
 import json
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from camtools.cli.mktables import main as mktables
+from camtools.report.text import verdict_of
+from camtools.sim.results import AnyCut
 from camtools.skirt.tool.texture import feed_for_roughness_mm, roughness_um, scallop_um
 from tests.tools.cases.camsim_cases import cut
 from tests.tools.cases.part_cases import parse_part, refused
+from tests.tools.cases.report_cases import made_up_summary
 
 PART = """\
 [part]
@@ -106,12 +110,32 @@ def test_zone_decides_the_verdict(tmp_path: Path, zones: tuple[str, ...], is_goo
     """The cut errs by some nanometres everywhere; the part accepts 1, its zones what they say."""
     table = made(tmp_path, "".join(zones))
     words = ("--tolerance-um", "0.001", "--feed", "0.5")
-    summary = cut(table, *words, status=0 if is_good else 1).summary
+    result = cut(table, *words, status=0 if is_good else 1)
+    summary = result.summary
     assert summary["is_good"] is is_good
+    assert (": zone " in result.message) is not is_good
     largest_um = max(found["max_um"] for found in summary["zones"])
     assert largest_um == pytest.approx(summary["form_error_um"]["max"], rel=1e-12)
     samples = sum(found["samples"] for found in summary["zones"])
     assert samples == pytest.approx(summary["cut"]["samples"], rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("excess_um", "is_good", "words"),
+    [
+        (-0.5, True, "form error 3 µm is within what each zone accepts"),
+        (0.5, False, "out of tolerance in zone belt"),
+        (0.5, True, "out of tolerance beside the zones"),
+    ],
+)
+def test_report_names_the_zone(excess_um: float, is_good: bool, words: str) -> None:
+    """A part with 3 um is good where its zone accepts them, though the part accepts 1."""
+    form = {"max": 3.0, "rms": 1.0, "tolerance": 1.0, "excess": excess_um}
+    summary = made_up_summary(form_error_um=form)
+    summary |= {"zones": [{"name": "belt", "is_good": is_good}], "is_good": excess_um < 0}
+    found = SimpleNamespace(summary=summary, has_fault=False, is_good=excess_um < 0)
+    verdict = verdict_of(cast(AnyCut, found))
+    assert (words in verdict.sentence, verdict.kind) == (True, "good" if excess_um < 0 else "poor")
 
 
 def test_points_in_a_window_do_not_correct(tmp_path: Path) -> None:
@@ -135,6 +159,7 @@ def test_points_in_a_window_do_not_correct(tmp_path: Path) -> None:
 
 
 ZONE = zone("skirt", 0, 20)
+BAND = "height_mm = [0, 9]\nlower_um = [1, 2]\nupper_um = [2, 2]\n"
 
 
 @pytest.mark.parametrize(
@@ -146,9 +171,9 @@ ZONE = zone("skirt", 0, 20)
         (BOX.replace("30", "361"), "piston.window.0.width_deg = 361"),
         (ZONE + zone("skirt", 20, 40), 'tolerances.zone: has "skirt" twice; give every zone'),
         (ZONE + zone("top", 19, 40), 'tolerances.zone: "skirt" and "top" overlap; change their'),
-        (ZONE + "width_deg = 90\nroundness_um = 1\n", "zone.0.roundness_um = 1.0: needs a zone all"),
+        (ZONE + "width_deg = 90\nroundness_um = 1\n", "roundness_um = 1.0: needs a zone all"),
         (ZONE + "height_mm = [0, 9]\nlower_um = [1, 2]\n", "has a band of height_mm with 2, lower"),
-        (ZONE + "height_mm = [0, 9]\nlower_um = [1, 2]\nupper_um = [2, 2]\n", "lower_um = 2.0: must"),
+        (ZONE + BAND, "lower_um = 2.0: must"),
     ],
 )  # fmt: skip
 def test_wrong_areas_are_refused(more: str, line: str) -> None:

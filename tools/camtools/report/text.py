@@ -97,8 +97,18 @@ def verdict_of(outcome: AnyCut, out: Sequence[str] = ()) -> Verdict:
     found = f"largest form error {length_text(form['max'])}"
     allowed = f"tolerance of {length_text(form['tolerance'])}"
     within = f"The {found} is within the {allowed}"
-    if form["max"] > form["tolerance"]:
-        return Verdict("poor", "out of tolerance", f"The {found} is above the {allowed}.")
+    zones = summary.get("zones", [])
+    if zones:
+        within = f"The {found} is within what each zone accepts"
+    if form.get("excess", form["max"] - form["tolerance"]) > 0:
+        bad = [zone["name"] for zone in zones if not zone.get("is_good", True)]
+        where = f"in zone {_named(bad)}" if bad else "beside the zones" if zones else ""
+        why = (
+            f"The surface is out of tolerance {where}."
+            if where
+            else f"The {found} is above the {allowed}."
+        )
+        return Verdict("poor", "out of tolerance", why)
     if summary["end"] != "done":
         cut = summary["cut"]
         turns = f"{cut['turns']:.0f} of {cut['planned_turns']:.0f} turns were cut"
