@@ -225,8 +225,8 @@ class NumberTable:
         raise self.refusal(row, f"has {has}, {expected}", remedy)
 
     def _no_number(self, row: int, column: Column, *, is_finite: bool) -> InputError:
-        name = f" ({self.names[column.place]})" if self.names else ""
-        cell = f"cell {column.place + 1}{name}"
+        heading = self.names[column.place] if self.names else ""
+        cell = f"cell {column.place + 1} ({heading})" if heading else f"cell {column.place + 1}"
         if is_finite:
             most = _MOST / abs(column.per_unit)
             return self.refusal(row, f"{cell} is beyond {most:.6g}", "correct the number")

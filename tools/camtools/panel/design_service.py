@@ -89,7 +89,7 @@ class DesignService:
             return  # the text is no part yet, which is shown beside it
         for name, data in found.items():
             if not (self.library.folder(OWN_PARTS) / name).exists():
-                self.library.save_csv(name, data, replaces=False)
+                self.library.save_file(name, data, replaces=False)
 
     def last_took_s(self, folder: Path) -> float | None:
         """Return how long the last run of the same part on the same machine took [s]."""
@@ -145,7 +145,7 @@ def _files(names: list[str], folder: Path) -> dict[str, bytes]:
                 found[name] = stream.read(_MAX_FILE_BYTES)
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or str(error)
-            raise CamtoolsError([f"csv = {name!r}: cannot be read: {reason}"]) from error
+            raise CamtoolsError([f"{name!r}: cannot be read: {reason}"]) from error
     return found
 
 

@@ -128,7 +128,7 @@ class Process(TomlTable):
     feed_mm: FeedMm = Field(
         description="per turn, at most the height of the part with its runs; with "
         "`[process.feed_law]` its mean, which is left out",
-        json_schema_extra={"x-or": "feed_law"},
+        json_schema_extra={"x-or": ["feed_law"]},
     )
     depth_mm: float = Field(0.1, ge=0, le=100, description="cutting depth at the long axis")
     direction: Literal[1, -1] = Field(

@@ -127,12 +127,22 @@ def beside_the_part(value: str | None, info: ValidationInfo) -> str | None:
     """
     context = info.context or {}
     folder = context.get("folder")
+    if value is not None and is_step(value):
+        raise wrong("step", *STEP)
     if value is None or folder is None:
         return value
     if context.get("is_confined") and not is_inside(value, Path(folder)):
         remedy = "give the name of a file in the folder of the part, without .. or links"
         raise wrong("outside", "leads out of the folder of the part", remedy)
     return str(Path(folder) / value)
+
+
+STEP = "STEP files are out of scope", "export the half profile as DXF, or points as CSV"
+
+
+def is_step(name: str) -> bool:
+    """Return whether the name of a file is that of a model in STEP."""
+    return name.lower().endswith((".step", ".stp"))
 
 
 def is_inside(name: str, folder: Path) -> bool:
@@ -210,16 +220,18 @@ def read_tree(data: bytes, file: str) -> dict[str, Any]:
         raise InputError(file, "", None, problem, remedy) from error
 
 
+FILE_KEYS = ("csv", "dxf")  # each names a file, in whatever table it stands
+
+
 def files_named(tree: object) -> list[str]:
     """Return the paths of all files that the tables of a part file name."""
     if isinstance(tree, list):
         return [name for entry in tree for name in files_named(entry)]
     if not isinstance(tree, dict):
         return []
-    own = [tree["csv"]] if isinstance(tree.get("csv"), str) else []
-    return own + [
-        name for key, entry in tree.items() if key != "csv" for name in files_named(entry)
-    ]
+    own = [tree[key] for key in FILE_KEYS if isinstance(tree.get(key), str)]
+    others = (entry for key, entry in tree.items() if key not in FILE_KEYS)
+    return own + [name for entry in others for name in files_named(entry)]
 
 
 def validated(
@@ -234,6 +246,8 @@ def validated(
 
 def read_part_file(path: Path) -> bytes:
     """Return the content of a part file, or refuse what cannot be read or is too large."""
+    if is_step(path.name):
+        raise InputError(str(path), "", None, *STEP)
     try:
         return read_limited(path, MAX_FILE_BYTES)
     except (OSError, ValueError) as error:

@@ -123,11 +123,13 @@ class Keys:
             elif not word.startswith("x-") and word != "title" and value is not None:
                 found[word] = list(value) if word == "required" else value
         keys = node.get("properties", {})
-        for key in list(found.get("required", ())):
-            alternative = keys[key].get("x-or")
-            if alternative in keys:  # it stands for the key
-                found["required"].remove(key)
-                found["anyOf"] = [{"required": [key]}, {"required": [alternative]}]
+        needed = found.get("required", [])
+        others = {key: [one for one in keys[key].get("x-or", ()) if one in keys] for key in needed}
+        left_out = [key for key in needed if others[key]]
+        if left_out:  # each of the others stands for all of them
+            found["required"] = [key for key in needed if key not in left_out]
+            either = [left_out, *([other] for other in others[left_out[0]])]
+            found["anyOf"] = [{"required": names} for names in either]
         meaning, unit = plain(_meaning_of(node)), unit_of(name) if name else ""
         text = f"{meaning} [{unit}]" if unit and not meaning.endswith("]") else meaning
         return found | ({"description": text.strip()} if text else {})

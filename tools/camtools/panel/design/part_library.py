@@ -20,8 +20,9 @@ EXAMPLES = ROOT / "tools" / "parts"
 EXAMPLE, OWN = "example", "own"
 MOST_PARTS = 1000
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,30}\Z")
-_CSV_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,60}\.csv\Z")
-_MAX_CSV_BYTES = 20_000_000
+FILE_ENDS = (".csv", ".dxf")
+_FILE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,60}\.(csv|dxf)\Z")
+_MAX_FILE_BYTES = 20_000_000
 
 
 def checked_name(name: str) -> str:
@@ -83,13 +84,13 @@ class PartLibrary:
             raise CamtoolsError([f"{problem}; put long lists into a CSV file"])
         self._write(f"{name}.toml", data)
 
-    def save_csv(self, name: str, data: bytes, *, replaces: bool) -> None:
-        """Write a CSV file that parts of one's own may name; errors as `save`."""
-        if not _CSV_NAME.match(name):
-            remedy = "use letters, digits, _, - and ., and the ending .csv"
+    def save_file(self, name: str, data: bytes, *, replaces: bool) -> None:
+        """Write a CSV or DXF file that parts of one's own may name; errors as `save`."""
+        if not _FILE_NAME.match(name):
+            remedy = "use letters, digits, _, - and ., and the ending .csv or .dxf"
             raise CamtoolsError([f"name {name[:40]!r}: not usable; {remedy}"])
-        if len(data) > _MAX_CSV_BYTES:
-            raise CamtoolsError([f"{name}: more than {_MAX_CSV_BYTES} bytes; give fewer points"])
+        if len(data) > _MAX_FILE_BYTES:
+            raise CamtoolsError([f"{name}: more than {_MAX_FILE_BYTES} bytes; give fewer points"])
         if (self._folder / name).exists() and not replaces:
             raise CamtoolsError([f"{name}: this file exists; give another name or replace it"])
         self._write(name, data)

@@ -10,7 +10,7 @@ from nicegui import background_tasks, events, ui
 from camtools.base.errors import CamtoolsError
 from camtools.base.files import utf8_text
 from camtools.panel.context import AppContext
-from camtools.panel.design.part_library import EXAMPLE, OWN, Draft
+from camtools.panel.design.part_library import EXAMPLE, FILE_ENDS, OWN, Draft
 from camtools.panel.design_service import DesignService, design_service_of
 from camtools.panel.orders.commander import Visitor
 from camtools.panel.page_frame import framed
@@ -76,7 +76,7 @@ class DesignPage:
             download.props("flat data-testid=download")
             with ui.row():
                 take = self._upload_later
-                file_button("Upload", ".toml,.csv", _MAX_UPLOAD_BYTES, "part-upload", take)
+                file_button("Upload", ".toml,.csv,.dxf", _MAX_UPLOAD_BYTES, "part-upload", take)
         self._list_parts()
 
     def _editors(self) -> None:
@@ -224,23 +224,24 @@ class DesignPage:
 
     async def _keep(self, data: bytes, file: str) -> bool:
         library, name = self._designs.library, file.removesuffix(".toml")
-        is_csv = file.endswith(".csv")
-        is_there = (library.folder(OWN) / file).exists() if is_csv else library.has(name)
-        if is_there and not await _may_replace(f"file {file[:60]}" if is_csv else f"part {name}"):
+        is_named = file.endswith(FILE_ENDS)  # by a part
+        is_there = (library.folder(OWN) / file).exists() if is_named else library.has(name)
+        if is_there and not await _may_replace(f"file {file[:60]}" if is_named else f"part {name}"):
             return False
-        if is_csv:
-            library.save_csv(file, data, replaces=is_there)
+        if is_named:
+            library.save_file(file, data, replaces=is_there)
         else:
             library.save(name, utf8_text(data, file), replaces=is_there)
         return True
 
     def _show_kept(self, file: str) -> None:
-        if not file.endswith(".csv"):
+        if not file.endswith(FILE_ENDS):
             self._sources.value = OWN
             self._list_parts()
             self._open(OWN, file.removesuffix(".toml"))
         else:
-            ui.notify(f"{file} is saved; use it in a part with csv = {file!r}", type="positive")
+            use = f"{file[-3:]} = {file!r}"
+            ui.notify(f"{file} is saved; use it in a part with {use}", type="positive")
             self._ask()
 
     async def _cut_this(self, options: RunOptions) -> str:

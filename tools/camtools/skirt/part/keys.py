@@ -8,7 +8,15 @@
 
 from typing import Annotated, ClassVar, Literal, Self
 
-from pydantic import Field, Tag, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    Field,
+    ModelWrapValidatorHandler,
+    PrivateAttr,
+    Tag,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from camtools.part.model import (
     LIST_OR_ONE,
@@ -25,9 +33,15 @@ from camtools.part.model import (
 )
 from camtools.part.smoothing import ORDER, SmoothUm
 from camtools.skirt.part.curves import DrawnSegment, Interpolation, Piece, SegmentError, join
+from camtools.skirt.part.imported import (
+    CurveFile,
+    DiameterMm,
+    OvalityFile,
+    ProfileFile,
+    given_by_file,
+)
+from camtools.skirt.part.over_height import MAX_POINTS
 
-MAX_POINTS = 1000
-DiameterMm = Annotated[float, Field(ge=1, le=4000)]
 OvalityMm = Annotated[float, Field(ge=0, le=4000)]
 SlopeMmPerMm = Annotated[float, Field(ge=-100, le=100)]
 USUAL_OVERSHOOT_UM = 1.0  # what a curve may leave its points by without a word
@@ -158,6 +172,26 @@ class _Drawn(TomlTable):
 
     VALUE: ClassVar[str]  # key of the listed values
     SCALE: ClassVar[int]  # of the curve's values in the listed ones: diameters are twice the radius
+    FILE: ClassVar[type[CurveFile]]  # whose keys stand for the lists
+
+    _understood: str = PrivateAttr("")
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _read_file(
+        cls, value: object, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo
+    ) -> Self:
+        """Put what a file gives in the place of the keys that name the file."""
+        given = given_by_file(cls.FILE, value, info) if isinstance(value, dict) else None
+        made = handler(value if given is None else given.keys)
+        if given is not None:
+            made._understood = given.words
+        return made
+
+    @property
+    def understood(self) -> str:
+        """Return how the file was understood that gave the curve, nothing without one."""
+        return self._understood
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -165,10 +199,10 @@ class _Drawn(TomlTable):
         return self.model_copy(update=added) if added else self
 
 
-class Profile(_Drawn):
+class Profile(ProfileFile, _Drawn):
     """[piston.profile]: long-axis diameter over skirt height."""
 
-    VALUE, SCALE = "diameter_mm", 2
+    VALUE, SCALE, FILE = "diameter_mm", 2, ProfileFile
 
     interpolation: Drawn = Field(
         "spline",
@@ -177,10 +211,12 @@ class Profile(_Drawn):
     )
     height_mm: Annotated[list[HeightMm], _LONG] = Field(
         description="skirt heights, 2 or more, rising by at least 0.01, at least 1 in all; the "
-        "table covers this range"
+        "table covers this range",
+        json_schema_extra={"x-or": ["csv", "dxf"]},
     )
     diameter_mm: Annotated[list[DiameterMm], _LONG] = Field(
-        description="long-axis diameter, one per height"
+        description="long-axis diameter, one per height",
+        json_schema_extra={"x-or": ["csv", "dxf"]},
     )
     spline: Literal["clamped", "not-a-knot", "natural"] = Field(
         "not-a-knot", description="ends of the cubic spline"
@@ -225,10 +261,10 @@ class Profile(_Drawn):
         return value
 
 
-class Ovality(_Drawn):
+class Ovality(OvalityFile, _Drawn):
     """[piston.ovality]: G = 2a - 2b over height; not with `shape = "table"` or `"points"`."""
 
-    VALUE, SCALE = "ovality_mm", 1
+    VALUE, SCALE, FILE = "ovality_mm", 1, OvalityFile
 
     interpolation: Drawn = Field(
         "linear",
@@ -236,10 +272,13 @@ class Ovality(_Drawn):
         "`trim_mm` and `joint_deg`, which are linear with segments",
     )
     height_mm: Annotated[list[HeightMm], _LONG] = Field(
-        description="as of the profile, whose range it covers; independent of the profile's heights"
+        description="as of the profile, whose range it covers; independent of its heights",
+        json_schema_extra={"x-or": ["csv"]},
     )
     ovality_mm: Annotated[list[OvalityMm], _LONG] = Field(
-        description="long minus short axis (diametral), one per height, below the smallest diameter"
+        description="long minus short axis (diametral), one per height, below the smallest "
+        "diameter",
+        json_schema_extra={"x-or": ["csv"]},
     )
     overshoot_um: OvershootUm = Field(
         USUAL_OVERSHOOT_UM,

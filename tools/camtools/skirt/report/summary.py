@@ -273,6 +273,16 @@ def segment_facts(piston: Piston) -> Json:
     }
 
 
+def import_facts(piston: Piston) -> Json:
+    """Return how the files were understood that give profile and ovality, nothing of lists."""
+    drawn = {"profile": piston.profile, "ovality": piston.ovality}
+    return {
+        name: curve.understood
+        for name, curve in drawn.items()
+        if isinstance(curve, Profile | Ovality) and curve.understood
+    }
+
+
 def _extras(result: GeneratedSkirt) -> Json:
     extras: Json = {}
     if result.geometry.corner is not None:
@@ -288,6 +298,7 @@ def _extras(result: GeneratedSkirt) -> Json:
         "smoothing": smoothing_facts,
         "noise": noise_facts,
         "segments": segment_facts,
+        "imported": import_facts,
     }
     known: Json = {name: facts_of(result.part.piston) for name, facts_of in facts.items()}
     known["sides"] = where_sides_meet(result.geometry)
@@ -347,6 +358,7 @@ def emit_text(summary: Json) -> str:
         f"limited by {feasible['decided_by']}\n"
         + _room_text(summary)
         + tool_text(summary["tool"])
+        + "".join(f"  {name} from {how}\n" for name, how in summary.get("imported", {}).items())
         + _segments_text(summary.get("segments", {}))
         + _smoothing_text(summary)
         + _profile_text(summary)
