@@ -85,6 +85,13 @@ void camsim_warn_of_design(const camsim_options_t *o);
 /// Print the results of a cut by the firmware.
 void camsim_print_cut(const sim_cut_t *cut, double wall_s);
 
+/// Name the place that is out of tolerance: a zone, or the surface beside all zones.
+void camsim_explain_form(const sim_session_t *s, const char *table, const char *remedy,
+                         common_error_t *e);
+
+/// Print what was found in each zone.
+void camsim_print_zones(const sim_session_t *s);
+
 /// Judge a cut by the firmware.
 /// @param table  path of the table
 /// @param e      the reason, when it is not good

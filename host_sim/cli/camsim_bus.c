@@ -35,6 +35,7 @@ static void print_summary(const sim_watch_t *w)
     if (s->work.n > 0u) {
         (void)printf("form error      max %.4f um, rms %.4f um (tolerance %.6g um)\n",
                      s->work.max_um, sim_work_rms_um(&s->work), s->options.tolerance_um);
+        camsim_print_zones(s);
     }
     (void)printf("machine time    %.3f s, %llu ticks heard\n", w->bus.time_s,
                  (unsigned long long)w->bus.n_syncs);
@@ -48,10 +49,7 @@ static int judge(const sim_watch_t *w, const char *table)
         return camsim_done;
     }
     if (w->end == sim_watch_done) {
-        (void)common_error(&e,
-                           "%s: form error %.3f um is beyond --tolerance-um %.6g; match the "
-                           "controller to the machine",
-                           table, s->work.max_um, s->options.tolerance_um);
+        camsim_explain_form(s, table, "match the controller to the machine", &e);
     } else {
         (void)common_error(&e, "%s: cut not completed: %s at %.3f s; see the trace", table,
                            sim_watch_end_name(w), w->bus.time_s);

@@ -39,6 +39,12 @@ static void explain_not_gauged(const sim_cut_t *cut, const char *table, common_e
             sim_cut_end_name(cut), remedy);
         return;
     }
+    if (cut->session.design.shape != sim_shape_lobes) {
+        (void)common_error(
+            e, "%s: not gauged: no sample in zone %s; feed less, or make the zone larger", table,
+            sim_session_zone_without_sample(&cut->session)->name);
+        return;
+    }
     const uint32_t i = sim_cut_lobe_without_turn(cut);
     const sim_lobe_t *lobe = &cut->session.design.lobes.lobe[i];
     const double high_mm = lobe->z_last_mm - lobe->z_first_mm;
@@ -66,24 +72,24 @@ static const char *form_remedy(const sim_cut_t *cut)
                : "match the controller to the machine, or cut slower";
 }
 
-/// Name the place that is out of tolerance: a zone, or the surface beside zones.
-static void explain_form(const sim_cut_t *cut, const char *table, common_error_t *e)
+void camsim_explain_form(const sim_session_t *s, const char *table, const char *remedy,
+                         common_error_t *e)
 {
-    const sim_session_t *s = &cut->session;
     const sim_areas_t *areas = &s->design.areas;
     for (int i = 0; i < areas->n_zones; i++) {
         const sim_zone_t *zone = &areas->zone[i];
         if (zone->excess_um > 0.0) {
             (void)common_error(e,
                                "%s: zone %s: the form error exceeds its tolerance by %.3f um; %s",
-                               table, zone->name, zone->excess_um, form_remedy(cut));
+                               table, zone->name, zone->excess_um, remedy);
             return;
         }
     }
-    (void)common_error(
-        e, "%s: form error %.3f um is beyond --tolerance-um %.6g%s; %s", table,
-        areas->n_zones > 0 ? areas->excess_um + s->options.tolerance_um : s->work.max_um,
-        s->options.tolerance_um, areas->n_zones > 0 ? " beside the zones" : "", form_remedy(cut));
+    const bool has_zones = areas->n_zones > 0;
+    const double most_um = has_zones ? areas->rest_um + s->options.tolerance_um : s->work.max_um;
+    (void)common_error(e, "%s: form error %.3f um is beyond --tolerance-um %.6g%s; %s", table,
+                       most_um, s->options.tolerance_um, has_zones ? " beside the zones" : "",
+                       remedy);
 }
 
 int camsim_judge_cut(const sim_cut_t *cut, const char *table, common_error_t *e)
@@ -116,7 +122,7 @@ int camsim_judge_cut(const sim_cut_t *cut, const char *table, common_error_t *e)
                            "--tolerance-um %.6g; leave more allowance_um, or cut it slower",
                            table, s->options.tolerance_um);
     } else {
-        explain_form(cut, table, e);
+        camsim_explain_form(s, table, form_remedy(cut), e);
     }
     return camsim_not_good;
 }

@@ -46,6 +46,19 @@ static void print_passes(const sim_cut_t *cut)
     }
 }
 
+void camsim_print_zones(const sim_session_t *s)
+{
+    for (int i = 0; i < s->design.areas.n_zones; i++) {
+        const sim_zone_t *zone = &s->design.areas.zone[i];
+        (void)printf("zone %-10s max %.4f um (tolerance %.6g um%s), %s\n", zone->name, zone->max_um,
+                     sim_zone_tolerance_um(zone, s->options.tolerance_um),
+                     zone->has_band ? " and a band" : "",
+                     zone->n == 0u            ? "not gauged"
+                     : zone->excess_um <= 0.0 ? "good"
+                                              : "out of tolerance");
+    }
+}
+
 void camsim_print_cut(const sim_cut_t *cut, double wall_s)
 {
     const sim_session_t *s = &cut->session;
@@ -57,6 +70,7 @@ void camsim_print_cut(const sim_cut_t *cut, double wall_s)
         (void)printf(
             "form error      max %.4f um, rms %.4f um against the %s (tolerance %.6g um)\n",
             s->work.max_um, sim_work_rms_um(&s->work), reference, s->options.tolerance_um);
+        camsim_print_zones(s);
         if (s->has_target) {
             (void)printf("control error   max %.4f um, rms %.4f um against what the table plays\n",
                          s->control.max_um, sim_work_rms_um(&s->control));

@@ -33,9 +33,13 @@ bool sim_cut_is_whole(const sim_cut_t *cut)
 
 bool sim_cut_is_gauged(const sim_cut_t *cut)
 {
-    const bool has_lobes = cut->session.design.shape == sim_shape_lobes && sim_cut_is_whole(cut);
-    return cut->session.work.n > 0u &&
-           (!has_lobes || sim_cut_lobe_without_turn(cut) == cut->session.design.lobes.n_lobes);
+    const sim_session_t *s = &cut->session;
+    if (s->work.n == 0u || !sim_cut_is_whole(cut)) {
+        return s->work.n > 0u;
+    }
+    return s->design.shape == sim_shape_lobes
+               ? sim_cut_lobe_without_turn(cut) == s->design.lobes.n_lobes
+               : sim_session_zone_without_sample(s) == NULL;
 }
 
 bool sim_cut_is_good(const sim_cut_t *cut)

@@ -127,7 +127,8 @@ bool sim_cut_is_whole(const sim_cut_t *cut);
 
 /// Check whether the surface was gauged; otherwise it is not known to be good.
 /// @return false when nothing was cut to full depth, or a complete part has a lobe that was not
-///         gauged all round; if the operator ends a cut early, the part that was cut counts
+///         gauged all round, or a zone without a sample; if the operator ends a cut early, the part
+///         that was cut counts
 bool sim_cut_is_gauged(const sim_cut_t *cut);
 
 /// The contact never returns to a dexel within a turn, so a lobe with as many samples as dexels was

@@ -198,6 +198,16 @@ bool sim_session_is_within(const sim_session_t *s)
     return has_zones ? s->design.areas.excess_um <= 0.0 : s->work.max_um <= s->options.tolerance_um;
 }
 
+const sim_zone_t *sim_session_zone_without_sample(const sim_session_t *s)
+{
+    for (int i = 0; i < s->design.areas.n_zones; i++) {
+        if (s->design.areas.zone[i].n == 0u) {
+            return &s->design.areas.zone[i];
+        }
+    }
+    return NULL;
+}
+
 double sim_session_following_rms_um(const sim_session_t *s)
 {
     return s->n_following > 0u ? sqrt(s->following_sum_um2 / (double)s->n_following) : 0.0;

@@ -118,6 +118,9 @@ sim_inject_t *sim_session_next_inject(sim_session_t *s, double now_s);
 /// @return whether the gauged surface is within its tolerances, those of zones included
 bool sim_session_is_within(const sim_session_t *s);
 
+/// @return the first zone in which nothing was judged; NULL when there is none
+const sim_zone_t *sim_session_zone_without_sample(const sim_session_t *s);
+
 /// @return [um] rms following error, 0 without samples
 double sim_session_following_rms_um(const sim_session_t *s);
 

@@ -147,7 +147,7 @@ void sim_watch_close(sim_watch_t *w)
 bool sim_watch_is_good(const sim_watch_t *w)
 {
     return w->end == sim_watch_stopped ||
-           (w->end == sim_watch_done && w->session.work.max_um <= w->session.options.tolerance_um);
+           (w->end == sim_watch_done && sim_session_is_within(&w->session));
 }
 
 const char *sim_watch_state(const sim_watch_t *w)

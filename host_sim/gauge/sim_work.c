@@ -107,13 +107,6 @@ void sim_work_remove(sim_work_t *w, double z_mm, double radius_mm, bool is_count
     w->last_z_mm = z_mm;
 }
 
-void sim_work_touch(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
-                    bool is_counted)
-{
-    sim_work_remove(w, z_mm, radius_mm, is_counted);
-    sim_work_judge(w, turn, z_mm, radius_mm, exact_mm, is_counted);
-}
-
 double sim_work_turned_rad(const sim_work_t *w)
 {
     return w->slope_um2 > 0.0 ? w->turned_um2 / w->slope_um2 : 0.0;

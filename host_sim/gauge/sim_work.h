@@ -63,17 +63,13 @@ typedef struct {
 void sim_work_init(sim_work_t *w, double blank_mm, double z_first_mm, double z_last_mm,
                    bool has_map);
 
-/// Take a sample of the tool tip.
-/// @param turn        [turn] 0 .. 1 from the long axis
-/// @param exact_mm    exact radius there
-/// @param is_counted  the sample belongs to the judged surface: full amplitude and depth
-void sim_work_touch(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
-                    bool is_counted);
-
 /// Count the metal that a sample removes. @param radius_mm  blank_mm where there is none
 void sim_work_remove(sim_work_t *w, double z_mm, double radius_mm, bool is_counted);
 
-/// Judge a sample without counting removed metal.
+/// Judge a sample of the tool tip.
+/// @param turn        [turn] 0 .. 1 from the long axis
+/// @param exact_mm    exact radius there
+/// @param is_counted  the sample belongs to the judged surface: full amplitude and depth
 void sim_work_judge(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
                     bool is_counted);
 

@@ -165,15 +165,16 @@ void sim_areas_judge(sim_areas_t *a, double turn, double z_mm, double radius_mm,
     while (i < a->n_zones && !sim_area_holds(&a->zone[i].area, turn, z_mm, radius_mm, 0.0)) {
         i++;
     }
-    const double most_um = i < a->n_zones
-                               ? judge_by(&a->zone[i], turn, z_mm, error_um, tolerance_um)
-                               : sim_abs(error_um) - tolerance_um;
+    const bool is_beside = i == a->n_zones;
+    const double most_um = is_beside ? sim_abs(error_um) - tolerance_um
+                                     : judge_by(&a->zone[i], turn, z_mm, error_um, tolerance_um);
     a->excess_um = most_um > a->excess_um ? most_um : a->excess_um;
+    a->rest_um = is_beside && most_um > a->rest_um ? most_um : a->rest_um;
 }
 
 void sim_areas_restart(sim_areas_t *a)
 {
-    a->excess_um = -INFINITY;
+    a->excess_um = a->rest_um = -INFINITY;
     for (int i = 0; i < a->n_zones; i++) {
         sim_zone_t *z = &a->zone[i];
         z->excess_um = -INFINITY;

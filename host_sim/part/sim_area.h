@@ -46,6 +46,7 @@ typedef struct {
     sim_area_t window[sim_areas_most_windows];
     sim_zone_t zone[sim_areas_most_zones];
     double excess_um; ///< largest excess of the whole surface, over what holds at its place
+    double rest_um;   ///< ... of the surface beside the zones
 } sim_areas_t;
 
 /// What a place of the surface is.

@@ -73,7 +73,9 @@ void sim_summary_errors(cJSON *root, const sim_session_t *s)
     cJSON *form = add_errors(root, "form_error_um", s, &s->work);
     sim_summary_number(form, "tolerance", s->options.tolerance_um);
     if (s->design.areas.n_zones > 0) {
+        const double rest_um = s->design.areas.rest_um;
         sim_summary_sampled(form, s, "excess", s->design.areas.excess_um);
+        (void)cJSON_AddBoolToObject(form, "is_good_beside_zones", rest_um <= 0.0);
     }
     if (s->design.shape != sim_shape_lobes) {
         sim_summary_sampled(form, s, "turned_urad", sim_work_turned_rad(&s->work) * 1e6);

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from camtools.cli.mktables import main as mktables
+from camtools.cli.run import main as run
 from camtools.report.text import verdict_of
 from camtools.sim.results import AnyCut
 from camtools.skirt.tool.texture import feed_for_roughness_mm, roughness_um, scallop_um
@@ -131,11 +132,19 @@ def test_zone_decides_the_verdict(tmp_path: Path, zones: tuple[str, ...], is_goo
 def test_report_names_the_zone(excess_um: float, is_good: bool, words: str) -> None:
     """A part with 3 um is good where its zone accepts them, though the part accepts 1."""
     form = {"max": 3.0, "rms": 1.0, "tolerance": 1.0, "excess": excess_um}
+    form["is_good_beside_zones"] = not is_good or excess_um < 0
     summary = made_up_summary(form_error_um=form)
     summary |= {"zones": [{"name": "belt", "is_good": is_good}], "is_good": excess_um < 0}
     found = SimpleNamespace(summary=summary, has_fault=False, is_good=excess_um < 0)
     verdict = verdict_of(cast(AnyCut, found))
     assert (words in verdict.sentence, verdict.kind) == (True, "good" if excess_um < 0 else "poor")
+
+
+def test_zone_without_a_sample_is_not_good(tmp_path: Path) -> None:
+    """A zone that a large feed steps over, or that lies in a window, was not judged."""
+    table = made(tmp_path, BOX + zone("inside", 6, 8, "angle_deg = 0\nwidth_deg = 10"))
+    result = cut(table, "--feed", "0.5", status=1)
+    assert "no sample in zone inside" in result.message and not result.summary["is_good"]
 
 
 def test_points_in_a_window_do_not_correct(tmp_path: Path) -> None:
@@ -168,6 +177,11 @@ BAND = "height_mm = [0, 9]\nlower_um = [1, 2]\nupper_um = [2, 2]\n"
         (BORE.replace("diameter_mm = 16\n", ""), "piston.window.0: has height_mm; give height"),
         (BOX + "diameter_mm = 3\n", "window.0: has width_deg, from_mm, to_mm, diameter_mm; "),
         (BOX.replace("= 9", "= 5"), "window.0.to_mm = 5.0: must be above from_mm = 5; exchange"),
+        (BOX.replace("= 5", "= 41").replace("= 9", "= 50"), "window.0: lies beside the"),
+        (BOX + "offset_mm = 1\n", "window.0.offset_mm = 1.0: has no meaning for a box; remove it"),
+        (BORE.replace("offset_mm = 1", "offset_mm = 40"), "window.0: does not lie within"),
+        (BORE.replace('"pin bore"', '"pin/bore"'), "use 1 to 30 letters, digits, spaces, _ and -"),
+        (zone("skirt", 0, 41), "tolerances.zone.0: must lie within the part's heights, 0 .. 40 mm"),
         (BOX.replace("30", "361"), "piston.window.0.width_deg = 361"),
         (ZONE + zone("skirt", 20, 40), 'tolerances.zone: has "skirt" twice; give every zone'),
         (ZONE + zone("top", 19, 40), 'tolerances.zone: "skirt" and "top" overlap; change their'),
@@ -181,9 +195,10 @@ def test_wrong_areas_are_refused(more: str, line: str) -> None:
     assert line in refused(lambda: parse_part(text_of(more).encode(), "part.toml"))
 
 
-def test_opposite_areas_do_not_overlap() -> None:
-    """Two sides at the same height, which share an edge, are two zones."""
-    sides = ZONE + "width_deg = 180\n" + zone("other", 0, 20, "angle_deg = 180\nwidth_deg = 180")
+def test_areas_with_a_common_edge_do_not_overlap() -> None:
+    """Two sides at the same height are two zones, whatever the rounding of their angles."""
+    sides = ZONE + "angle_deg = 10.1\nwidth_deg = 20.2\n"
+    sides += zone("other", 0, 20, "angle_deg = 30.3\nwidth_deg = 20.2")
     assert len(parse_part(text_of(sides).encode(), "part.toml").tolerances.zones) == 2
 
 
@@ -229,6 +244,15 @@ def test_feed_that_leaves_too_much_is_refused(
         own = [*law.splitlines()[:2], f"feed_mm = [{feeds}]"]
         part.write_text(plain + "\n".join(own) + "\n")
         assert mktables([str(part), "-o", str(out)]) == status
+    steep = "[process.feed_law]\nheight_mm = [0, 20, 40]\nfeed_mm = [0.05, 0.05, 1.9]\n"
+    part.write_text(plain + steep)
+    assert mktables([str(part), "-o", str(out)]) == 2
+    assert (
+        "leaves metal between the tracks in the part, heights 20 .. 40" in capsys.readouterr().err
+    )
+    part.write_text(text_of("[tolerances]\nroughness_um = 2\n", 0.2, 0.8))
+    assert run([str(part), "-o", str(out), "--feed", "0.3"]) == 2
+    assert "--feed = 0.3: leaves scallops of 14.2 um" in capsys.readouterr().err
     part.write_text(text_of(ROUGH, 0.2))
     assert mktables([str(part), "-o", str(out)]) == 2
     assert "tool.nose_radius_mm: is missing: limits of scallop_um" in capsys.readouterr().err

@@ -14,7 +14,7 @@ from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
 from camtools.cli.run import main as run
 from camtools.ngc.profile_program import segments
-from camtools.part.common import Tolerances
+from camtools.part.areas import ZonedTolerances
 from camtools.skirt.geometry.profile import (
     noise_facts,
     notable_overshoots,
@@ -403,7 +403,7 @@ def test_smoothing_beyond_the_form_error_is_refused() -> None:
 def test_tolerances_of_the_sheets_are_reduced() -> None:
     """A diameter by the whole residual, the form of a line by the same, no phase."""
     part = bent(100.0)
-    stated = Tolerances(diameter_um=50, straightness_um=1, phase_deg=1)
+    stated = ZonedTolerances(diameter_um=50, straightness_um=1, phase_deg=1)
     left = tolerances_left(part.model_copy(update={"tolerances": stated}))
     taken_um = 2 * smoothing_takes_um(part)
     assert left.diameter_um == pytest.approx(50 - taken_um)

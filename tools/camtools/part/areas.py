@@ -3,8 +3,6 @@
 >>> bore = Area(90.0, 0.0, 30.0, 30.0, 30.0, 0.0, 0.5)
 >>> bore.holds(np.array([0.25, 0.3, 0.31]), np.full(3, 30.0), np.full(3, 46.0)).tolist()
 [True, True, False]
->>> float(bore.outline(46.0)[0].max().round(3))
-0.303
 
 >>> bore = Window(angle_deg=90, height_mm=30, diameter_mm=25, both_sides=True)
 >>> [area.angle_deg for area in bore.areas]
@@ -13,22 +11,33 @@
 360.0
 """
 
+import re
 from collections.abc import Sequence
 from itertools import combinations
 from typing import Annotated, NamedTuple, Self
 
 import numpy as np
-from pydantic import AliasChoices, Field, StringConstraints, field_validator, model_validator
+from pydantic import AfterValidator, AliasChoices, Field, field_validator, model_validator
 
 from camtools.base.quantities import Bools, Floats
 from camtools.base.text import Json
 from camtools.part.common import SectionTolerances, Tolerances
 from camtools.part.model import HeightMm, Points, TomlTable, rising, wrong
 
-_OUTLINE_POINTS = 73
+_SAME_DEG = 1e-9
 MAX_WINDOWS = 32  # two areas each at most, host_sim/part/sim_area.h
 MAX_ZONES = 16
-AreaName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9 _-]{0,29}\z")]
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _-]{0,29}")
+
+
+def _checked_name(value: str) -> str:
+    if not _NAME.fullmatch(value):
+        remedy = "use 1 to 30 letters, digits, spaces, _ and -, a letter or digit first"
+        raise wrong("name", "not a usable name", remedy)
+    return value
+
+
+AreaName = Annotated[str, AfterValidator(_checked_name)]
 AngleDeg = Annotated[float, Field(ge=-360, le=360)]
 OffsetUm = Annotated[float, Field(ge=-1000, le=1000)]
 
@@ -63,19 +72,8 @@ class Area(NamedTuple):
     def overlaps(self, other: "Area") -> bool:
         """Return whether two boxes have more in common than an edge."""
         apart_deg = abs((self.angle_deg - other.angle_deg + 180) % 360 - 180)
-        is_beside = apart_deg >= (self.width_deg + other.width_deg) / 2
+        is_beside = apart_deg >= (self.width_deg + other.width_deg) / 2 - _SAME_DEG
         return self.low_mm < other.high_mm and other.low_mm < self.high_mm and not is_beside
-
-    def outline(self, radius_mm: float) -> tuple[Floats, Floats]:
-        """Return turns, which may leave 0 .. 1, and heights [mm] of its edge on a cylinder."""
-        middle = self.angle_deg / 360
-        if not self.diameter_mm:
-            half = self.width_deg / 720
-            turn = middle + half * np.array([-1.0, 1.0, 1.0, -1.0, -1.0])
-            return turn, np.array([self.low_mm] * 2 + [self.high_mm] * 2 + [self.low_mm])
-        t, reach_mm = np.linspace(0, 2 * np.pi, _OUTLINE_POINTS), self.diameter_mm / 2
-        across = np.clip((self.offset_mm + reach_mm * np.cos(t)) / radius_mm, -1, 1)
-        return middle + np.arcsin(across) / (2 * np.pi), self.low_mm + reach_mm * np.sin(t)
 
 
 class Window(TomlTable):
@@ -111,6 +109,9 @@ class Window(TomlTable):
             raise wrong("window", problem, remedy, value=None)
         if self.from_mm is not None and self.to_mm is not None:
             _check_ends(self.from_mm, self.to_mm)
+        if self.offset_mm and self.diameter_mm is None:
+            context = {"field": "offset_mm", "value": self.offset_mm}
+            raise wrong("offset", "has no meaning for a box", "remove it", **context)
         return self
 
     @property
@@ -152,7 +153,9 @@ class Zone(SectionTolerances):
         None, description="accepted form error in the zone"
     )
     height_mm: Points[HeightMm] | None = Field(
-        None, description="rising; heights of a band of the profile, which ends with its ends"
+        None,
+        description="rising; heights of a band of the profile, beside the form error; beyond them "
+        "its end values hold",
     )
     lower_um: Points[OffsetUm] | None = Field(
         None, description="per height: least deviation of the radius; above 0 is metal left"
@@ -196,6 +199,16 @@ class Zone(SectionTolerances):
         """Return the accepted form error in the zone."""
         return self.form_error_um or of_part_um
 
+    def narrowed(self, um: float) -> Self:
+        """Return the zone with form error and band less what smoothing takes of them."""
+        form_um = self.form_error_um
+        found = {
+            "form_error_um": None if form_um is None else form_um - um,
+            "lower_um": None if self.lower_um is None else [low + um for low in self.lower_um],
+            "upper_um": None if self.upper_um is None else [high - um for high in self.upper_um],
+        }
+        return self.model_copy(update=found)
+
     @property
     def area(self) -> Area:
         """Return its extent."""
@@ -229,6 +242,13 @@ class ZonedTolerances(Tolerances):
         """Return the zone all round that holds a height, if any."""
         found = (zone for zone in self.zones if zone.width_deg == 360)
         return next((zone for zone in found if zone.from_mm <= z_mm <= zone.to_mm), None)
+
+    def form_error_at(self, z_mm: float, of_part_um: float) -> float | None:
+        """Return the form error accepted all round at a height; nothing where zones share it."""
+        here = [zone for zone in self.zones if zone.from_mm <= z_mm <= zone.to_mm]
+        if any(zone.width_deg < 360 for zone in here):
+            return None
+        return here[0].tolerance_um(of_part_um) if here else of_part_um
 
     def stated_at(self, z_mm: float) -> SectionTolerances:
         """Return what holds all round at a height: of its zone, else of the part."""

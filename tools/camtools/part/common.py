@@ -25,7 +25,8 @@ from camtools.part.model import HeightMm, Points, TomlTable, as_long, no_truth, 
 DEFAULT_ALPHA_RAD_S2 = 500.0  # 50 Nm on 0.1 kg m2
 _OF_Z = "of a ring-helix, whose ramps of Z follow from it, and of the simulated machine"
 _QUOTIENT = "instead of `spindle_acceleration_rad_s2`: torque over inertia"
-FeedMm = Annotated[float, Field(ge=0.000_1, le=10)]
+MAX_FEED_MM = 10
+FeedMm = Annotated[float, Field(ge=0.000_1, le=MAX_FEED_MM)]
 SpindleRpm = Annotated[float, Field(ge=1, le=60_000)]
 PartName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,30}\z")]
 

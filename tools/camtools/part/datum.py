@@ -28,8 +28,10 @@ class Datum(TomlTable):
         [0.0, 0.0],
         description="how far it leans with rising height, towards 0 and towards 90 degrees",
     )
-    bore_deg: Annotated[float, Field(ge=0, le=180)] = Field(
-        90.0, description="direction of the pin bore; phases are referred to its normal"
+    bore_off_deg: Annotated[float, Field(ge=-45, le=45)] = Field(
+        0.0,
+        description="by how much the pin bore was found turned from its drawn direction; phases "
+        "are referred to the bore",
     )
 
     def centre_mm(self, z_mm: float) -> tuple[float, float]:

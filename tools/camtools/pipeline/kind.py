@@ -153,6 +153,9 @@ class Kind(ABC, Generic[PartT, MadeT, CutT]):
         self.drawing(part)
         raise NotImplementedError
 
+    def check_feed(self, part: PartT, feed_mm: float) -> None:
+        """Refuse a feed in place of the part's that leaves more than the drawing accepts."""
+
     def proposed_feed(self, part: PartT) -> str:
         """Return a feed law that keeps the limits of the surface, as text for the part file."""
         problem = f"{self.plural} have no limits of scallop or roughness"

@@ -324,6 +324,8 @@ def run(
     origin = origin_of("tools/run", list(typed))
     loaded = load(job.part)
     job.check_feed(loaded.part)
+    if job.feed is not None:
+        loaded.kind.check_feed(loaded.part, job.feed)
     correction = job.correcting.correction(loaded, None if job.output is None else Path(job.output))
     say(f"making the table of {job.part.name}")
     made = make(

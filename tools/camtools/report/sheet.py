@@ -27,6 +27,7 @@ GOOD, OUT, NO_TOLERANCE = "good", "out of tolerance", "no tolerance given"
 TOO_COARSE = "not judged: too few points"
 _LEAST_POINTS = 3  # of a line
 _LEAST_SHARE = 0.25  # of a section, that must be material
+_WIDEST = 0.45  # gap of a turn; beyond, the centre of a circle is free
 _LOST_TICKS = 4  # beside a window, where the gauge has no cubic
 _OVALITY = "ovality: long less short axis"
 _ROUNDNESS_MZ = "roundness of the deviation RONt, MZ"
@@ -127,7 +128,7 @@ def feature(
 
 
 def _axes_features(
-    section: SectionFigures, stated: SectionTolerances, bore_deg: float
+    section: SectionFigures, stated: SectionTolerances, bore_off_deg: float
 ) -> list[Feature]:
     drawn, cut = section.drawn_axes, section.cut_axes
     size = ("diameter", "mm")
@@ -138,9 +139,8 @@ def _axes_features(
     ]
     if drawn.ovality_mm * UM_PER_MM < _OVAL_UM:
         return found
-    turned_deg = (cut.phase_deg - drawn.phase_deg + 90) % 180 - 90
-    normal_deg = bore_deg - 90
-    nearest_deg = drawn.phase_deg + turned_deg - normal_deg
+    turned_deg = (cut.phase_deg - bore_off_deg - drawn.phase_deg + 90) % 180 - 90
+    nearest_deg = drawn.phase_deg + turned_deg
     degrees, most_deg = ("angle", "°"), stated.phase_deg
     return [
         *found,
@@ -150,7 +150,7 @@ def _axes_features(
 
 
 def _form_features(
-    section: SectionFigures, subject: Subject, tolerance_um: float, stated: SectionTolerances
+    section: SectionFigures, subject: Subject, tolerance_um: float | None, stated: SectionTolerances
 ) -> list[Feature]:
     um = ("radius" if subject.has_radius else "along the normal", "µm")
     off, zone_um = section.off, section.off_zone.width_mm * UM_PER_MM
@@ -200,7 +200,8 @@ def _zone_features(line: GaugedLine, stated: ZonedTolerances) -> Iterator[Featur
 def _line_sheet(line: GaugedLine, tolerance_um: float, stated: ZonedTolerances) -> LineSheet:
     off, whole = (straightness(line.z_mm, values) for values in (line.deviation_mm, line.radius_mm))
     um, zone_um = ("radius", "µm"), off.zone_mm * UM_PER_MM
-    straight_um = stated.straightness_um
+    has_own = any(zone.straightness_um is not None for zone in stated.zones)
+    straight_um = None if has_own else stated.straightness_um
     worst_um = float(line.deviation_mm[np.abs(line.deviation_mm).argmax()]) * UM_PER_MM
     features = [
         feature(
@@ -284,6 +285,14 @@ class _Around(NamedTuple):
     is_measured: Bools
 
 
+def _is_enough(is_measured: Bools) -> bool:
+    """Return whether a section has opposite points, and no gap near half a turn."""
+    has_diameter = bool((is_measured & np.roll(is_measured, PLACES // 2)).any())
+    there = np.flatnonzero(is_measured)
+    widest = int(np.diff(there, append=there[0] + PLACES).max())
+    return has_diameter and widest < _WIDEST * PLACES
+
+
 def _around(measured: GaugedSection, subject: Subject, lost: float) -> _Around | None:
     """Return a section that was cut all round but for windows and `lost` [turn] beside them."""
     if measured.is_whole:
@@ -298,6 +307,8 @@ def _around(measured: GaugedSection, subject: Subject, lost: float) -> _Around |
     lost_mm = 2 * np.pi * lost * float(drawn_mm.max())
     beside = [area._replace(margin_mm=area.margin_mm + lost_mm) for area in subject.windows]
     is_measured = np.isfinite(deviation_mm)
+    if not _is_enough(is_measured):
+        return None
     is_known = is_measured | in_any(beside, turn, z_mm, drawn_mm)
     return _Around(drawn_mm, deviation_mm, is_measured) if is_known.all() else None
 
@@ -338,11 +349,11 @@ def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
             missing.append(name)
             continue
         section = section_of(*found[:2], upr, found.is_measured)
-        own_um = tolerance_um if zone is None else zone.tolerance_um(tolerance_um)
+        own_um = stated.form_error_at(measured.z_mm, tolerance_um)
         own = stated.stated_at(measured.z_mm)
         features = _form_features(section, subject, own_um, own)
         if subject.is_oval:
-            axes = _axes_features(section, own, subject.datum.bore_deg)
+            axes = _axes_features(section, own, subject.datum.bore_off_deg)
             features = [*axes, *features, *_whole_features(section)]
             features.append(
                 _run_out(section, subject.datum.centre_mm(measured.z_mm), own.runout_um)

@@ -16,7 +16,7 @@ from camtools.base.quantities import length_text
 from camtools.base.text import Json
 from camtools.cut.feasibility import UNITS
 from camtools.part.smoothing import share_text
-from camtools.sim.results import FAULT, AnyCut
+from camtools.sim.results import FAULT, AnyCut, is_beyond
 
 _FAULTS = ROOT / "firmware" / "FAULTS.md"
 _FAULT_ROW = re.compile(r"^\| `(\w+)` \|(.*)\|$", re.MULTILINE)
@@ -98,24 +98,20 @@ def verdict_of(outcome: AnyCut, out: Sequence[str] = ()) -> Verdict:
     allowed = f"tolerance of {length_text(form['tolerance'])}"
     within = f"The {found} is within the {allowed}"
     zones = summary.get("zones", [])
-    if zones:
-        within = f"The {found} is within what each zone accepts"
-    if form.get("excess", form["max"] - form["tolerance"]) > 0:
-        bad = [zone["name"] for zone in zones if not zone.get("is_good", True)]
-        where = f"in zone {_named(bad)}" if bad else "beside the zones" if zones else ""
-        why = (
-            f"The surface is out of tolerance {where}."
-            if where
-            else f"The {found} is above the {allowed}."
-        )
+    within = f"The {found} is within what each zone accepts" if zones else within
+    if is_beyond(summary):
+        where = [f"in zone {zone['name']}" for zone in zones if not zone.get("is_good", True)]
+        where += [] if form.get("is_good_beside_zones", True) else ["beside the zones"]
+        above = f"The surface is out of tolerance {_named(where)}." if where else ""
+        why = above or f"The {found} is above the {allowed}."
         return Verdict("poor", "out of tolerance", why)
     if summary["end"] != "done":
         cut = summary["cut"]
         turns = f"{cut['turns']:.0f} of {cut['planned_turns']:.0f} turns were cut"
         sentence = f"{turns}. So far the {found} is good."
         return Verdict("poor", f"incomplete: {summary['end']}", sentence)
-    if not outcome.is_good:  # a lobe of a camshaft
-        sentence = f"{found.capitalize()}, but not every lobe was gauged."
+    if not outcome.is_good:  # a lobe of a camshaft, or a zone
+        sentence = f"{found.capitalize()}, but not every lobe or zone was gauged."
         return Verdict("poor", "not gauged", sentence)
     if out:
         shown = f"but the measurement sheets show out of tolerance: {_named(out)}"
@@ -132,7 +128,7 @@ def error_pair(error: Json) -> str:
 
 def form_text(form: Json, taken_um: float = 0.0) -> str:
     """Return the form error, its reference and its tolerance, of which smoothing takes a share."""
-    left = length_text(form["tolerance"])
+    left = length_text(form["tolerance"]) + (" beside zones" if "excess" in form else "")
     if taken_um == 0:
         return f"{error_pair(form)} against the drawing (tolerance {left})"
     share = share_text(taken_um, form["tolerance"] + taken_um)

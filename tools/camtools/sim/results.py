@@ -78,6 +78,12 @@ class CutTrace(NamedTuple):
         return type(self)(*(column[rows] for column in self))
 
 
+def is_beyond(summary: Json) -> bool:
+    """Return whether a gauged surface is out of its tolerance, or out of those of its zones."""
+    form = summary["form_error_um"]
+    return float(form.get("excess", form["max"] - form["tolerance"])) > 0
+
+
 PLACES = 3600  # of a whole section
 
 

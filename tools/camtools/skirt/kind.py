@@ -21,7 +21,7 @@ from camtools.skirt.report.outcome import (
 from camtools.skirt.report.summary import drawing_of, emit_text, make_summary
 from camtools.skirt.table.generate import GeneratedSkirt, generate
 from camtools.skirt.tool.exact_shape import exact_skirt
-from camtools.skirt.tool.texture import proposed_law
+from camtools.skirt.tool.texture import check_texture, proposed_law
 
 
 class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
@@ -55,6 +55,10 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
             return part
         process = part.process.model_copy(update={"spindle_rpm": rpm})
         return part.model_copy(update={"process": process})
+
+    def check_feed(self, part: SkirtPart, feed_mm: float) -> None:
+        """See `Kind.check_feed`."""
+        check_texture(part, feed_mm)
 
     def proposed_feed(self, part: SkirtPart) -> str:
         """See `Kind.proposed_feed`."""

@@ -12,9 +12,15 @@ void setUp(void)
     sim_work_init(&work, 46.1, 0.0, 62.0, true);
 }
 
+static void touch_at(double turn, double z_mm, double radius_mm, double exact_mm, bool is_counted)
+{
+    sim_work_remove(&work, z_mm, radius_mm, is_counted);
+    sim_work_judge(&work, turn, z_mm, radius_mm, exact_mm, is_counted);
+}
+
 static void touch(double turn, double z_mm, double radius_mm)
 {
-    sim_work_touch(&work, turn, z_mm, radius_mm, 46.0, true);
+    touch_at(turn, z_mm, radius_mm, 46.0, true);
 }
 
 static void test_touch_counts_largest_and_rms_error(void)
@@ -34,8 +40,8 @@ static void test_touch_counts_largest_and_rms_error(void)
 
 static void test_touch_outside_the_cut_counts_only_as_gouge(void)
 {
-    sim_work_touch(&work, 0.1, 10.0, 45.9, 46.0, false);
-    sim_work_touch(&work, 0.1, 70.0, 40.0, 46.0, false); // beside the part
+    touch_at(0.1, 10.0, 45.9, 46.0, false);
+    touch_at(0.1, 70.0, 40.0, 46.0, false); // beside the part
     TEST_ASSERT_EQUAL_UINT64(0u, work.n);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, work.max_um);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 100.0, work.gouge_um);
@@ -103,7 +109,7 @@ static void test_turned_part_is_distinguished_from_its_form(void)
         const double exact_mm = 46.0 + 0.5 * cos(2.0 * at);
         const double own_mm = 2e-3 + 1e-3 * sin(3.0 * at);
         const double radius_mm = 46.0 + 0.5 * cos(2.0 * (at + turned_rad)) + own_mm;
-        sim_work_touch(&work, i % 3600 / 3600.0, 31.0, radius_mm, exact_mm, true);
+        touch_at(i % 3600 / 3600.0, 31.0, radius_mm, exact_mm, true);
     }
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, turned_rad, sim_work_turned_rad(&work));
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, sqrt(4.0 + 0.5), sim_work_shape_rms_um(&work));

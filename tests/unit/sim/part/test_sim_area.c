@@ -112,6 +112,7 @@ static void test_zone_judges_by_its_own_tolerance(void)
     sim_areas_judge(&areas, 0.25, 5.0, 46.0, -0.9, 2.0);
     sim_areas_judge(&areas, 0.5, 15.0, 46.0, 1.9, 2.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, -0.1, areas.excess_um);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, -0.1, areas.rest_um);
     sim_areas_judge(&areas, 0.75, 7.0, 46.0, -1.25, 2.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.25, areas.excess_um);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.25, areas.zone[0].excess_um);
@@ -122,7 +123,7 @@ static void test_zone_judges_by_its_own_tolerance(void)
     TEST_ASSERT_EQUAL_STRING("belt", areas.zone[0].name);
     sim_areas_restart(&areas);
     sim_areas_judge(&areas, 0.5, 15.0, 46.0, 2.5, 2.0);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.5, areas.excess_um);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.5, areas.rest_um);
     TEST_ASSERT_EQUAL_UINT64(0u, areas.zone[0].n);
 }
 

@@ -19,7 +19,7 @@ from typing import Any, Self
 from camtools.base.errors import CamtoolsError
 from camtools.base.files import write_all
 from camtools.base.text import Json
-from camtools.sim.results import SUMMARY
+from camtools.sim.results import SUMMARY, is_beyond
 
 OF_THE_PART = ""  # a machine with the limits of the part file
 _MAX_SEED = 2**31 - 1
@@ -242,7 +242,7 @@ def verdict_word(summary: Json) -> str:
     form = summary["form_error_um"]
     if form["max"] is None:
         return "nothing cut"
-    if form["max"] > form["tolerance"]:
+    if is_beyond(summary):
         return "out of tolerance"
     if summary["end"] != "done":
         return f"incomplete: {summary['end']}"

@@ -154,7 +154,8 @@ def tolerances_left(part: SkirtPart) -> ZonedTolerances:
         given = {name: getattr(of, name, None) for name in takes}  # a zone has no taper
         return {name: max(0.0, um - takes[name]) for name, um in given.items() if um is not None}
 
-    zones = [zone.model_copy(update=less(zone)) for zone in stated.zones]
+    taken_um = smoothing_takes_um(part)
+    zones = [zone.model_copy(update=less(zone)).narrowed(taken_um) for zone in stated.zones]
     return stated.model_copy(update=less(stated) | {"zones": zones})
 
 

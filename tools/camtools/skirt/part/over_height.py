@@ -65,7 +65,7 @@ def read_over_height(
     table.names = [name if name in names else "" for name in plain]  # others are not quoted
     if places is None and not table.names and table.n_columns == len(columns):
         places = range(1, len(columns) + 1)
-    at = places or [None] * len(columns)
+    at: Sequence[int | None] = places or [None] * len(columns)
     found = [_column(table, *pair) for pair in zip(columns, at, strict=True)]
     values = np.round(table.values([column for column, _ in found]), _DIGITS)
     for row, (column, quantity) in zip(values, found, strict=True):

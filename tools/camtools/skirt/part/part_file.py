@@ -73,6 +73,7 @@ class Piston(TomlTable):
         first, last = self.profile.height_mm[0], self.profile.height_mm[-1]
         if self.antithrust is not None:
             check_sides(self.antithrust, self.section.shape, (first, last))
+        self._check_windows(first, last)
         if self.ovality is None:
             return self
         heights_mm = self.ovality.height_mm
@@ -87,6 +88,19 @@ class Piston(TomlTable):
             raise wrong("ovality", problem, "give long minus short axis in mm", **context)
         self._check_lists(len(heights_mm))
         return self
+
+    def _check_windows(self, first: float, last: float) -> None:
+        """Refuse windows beside the part, and bores wider than it."""
+        radius_mm = min(self.profile.diameter_mm) / 2
+        for i, area in ((i, area) for i, w in enumerate(self.windows) for area in w.areas):
+            reach_mm, field = area.diameter_mm / 2, f"window.{i}"
+            if abs(area.offset_mm) + reach_mm >= radius_mm:
+                problem = f"does not lie within the part's radius, {radius_mm:.6g} mm"
+                remedy = "correct diameter_mm and offset_mm"
+                raise wrong("bore", problem, remedy, field=field, value=None)
+            if area.high_mm + reach_mm <= first or area.low_mm - reach_mm >= last:
+                problem = f"lies beside the part's heights, {first:g} .. {last:g} mm"
+                raise wrong("place", problem, "correct its height", field=field, value=None)
 
     def _check_lists(self, n: int) -> None:
         for key, value in self.section:
@@ -199,6 +213,16 @@ class SkirtPart(TomlTable):
     tolerances: ZonedTolerances = Field(default_factory=ZonedTolerances)
 
     @model_validator(mode="after")
+    def _check_zones(self) -> Self:
+        first, last = self.piston.profile.height_mm[0], self.piston.profile.height_mm[-1]
+        for i, zone in enumerate(self.tolerances.zones):
+            if not first <= zone.from_mm < zone.to_mm <= last:
+                problem = f"must lie within the part's heights, {first:g} .. {last:g} mm"
+                context = {"field": f"tolerances.zone.{i}", "value": None}
+                raise wrong("zone", problem, "correct from_mm and to_mm", **context)
+        return self
+
+    @model_validator(mode="after")
     def _take_mean_feed(self) -> Self:
         """Make process.feed_mm the mean of a law over all that is fed."""
         process, law = self.process, self.process.feed_law
@@ -211,9 +235,13 @@ class SkirtPart(TomlTable):
 
     @property
     def tightest_um(self) -> float:
-        """Return the least form error that is accepted anywhere [um]."""
-        accepted_um = self.process.form_error_um
-        return min([accepted_um, *(z.tolerance_um(accepted_um) for z in self.tolerances.zones)])
+        """Return the least form error that is accepted anywhere, half a band included [um]."""
+        least_um = [self.process.form_error_um]
+        for zone in self.tolerances.zones:
+            least_um.append(zone.tolerance_um(self.process.form_error_um))
+            band = zip(zone.lower_um or (), zone.upper_um or (), strict=True)
+            least_um += [(upper - lower) / 2 for lower, upper in band]
+        return min(least_um)
 
     @property
     def height_mm(self) -> float:
@@ -282,9 +310,9 @@ def with_zones(heights_mm: list[float], tolerances: ZonedTolerances) -> list[flo
     for zone in tolerances.zones:
         is_there = any(zone.from_mm <= z_mm <= zone.to_mm for z_mm in found)
         middle_mm = (zone.from_mm + zone.to_mm) / 2
-        is_room = bool(found) and found[0] <= middle_mm <= found[-1]
-        if not is_there and is_room and len(found) < _MOST_SECTIONS:
-            found = sorted([*found, round(middle_mm, 6)])
+        if found and not is_there and len(found) < _MOST_SECTIONS:
+            inside_mm = min(max(middle_mm, heights_mm[0]), heights_mm[-1])
+            found = sorted({*found, round(inside_mm, 6)})
     return found
 
 

@@ -1,7 +1,6 @@
 """All that is known about the cut of a skirt, and in words and numbers."""
 
 from dataclasses import dataclass
-from math import sqrt
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -32,6 +31,7 @@ from camtools.skirt.geometry.profile import (
 )
 from camtools.skirt.report.summary import clearance_text, make_summary
 from camtools.skirt.table.generate import GeneratedSkirt, generate
+from camtools.skirt.tool.texture import scallop_um
 from camtools.skirt.tool.turning import Heel
 from camtools.table.summary import table_files
 
@@ -127,8 +127,9 @@ def track_row(summary: Json, tool: Tool, peak: float = 1.0) -> ReportRow:
     if feed_mm >= 2 * nose_mm:
         text = f"the tracks do not meet, so metal remains {why}; reduce the feed"
         return ReportRow(_BETWEEN, text)
-    ridge_um = 1000 * (nose_mm - sqrt(nose_mm**2 - feed_mm**2 / 4))
-    text = f"{length_text(ridge_um)} in theory {why}; not part of the form error"
+    text = (
+        f"{length_text(scallop_um(feed_mm, nose_mm))} in theory {why}; not part of the form error"
+    )
     return ReportRow(_BETWEEN, text)
 
 

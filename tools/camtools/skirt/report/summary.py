@@ -30,6 +30,7 @@ from camtools.skirt.geometry.profile import (
     smoothing_facts,
     smoothing_takes_um,
     smoothing_texts,
+    tolerances_left,
 )
 from camtools.skirt.geometry.run_in import CorrectedSurface, HeldSurface
 from camtools.skirt.geometry.scan import coverage
@@ -80,10 +81,10 @@ def drawing_of(part: SkirtPart, geometry: Geometry) -> Json:
     return _document(part, geometry, radius, geometry.drawing)
 
 
-def _zone(zone: Zone, taken_um: float) -> Json:
+def _zone(zone: Zone) -> Json:
     found: Json = zone.area.document() | {"name": zone.name}
     if zone.form_error_um is not None:
-        found["tolerance_um"] = zone.form_error_um - taken_um
+        found["tolerance_um"] = zone.form_error_um
     for key, um in (("lower_um", zone.lower_um), ("upper_um", zone.upper_um)):
         if zone.height_mm is not None and um is not None:
             slopes = np.diff(um) / np.diff(zone.height_mm)
@@ -94,10 +95,9 @@ def _zone(zone: Zone, taken_um: float) -> Json:
 
 def _areas_of(part: SkirtPart) -> Json:
     """Return windows and zones, where a part has any; layout: host_sim/part/sim_area.h."""
-    taken_um = smoothing_takes_um(part)
     lists = {
         "windows": [area.document() for area in part.piston.window_areas],
-        "zones": [_zone(zone, taken_um) for zone in part.tolerances.zones],
+        "zones": [_zone(zone) for zone in tolerances_left(part).zones],
     }
     return {name: found for name, found in lists.items() if found}
 

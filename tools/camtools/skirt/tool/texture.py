@@ -16,7 +16,7 @@ import numpy as np
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import UM_PER_MM
 from camtools.part.areas import Zone
-from camtools.part.common import SectionTolerances
+from camtools.part.common import MAX_FEED_MM, SectionTolerances
 from camtools.skirt.part.part_file import SkirtPart
 
 _RA = 18 * sqrt(3)  # feed^2 / (18 sqrt(3) radius): mean distance of a parabola from its mean line
@@ -81,39 +81,56 @@ def stretches(part: SkirtPart) -> list[Stretch]:
     return found
 
 
-def check_texture(part: SkirtPart) -> None:
-    """Refuse a feed that leaves more than a zone accepts; part: the last pass."""
+def check_texture(part: SkirtPart, feed_mm: float | None = None) -> None:
+    """Refuse a feed that leaves more than a zone accepts.
+
+    The part is that of the last pass; `feed_mm` replaces its feed, of a law the mean. Raises
+    CamtoolsError, with the largest feed of each zone, or since the nose has no radius.
+    """
     limits = [*part.tolerances.zones, part.tolerances]
     if all(of.scallop_um is None and of.roughness_um is None for of in limits):
         return
     if not part.tool.is_round:
         problem = "is missing: limits of scallop_um and roughness_um need it"
         raise CamtoolsError([f"tool.nose_radius_mm: {problem}; add it, or remove the limits"])
-    lines = [line for stretch in stretches(part) if (line := _refusal(part, stretch))]
+    own_mm, law = part.process.feed_mm, part.process.feed_law
+    key = "--feed" if feed_mm else "process.feed_mm" if law is None else "process.feed_law"
+    share = (feed_mm or own_mm) / own_mm
+    lines = [line for stretch in stretches(part) if (line := _refusal(part, stretch, share))]
     if lines:
-        raise CamtoolsError(lines)
+        raise CamtoolsError([f"{key} = {line}" for line in lines])
 
 
-def _refusal(part: SkirtPart, stretch: Stretch) -> str:
-    """Return why the feed of a stretch is too large, nothing where it is not."""
-    process, nose_mm = part.process, part.tool.nose_radius_mm
-    law, feed_mm = process.feed_law, process.feed_mm
-    if law is not None:
-        inside = [z for z in law.height_mm if stretch.from_mm < z < stretch.to_mm]
-        feed_mm = float(law.at_mm(np.array([stretch.from_mm, *inside, stretch.to_mm])).max())
+def _feed_mm(part: SkirtPart, stretch: Stretch) -> float:
+    """Return the largest feed of a stretch, by the law or without one."""
+    law = part.process.feed_law
+    if law is None:
+        return part.process.feed_mm
+    inside = [z for z in law.height_mm if stretch.from_mm < z < stretch.to_mm]
+    return float(law.at_mm(np.array([stretch.from_mm, *inside, stretch.to_mm])).max())
+
+
+def _refusal(part: SkirtPart, stretch: Stretch, share: float) -> str:
+    """Return the feed of a stretch and why it is too large, nothing where it is not."""
+    feed_mm, nose_mm = share * _feed_mm(part, stretch), part.tool.nose_radius_mm
     if stretch.most_mm is None or feed_mm <= stretch.most_mm:
         return ""
+    found = "metal between the tracks"
+    if feed_mm < 2 * nose_mm:
+        ridge_um, ra_um = scallop_um(feed_mm, nose_mm), roughness_um(feed_mm, nose_mm)
+        found = f"scallops of {ridge_um:.3g} um and Ra {ra_um:.3g} um"
     where = f"zone {stretch.zone.name}" if stretch.zone else "the part"
-    ridge_um, ra_um = scallop_um(feed_mm, nose_mm), roughness_um(feed_mm, nose_mm)
-    found = f"scallops of {ridge_um:.3g} um and Ra {ra_um:.3g} um"
-    key = "process.feed_mm" if law is None else "process.feed_law"
     heights = f"{stretch.from_mm:g} .. {stretch.to_mm:g} mm"
-    limit = floor(stretch.most_mm * _DECIMALS) / _DECIMALS
     problem = f"leaves {found} in {where}, heights {heights}, more than [tolerances] accept"
     return (
-        f"{key} = {feed_mm:.4g}: {problem}; feed at most {limit:g} mm there, or use a larger nose; "
-        "mktables --propose-feed shows a law"
+        f"{feed_mm:.4g}: {problem}; feed at most {_shown(stretch.most_mm):g} mm there, or "
+        "use a larger nose; mktables --propose-feed shows a law"
     )
+
+
+def _shown(feed_mm: float) -> float:
+    """Return a feed with the decimals of a part file, never larger."""
+    return floor(feed_mm * _DECIMALS) / _DECIMALS
 
 
 def proposed_law(part: SkirtPart) -> str:
@@ -126,12 +143,10 @@ def proposed_law(part: SkirtPart) -> str:
     if not limited or not part.tool.is_round:
         problem = "needs tool.nose_radius_mm, and scallop_um or roughness_um in [tolerances]"
         raise CamtoolsError([f"--propose-feed: {problem}; add them to the part file"])
-    feeds = [floor((s.most_mm or max(limited)) * _DECIMALS) / _DECIMALS for s in found]
+    feeds = [min(_shown(s.most_mm or max(limited)), part.height_mm, MAX_FEED_MM) for s in found]
     points = [(found[0].from_mm, feeds[0])]
     for (below, above), (feed, next_feed) in zip(pairwise(found), pairwise(feeds), strict=True):
-        blend_mm = min(
-            _BLEND_MM, (below.to_mm - below.from_mm) / 2, (above.to_mm - above.from_mm) / 2
-        )
+        blend_mm = min(_BLEND_MM, *((s.to_mm - s.from_mm) / 3 for s in (below, above)))
         begin_mm = below.to_mm - (blend_mm if feed > next_feed else 0)
         points += [(begin_mm, feed), (begin_mm + blend_mm, next_feed)] if feed != next_feed else []
     points.append((found[-1].to_mm, feeds[-1]))
