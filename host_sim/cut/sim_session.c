@@ -79,16 +79,18 @@ void sim_session_place(sim_session_t *s, double *x_nm, double *z_nm)
     init_work(s, blank_mm);
 }
 
-/// Gauge the tip of a skirt's tool against the drawing and the played surface, each plus the stock
-/// that the pass has to leave.
+/// Gauge what the tip of a skirt's tool leaves on the part released from its chuck, against the
+/// drawing and the played surface, each plus the stock that the pass has to leave.
 static void gauge_skirt(sim_session_t *s)
 {
     bool is_beside;
-    s->radius_mm = (s->at.x_nm - s->at.u_nm) * 1e-6 + s->options.config.lathe.tool_wear_um * 1e-3;
+    const sim_lathe_config_t *lathe = &s->options.config.lathe;
+    const double sprung_mm = sim_chuck_sprung_mm(&lathe->chuck, s->at.turn, s->z_mm);
+    s->radius_mm = (s->at.x_nm - s->at.u_nm) * 1e-6 + lathe->tool_wear_um * 1e-3 + sprung_mm;
     const double drawn_mm =
         sim_nose_radius_mm(&s->nose, &s->design, s->part_turn, s->z_mm, &is_beside);
     s->exact_mm = drawn_mm + s->allowance_mm;
-    s->work.blank_mm = s->has_stock ? drawn_mm + s->stock_mm : s->work.blank_mm;
+    s->work.blank_mm = s->has_stock ? drawn_mm + s->stock_mm + sprung_mm : s->work.blank_mm;
     const bool is_made = !is_beside || s->radius_mm < s->exact_mm;
     const bool is_counted = s->is_cutting && is_made;
     s->place = sim_areas_kind(&s->design.areas, s->part_turn, s->z_mm, s->exact_mm);

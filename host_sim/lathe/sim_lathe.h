@@ -49,6 +49,30 @@ double sim_chip_force_n(const sim_chip_config_t *c, double depth_mm, double z_mm
 /// @return [um] bend of the tip away from the axis
 double sim_chip_bend_um(const sim_chip_config_t *c, double force_n);
 
+// A chuck whose jaws spring the part: a thin elastic ring under n equal radial forces F.
+//
+//     w(x) = F R^3 / (2 E I) (c cos x + x sin x / (2 sin a) - 1 / a),    |x| <= a = pi / n
+//     c = (sin a + a cos a) / (2 sin^2 a),    I = length wall^3 / 12
+//
+// x is the angle from the middle between two jaws. The jaws press the ring inwards by w(a) and it
+// bulges by -w(0) between them; its length is kept, so the mean of w is 0. The tool cuts the
+// radius r into the clamped part. Released, that surface is at r + w: metal is left at the jaws.
+// Source: MATHS.md (247); Timoshenko, "Strength of Materials", part II; Roark, "Formulas for
+// Stress and Strain", 7th ed., table 9.2, case 7.
+
+typedef struct {
+    double jaws;            ///< n, whole, at equal distances
+    double jaw_deg;         ///< of one of them, on the spindle
+    double spring_um;       ///< w(a) - w(0) at the jaws; below 0: they expand inside the part
+    double jaw_height_mm;   ///< where they press
+    double round_height_mm; ///< where the part stays round, spring linear up to the jaws; the same
+                            ///< height: spring alike at all heights
+} sim_chuck_config_t;
+
+/// @param turn  [turn] angle of the spindle, not wrapped
+/// @return [mm] w: radius of the released part less the radius that the tool cuts
+double sim_chuck_sprung_mm(const sim_chuck_config_t *c, double turn, double z_mm);
+
 // References for homing a slide: a switch at the end of its travel, index marks of its scale or
 // encoder, and the zero of its scale.
 
@@ -135,6 +159,7 @@ typedef struct {
     sim_mode_config_t mode[sim_mode_n]; ///< of U
     sim_scale_config_t scale;           ///< of U
     sim_chip_config_t chip;             ///< of a skirt's tool
+    sim_chuck_config_t chuck;           ///< of a part that is turned by sections
     double runout_um, runout_2_um; ///< run-out of the spindle once and twice per turn, amplitudes
     double u_stroke_mm;            ///< travel of U peak to peak, centred on 0
     double spindle_limit_rpm;      ///< highest speed of the spindle

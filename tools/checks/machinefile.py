@@ -24,6 +24,7 @@ _SECTIONS = {
     "swing": "of the tool for turned cams; other parts do not move it",
     "tool": "that turns sections; cams: --tool-tip-mm",
     "cut": "cutting force on U when turning sections",
+    "chuck": "its jaws spring parts that are turned by sections",
     "wheel": "for plunge-ground lobes",
 }
 _BELIEVED = """

@@ -127,7 +127,7 @@ _NO_SHAPE = ("gauge_mm", "windows", "zones")  # of a drawing: where it is judged
 DEFAULT_GAIN = 0.7
 MIN_GAIN, MAX_GAIN = 0.05, 1.0
 MAX_MEAN_UM = 100.0
-MIN_LIMIT_UM, LIMIT_SHARE = 10.0, 0.1  # of the waves: of the section's reduction
+MIN_LIMIT_UM, LIMIT_SHARE = 25.0, 0.1  # of the waves: of the section's reduction
 MAX_OFF_RADIUS_UM = 20.0
 CLEAR_SHARE = 0.1  # by which the largest error or the rms must fall, and by the noise
 MOST_RISE = 0.01  # of the largest error, beside the noise, where the rms falls
@@ -201,7 +201,7 @@ def _check_size(fit: SurfaceFit, drawing: Drawing) -> None:
     if waves_um > limit_um:
         problem = (
             f"the waves reach {waves_um:.4g} um, the limit is {limit_um:.4g} um, a tenth of the "
-            "stroke of U and at least 10 um"
+            f"stroke of U and at least {MIN_LIMIT_UM:g} um"
         )
         remedy = "give deviations from the drawing by its angle, not from a circle; else identify"
         raise CamtoolsError([f"--measured: {problem}; {remedy} the drive first"])
