@@ -9,7 +9,7 @@
 ///     ellipse-arc      one of these ovals and an eccentric circle, corner included
 ///     surface          delta from polynomial pieces (sim_surface.h)
 ///     sides            delta of ovals that differ from side to side (sim_surface.h)
-///     all of them      less a correction, in a target alone (sim_surface.h)
+///     all of them      less a correction (sim_surface.h)
 ///     lobes            another frame and gauge: sim_lobe_design.h
 ///
 /// a(z) and G(z) are piecewise cubics, clamped outside. They come from NAME.json, the generator's
@@ -72,7 +72,7 @@ typedef struct {
     sim_sides_t sides;       ///< sim_shape_sides only
     bool is_turned;          ///< the sections are rotated by phase_rad over height
     sim_cubics_t phase_rad;
-    sim_correction_t correction;  ///< of a target, from a gauged part; otherwise empty
+    sim_correction_t correction;  ///< empty: none
     sim_areas_t areas;            ///< windows and zones of a skirt's drawing
     sim_lobe_design_t lobes;      ///< sim_shape_lobes only
     const cam_table_t *table;     ///< sim_shape_table only

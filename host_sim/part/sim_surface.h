@@ -92,13 +92,13 @@ double sim_surface_delta_mm(sim_surface_t *s, double turn, double z_mm);
 
 void sim_surface_free(sim_surface_t *s);
 
-// The correction of a drawing in a table, from a gauged part.
+// The correction of a drawing: what it grows from cold to hot, or a gauged part's errors.
 //
 //     delta = sum over the orders k of  a_k(z) cos k phi + b_k(z) sin k phi
 //
-// a_k and b_k are cubics over height, constant beyond their ends; phi is the drawing's angle. Only
-// the target of a report has a correction, never its design, which judges the part. MATHS.md
-// (160). Error: rounding.
+// a_k and b_k are cubics over height, constant beyond their ends; phi is the drawing's angle. A
+// gauged part corrects the target of a report, never its design, which judges the part. MATHS.md
+// (160), (245). Error: rounding.
 
 enum { sim_correction_max_order = 64 };
 

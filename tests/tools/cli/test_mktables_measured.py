@@ -157,7 +157,10 @@ def test_surface_of_another_part(first: Path, tmp_path: Path, refusal: Refusal) 
     ("error", "message"),
     [
         (lambda turn: 0 * turn + 150.0, "the mean of a height is 150 um off, the limit is 100 um"),
-        (lambda turn: 40 * np.cos(4 * np.pi * turn), "waves reach 40 um, the limit is 25 um"),
+        (
+            lambda turn: 40 * np.cos(4 * np.pi * turn),
+            "an oval reach 40 um, the limit is 15 um",
+        ),
     ],
 )
 def test_too_large_an_error(

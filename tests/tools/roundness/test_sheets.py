@@ -233,9 +233,9 @@ def test_tolerances_of_a_part_file(perkins: SkirtPart) -> None:
         FormTolerances.model_validate({"ovality_um": 2.0})
 
 
-def oval_at(turn: Floats, z_mm: Floats) -> Floats:
+def oval_at(phi_rad: Floats, z_mm: Floats) -> Floats:
     """Return the drawing at places of the made-up part."""
-    return drawn_mm(2 * np.pi * turn) + 0 * z_mm
+    return drawn_mm(phi_rad) + 0 * z_mm
 
 
 def with_gap(off_mm: Floats, gaps: Sequence[tuple[float, float]] = ((80, 100),)) -> GaugedSection:

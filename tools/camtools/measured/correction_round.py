@@ -127,7 +127,8 @@ _NO_SHAPE = ("gauge_mm", "windows", "zones")  # of a drawing: where it is judged
 DEFAULT_GAIN = 0.7
 MIN_GAIN, MAX_GAIN = 0.05, 1.0
 MAX_MEAN_UM = 100.0
-MIN_LIMIT_UM, LIMIT_SHARE = 25.0, 0.1  # of the waves: of the section's reduction
+MIN_LIMIT_UM, SPRUNG_UM = 10.0, 25.0  # least limits: of an oval, of all waves, as of a chuck
+LIMIT_SHARE = 0.1  # of the section's reduction
 MAX_OFF_RADIUS_UM = 20.0
 CLEAR_SHARE = 0.1  # by which the largest error or the rms must fall, and by the noise
 MOST_RISE = 0.01  # of the largest error, beside the noise, where the rms falls
@@ -195,16 +196,27 @@ def _check_size(fit: SurfaceFit, drawing: Drawing) -> None:
         problem = f"the mean of a height is {mean_um:.4g} um off, the limit is {MAX_MEAN_UM:g} um"
         remedy = "correct the zero of X or the tool offset, and cut again"
         raise CamtoolsError([f"--measured: {problem}; {remedy}"])
+    oval = Correction(
+        drawing.ends_mm, {k: whole.waves_mm[k] for k in (2, 4) if k in whole.waves_mm}
+    )
+    share_um = LIMIT_SHARE * drawing.swing_mm * UM_PER_MM
+    for waves, name, least_um in (
+        (oval, "waves of an oval", MIN_LIMIT_UM),
+        (whole, "waves", SPRUNG_UM),
+    ):
+        limit_um, waves_um = max(least_um, share_um), _largest_um(waves)
+        if waves_um > limit_um:
+            problem = (
+                f"the {name} reach {waves_um:.4g} um, the limit is {limit_um:.4g} um, a tenth of "
+                f"the stroke of U and at least {least_um:g} um"
+            )
+            remedy = "give deviations from the drawing by its angle, not from a circle; else "
+            raise CamtoolsError([f"--measured: {problem}; {remedy}identify the drive first"])
+
+
+def _largest_um(waves: Correction) -> float:
     phi = 2 * np.pi * np.arange(_GRID) / _GRID
-    waves_um = float(np.abs(whole.delta(phi, whole.nodes_mm[:, None])[0]).max()) * UM_PER_MM
-    limit_um = max(MIN_LIMIT_UM, LIMIT_SHARE * drawing.swing_mm * UM_PER_MM)
-    if waves_um > limit_um:
-        problem = (
-            f"the waves reach {waves_um:.4g} um, the limit is {limit_um:.4g} um, a tenth of the "
-            f"stroke of U and at least {MIN_LIMIT_UM:g} um"
-        )
-        remedy = "give deviations from the drawing by its angle, not from a circle; else identify"
-        raise CamtoolsError([f"--measured: {problem}; {remedy} the drive first"])
+    return float(np.abs(waves.delta(phi, waves.nodes_mm[:, None])[0]).max()) * UM_PER_MM
 
 
 def _check_new(previous: Previous, surface: Path, own: int) -> None:

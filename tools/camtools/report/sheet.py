@@ -46,7 +46,7 @@ class Subject(NamedTuple):
     note: str = ""  # what the reader must know of the drawing
     windows: tuple[Area, ...] = ()  # without material
     datum: Datum = Datum()  # of run-out and phase
-    drawn_mm: Callable[[Floats, Floats], Floats] | None = None  # radius at turns and heights
+    drawn_mm: Callable[[Floats, Floats], Floats] | None = None  # radius at angles [rad] and heights
 
 
 class Feature(NamedTuple):
@@ -301,7 +301,7 @@ def _around(measured: GaugedSection, subject: Subject, lost: float) -> _Around |
     if subject.drawn_mm is None or measured.turn.size < _LEAST_SHARE * PLACES:
         return None
     turn, z_mm = np.arange(PLACES) / PLACES, np.full(PLACES, measured.z_mm)
-    drawn_mm, deviation_mm = subject.drawn_mm(turn, z_mm), np.full(PLACES, np.nan)
+    drawn_mm, deviation_mm = subject.drawn_mm(2 * np.pi * turn, z_mm), np.full(PLACES, np.nan)
     places = np.round(measured.turn * PLACES).astype(np.int64) % PLACES
     deviation_mm[places] = measured.deviation_mm
     lost_mm = 2 * np.pi * lost * float(drawn_mm.max())

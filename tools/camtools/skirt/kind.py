@@ -4,7 +4,9 @@
 ['--rpm', '600.0']
 """
 
-from camtools.base.quantities import NM_PER_MM
+import numpy as np
+
+from camtools.base.quantities import NM_PER_MM, Floats
 from camtools.cut.correction import Drawing
 from camtools.cut.path import ToolPath
 from camtools.pipeline.kind import Kind, Rig
@@ -45,9 +47,13 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
     def drawing(self, part: SkirtPart) -> Drawing:
         """See `Kind.drawing`."""
         geometry = make_geometry(part)
+
+        def radius_mm(turn: Floats, z_mm: Floats) -> Floats:
+            return geometry.drawn_mm(2 * np.pi * turn, z_mm)
+
         swing_mm = max(geometry.deepest_mm(float(z)) for z in geometry.breaks_mm())
         document, windows = drawing_of(part, geometry), part.piston.window_areas
-        return Drawing(geometry.skirt_mm, geometry.drawn_mm, swing_mm, document, windows)
+        return Drawing(geometry.skirt_mm, radius_mm, swing_mm, document, windows)
 
     def at_speed(self, part: SkirtPart, rpm: float | None) -> SkirtPart:
         """Return the part for another mean speed: only a modulated spindle's law depends on it."""
@@ -71,7 +77,9 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
 
     def sections_mm(self, made: GeneratedSkirt, feed_mm: float) -> list[float]:
         """See `Kind.sections_mm`: at heights that profile and ovality name."""
-        named_mm = {float(z) for z in made.geometry.breaks_mm()}
+        growth = made.part.piston.growth  # its curves have breaks that the drawing does not name
+        heights_mm = made.geometry.breaks_mm() if growth is None else growth.height_mm
+        named_mm = {float(z) for z in heights_mm}
         found = spread(sorted(named_mm), made.geometry.skirt_mm, margin_mm(feed_mm))
         return with_zones(found, made.part.tolerances)
 

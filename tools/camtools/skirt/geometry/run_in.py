@@ -22,51 +22,21 @@ from scipy.interpolate import PPoly
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats, FloatsLike, SectionValues
 from camtools.cut.correction import Correction
+from camtools.skirt.geometry.corrected import CorrectedSurface, minus, piece_from
 from camtools.skirt.geometry.sections import SkirtSurface
 from camtools.skirt.geometry.skirt_geometry import Geometry, OvalSurface
-from camtools.table.channel import MAX_LOG2_REPEAT
-
-
-@dataclass(frozen=True, eq=False)
-class CorrectedSurface(SkirtSurface):
-    """A surface with the waves of a correction taken off as well, by the drawing's angle."""
-
-    inner: SkirtSurface
-    correction: Correction
-
-    @property
-    def log2_repeat(self) -> int:
-        """Return how often both repeat."""
-        n = self.correction.repeats
-        own = (n & -n).bit_length() - 1 if n else MAX_LOG2_REPEAT
-        return min(self.inner.log2_repeat, own)
-
-    def heights_mm(self) -> Floats:
-        """Return the heights at which a curve of the surface has a break, rising."""
-        return np.union1d(self.inner.heights_mm(), self.correction.nodes_mm)
-
-    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
-        """See `SkirtSurface`."""
-        phi, z = np.asarray(phi_rad, dtype=np.float64), np.asarray(z_mm, dtype=np.float64)
-        drawn, more = self.inner.delta(phi, z), self.correction.delta(phi, z)
-        return SectionValues(*(a + b for a, b in zip(drawn, more, strict=True)))
-
-
-def _piece_from(curve: PPoly, low_mm: float) -> Floats:
-    """Return the cubic of the piece above a height, in the distance from that height."""
-    return np.array([curve(low_mm, nu=n) / max(1, n * (n - 1)) for n in (3, 2, 1, 0)])
 
 
 def corrected(geometry: Geometry, correction: Correction) -> Geometry:
     """Return what the table of a part without runs plays; the drawing that judges it stays."""
-    curve, mean = geometry.radius, correction.mean
-    inside = (mean.x > curve.x[0]) & (mean.x < curve.x[-1])
-    x = np.union1d(curve.x, mean.x[inside])
-    columns = [_piece_from(curve, float(low)) - _piece_from(mean, float(low)) for low in x[:-1]]
+    inner, both = geometry.surface, correction
+    if isinstance(inner, CorrectedSurface):  # what is turned of a hot drawing
+        both = inner.correction.plus(correction, {}, {})
+        inner = inner.inner
     return replace(
         geometry,
-        radius=PPoly(np.array(columns).T, x),
-        surface=CorrectedSurface(geometry.surface, correction),
+        radius=minus(geometry.radius, correction.mean),
+        surface=CorrectedSurface(inner, both),
         drawn=geometry.drawing,
         drawn_radius=geometry.radius,
         correction=correction,
@@ -121,7 +91,7 @@ def continued(
     """
     inside = (spline.x > ends_mm[0]) & (spline.x < ends_mm[1])
     x = np.concatenate([ends_mm[:1], spline.x[inside], ends_mm[1:]])
-    columns = [_piece_from(spline, float(low)) for low in x[:-1]]
+    columns = [piece_from(spline, float(low)) for low in x[:-1]]
     for end_mm, run_mm in zip(ends_mm, (-runs_mm[0], runs_mm[1]), strict=True):
         if run_mm == 0:
             continue

@@ -23,6 +23,8 @@ from camtools.base.quantities import DEG_PER_TURN, UM_PER_MM, Floats, FloatsLike
 from camtools.cut.correction import Correction
 from camtools.cut.removal import QUARTER_RAD, TURN_RAD, SectionCut
 from camtools.skirt.geometry.corner import Corner, make_corner
+from camtools.skirt.geometry.corrected import CorrectedSurface, minus
+from camtools.skirt.geometry.growth import shrinkage, thickness
 from camtools.skirt.geometry.poly_surface import N_ANGLE, N_HEIGHT, PolySurface, angle_pieces
 from camtools.skirt.geometry.profile import (
     check_drawn,
@@ -241,6 +243,11 @@ class Geometry:
         """Return the reduction by which a part is judged."""
         return self.surface if self.drawn is None else self.drawn
 
+    def drawn_mm(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> Floats:
+        """Return the radius by which a part is judged [mm], at angles and heights, broadcast."""
+        radius = (self.drawn_radius or self.radius)(z_mm)
+        return np.asarray(radius - self.drawing.delta(phi_rad, z_mm).delta, dtype=np.float64)
+
     @property
     def played_name(self) -> str:
         """Return what the table plays, in a word."""
@@ -253,11 +260,6 @@ class Geometry:
     def radius_mm(self, z_mm: FloatsLike | Sequence[float], derivative: int = 0) -> Floats:
         """Return a(z), a'(z) or a''(z) [mm, mm/mm, mm/mm^2] with the shape of z_mm."""
         return np.asarray(self.radius(z_mm, nu=derivative), dtype=np.float64)
-
-    def drawn_mm(self, turn: Floats, z_mm: Floats) -> Floats:
-        """Return the radius of the drawing [mm] at turns and heights of the same shape."""
-        reduction = self.drawing.delta(2 * np.pi * turn, z_mm).delta
-        return np.asarray(self.radius_mm(z_mm) - reduction, dtype=np.float64)
 
     def ovality_mm(self, z_mm: FloatsLike | Sequence[float]) -> Floats:
         """Return G(z) [mm] with the shape of z_mm."""
@@ -322,9 +324,28 @@ def make_geometry(part: SkirtPart) -> Geometry:
         drawn_turned = geometry.drawn and TurnedSurface(geometry.drawn, phase)
         turned = TurnedSurface(geometry.surface, phase)
         geometry = replace(geometry, surface=turned, drawn=drawn_turned)
+    geometry = _cold(geometry, piston)
     z_mm = dense_heights_mm(geometry, _CHECKS_PER_PIECE // 16)
     deepest_mm = np.array([geometry.deepest_mm(float(z)) for z in z_mm])
     _check_half_axis(z_mm, geometry.radius_mm(z_mm) - deepest_mm, factor)
+    return geometry
+
+
+def _cold(geometry: Geometry, piston: Piston) -> Geometry:
+    """Return what is turned of a drawing: the cold, bare skirt."""
+    growth, coating = piston.growth, piston.coating
+    if growth is not None and growth.drawn == "hot":
+        shrunk = shrinkage(piston, geometry.ends_mm, geometry.drawn_mm)
+        if shrunk.waves_mm:
+            geometry = replace(
+                geometry,
+                radius=minus(geometry.radius, shrunk.mean),
+                surface=CorrectedSurface(geometry.surface, shrunk),
+                drawn=geometry.drawn and CorrectedSurface(geometry.drawn, shrunk),
+            )
+    if coating is not None and coating.drawn == "coated":
+        less = thickness(coating, geometry.ends_mm)
+        geometry = replace(geometry, radius=minus(geometry.radius, less))
     return geometry
 
 

@@ -16,6 +16,7 @@ from camtools.part.common import FeedLaw, Machine, PartInfo, SectionProcess, Too
 from camtools.part.datum import Datum
 from camtools.part.model import TomlTable, wrong
 from camtools.skirt.part.curves import LAW_OR_POINTS, PeakOvality, PowerProfile
+from camtools.skirt.part.fit import Bore, Coating, Growth, check_fit
 from camtools.skirt.part.keys import (
     GIVEN_BY_POINTS,
     Antithrust,
@@ -47,6 +48,9 @@ class Piston(TomlTable):
         max_length=MAX_WINDOWS,
         validation_alias=AliasChoices("window", "windows"),
     )
+    growth: Growth | None = None
+    coating: Coating | None = None
+    bore: Bore | None = None
 
     @field_validator("ovality")
     @classmethod
@@ -74,6 +78,7 @@ class Piston(TomlTable):
         if self.antithrust is not None:
             check_sides(self.antithrust, self.section.shape, (first, last))
         self._check_windows(first, last)
+        check_fit(self.growth, self.coating, self.bore, self.section.shape, (first, last))
         if self.ovality is None:
             return self
         heights_mm = self.ovality.height_mm
@@ -101,6 +106,11 @@ class Piston(TomlTable):
             if area.high_mm + reach_mm <= first or area.low_mm - reach_mm >= last:
                 problem = f"lies beside the part's heights, {first:g} .. {last:g} mm"
                 raise wrong("place", problem, "correct its height", field=field, value=None)
+
+    @property
+    def has_fit(self) -> bool:
+        """Return whether more is known than one state: growth, coating or bore."""
+        return any(table is not None for table in (self.growth, self.coating, self.bore))
 
     def _check_lists(self, n: int) -> None:
         for key, value in self.section:
@@ -231,6 +241,14 @@ class SkirtPart(TomlTable):
             ends = heights_mm[0] - process.run_in_mm, heights_mm[-1] + process.run_out_mm
             mean = process.model_copy(update={"feed_mm": law.mean_mm(*ends)})
             object.__setattr__(self, "process", mean)  # the model is frozen, and this is its making
+        return self
+
+    @model_validator(mode="after")
+    def _check_magnified(self) -> Self:
+        if self.magnify is not None and self.piston.has_fit:
+            problem = "has no meaning with piston.growth, .coating or .bore: shapes enlarged for a "
+            problem += "demonstration fit no bore"
+            raise wrong("magnified", problem, "remove one of them", field="magnify", value=None)
         return self
 
     @property

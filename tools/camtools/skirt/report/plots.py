@@ -17,19 +17,25 @@ from matplotlib.projections.polar import PolarAxes
 
 from camtools.base.quantities import MM_PER_M, UM_PER_MM, Floats
 from camtools.plots.style import (
+    GREY,
+    RED,
     angle_axis,
     legend_below,
     pictures,
     stacked,
+    stroke_of,
     titled_figure,
 )
+from camtools.skirt.geometry.growth import thrust_rad
 from camtools.skirt.geometry.profile import smoothed_curves, smoothing_facts
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
+from camtools.skirt.report.fit import states_at
 from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.skirt.table.speed import motion_played
 
 _N_ANGLES = 1441
 _N_SECTIONS = 4
+_N_FIT_HEIGHTS = 201
 
 
 def _title(result: GeneratedSkirt, what: str) -> str:
@@ -113,7 +119,12 @@ def draw_profile(result: GeneratedSkirt) -> Figure:
     z_mm = dense_heights_mm(geometry, 32)
     heights_mm = geometry.ovality.x if piston.ovality is None else piston.ovality.height_mm
     of_profile, of_ovality = (np.asarray(z, float) for z in (piston.profile.height_mm, heights_mm))
-    _against_height(left, z_mm, lambda z: 2 * geometry.radius_mm(z), of_profile, "diameter")
+    long_mm: Callable[[Floats], Floats] = geometry.radius_mm
+    if piston.has_fit:
+        left.set_title("as turned: cold and bare")
+        right.set_title("as drawn")
+        long_mm = partial(geometry.drawn_mm, 0.0)
+    _against_height(left, z_mm, lambda z: 2 * long_mm(z), of_profile, "diameter")
     name = "ovality" if geometry.corner is None else "ovality without trim"
     _against_height(right, z_mm, geometry.ovality_mm, of_ovality, name)
     if geometry.corner is not None:
@@ -142,8 +153,43 @@ def draw_smoothing(result: GeneratedSkirt) -> Figure:
     return figure
 
 
+def draw_clearance(result: GeneratedSkirt) -> Figure:
+    """Return cold, coated and hot profiles over height, and the last one's clearance all round."""
+    piston, geometry = result.part.piston, result.geometry
+    z_mm, deg = np.linspace(*geometry.skirt_mm, _N_FIT_HEIGHTS), np.arange(0.0, 361.0)
+    states = states_at(piston, geometry, np.radians(deg), z_mm)
+    *_, (last, state) = states.items()
+    figure = titled_figure(11, 5.5, _title(result, ", ".join(states)))
+    left, right = figure.subplots(1, 2, sharey=True, width_ratios=[2, 3])
+    datum_mm = piston.bore.diameter_mm / 2 if piston.bore else float(state.radius_mm.max())
+    thrust_deg = round(float(np.degrees(thrust_rad(piston))))
+    for i, (name, each) in enumerate(states.items()):
+        below_um = (datum_mm - each.radius_mm) * UM_PER_MM
+        for along, turned_deg, stroke in (("thrust", 0, "-"), ("pin", 90, "--")):
+            drop_um, colour = below_um[:, thrust_deg + turned_deg], stroke_of(i)["color"]
+            left.plot(drop_um, z_mm, color=colour, ls=stroke, label=f"{name}, along the {along}")
+    if state.bore_mm is not None:
+        bore_um = (datum_mm - state.bore_mm) * UM_PER_MM
+        left.axvline(bore_um, color=GREY, ls=":", label=f"bore, {last}")
+    left.invert_xaxis()
+    left.grid(alpha=0.3)
+    left.set_ylabel("skirt height, mm")
+    left.set_xlabel("radius below the cold bore, µm" if piston.bore else "drop of the radius, µm")
+    legend_below(figure, left, 4)
+    room = (datum_mm - state.radius_mm) * UM_PER_MM if piston.bore is None else state.clearance_um
+    extent = (0.0, 360.0, *geometry.skirt_mm)
+    picture = right.imshow(room, extent=extent, origin="lower", aspect="auto", cmap="viridis")
+    if room.min() < 0 < room.max():
+        right.contour(deg, z_mm, room, levels=[0.0], colors=[RED])
+    what = "radial clearance" if piston.bore else "drop of the radius"
+    figure.colorbar(picture, ax=right).set_label(f"{what}, {last}, µm")
+    angle_axis(right)
+    return figure
+
+
 def draw_all(result: GeneratedSkirt) -> dict[str, bytes]:
     """Return all pictures by topic."""
     drawers = {"smoothing": draw_smoothing} if smoothed_curves(result.part.piston) else {}
+    drawers |= {"clearance": draw_clearance} if result.part.piston.has_fit else {}
     drawers |= {"section": draw_section, "motion": draw_motion, "profile": draw_profile}
     return pictures({topic: partial(draw, result) for topic, draw in drawers.items()})

@@ -43,7 +43,7 @@ from camtools.skirt.geometry.profile import smoothed_curves, smoothing_takes_um,
 from camtools.skirt.geometry.sections import fold
 from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.report.outcome import ROWS, Even, SkirtOutcome
-from camtools.skirt.report.plots import draw_all, draw_smoothing
+from camtools.skirt.report.plots import draw_all, draw_clearance, draw_smoothing
 from camtools.skirt.table.speed import SpeedTable, motion_played, worst_of
 
 _PERCENT = 100.0
@@ -159,7 +159,7 @@ def lines_at(geometry: Geometry, corner: Corner, z_mm: float, spindle_rpm: float
     joint_deg, omega = float(corner.joint_deg(z_mm)), omega_rad_s(spindle_rpm)
     deg = joint_deg + np.linspace(-_ROOM_DEG, _ROOM_DEG, _CORNER_ANGLES)
     u = geometry.delta(np.radians(deg), z_mm)
-    drawn = corner.delta(np.radians(deg), z_mm).delta
+    drawn = geometry.drawing.delta(np.radians(deg), z_mm).delta
     return Lines(
         deg, drawn * UM_PER_MM, u.delta * UM_PER_MM, u.d1 * omega, u.d2 * omega**2 / MM_PER_M
     )
@@ -375,6 +375,14 @@ _VIEWS: tuple[views.View[SkirtOutcome], ...] = (
         "that the band is too wide for the shape.",
         lambda cut: draw_smoothing(cut.generated),
         lambda cut: bool(smoothed_curves(cut.generated.part.piston)),
+    ),
+    views.View(
+        "clearance",
+        "Cold, coated and hot",
+        "The part is turned cold and bare; the map shows the radial clearance to the bore in the "
+        "last state, by the growth law and the coating of the part file, of a perfect cut.",
+        lambda cut: draw_clearance(cut.generated),
+        lambda cut: cut.generated.part.piston.has_fit,
     ),
     views.LEARNING,
     views.motion_view(

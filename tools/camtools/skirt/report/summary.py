@@ -21,6 +21,7 @@ from camtools.part.areas import Zone
 from camtools.part.common import Tool
 from camtools.part.smoothing import share_text
 from camtools.skirt.geometry.corner import Corner
+from camtools.skirt.geometry.corrected import CorrectedSurface
 from camtools.skirt.geometry.outliers import Outlier
 from camtools.skirt.geometry.poly_surface import TURN_RAD, PolySurface, piecewise
 from camtools.skirt.geometry.profile import (
@@ -32,7 +33,7 @@ from camtools.skirt.geometry.profile import (
     smoothing_texts,
     tolerances_left,
 )
-from camtools.skirt.geometry.run_in import CorrectedSurface, HeldSurface
+from camtools.skirt.geometry.run_in import HeldSurface
 from camtools.skirt.geometry.scan import coverage
 from camtools.skirt.geometry.sections import ALL_AROUND_RAD, SkirtSurface
 from camtools.skirt.geometry.sides import SidesSurface, TurnedSurface
@@ -40,6 +41,7 @@ from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
 from camtools.skirt.part.curves import Piece
 from camtools.skirt.part.keys import GIVEN_BY_POINTS, Ovality, Profile
 from camtools.skirt.part.part_file import Piston, SkirtPart
+from camtools.skirt.report.fit import fit_facts, fit_text
 from camtools.skirt.table.accuracy import Accuracy
 from camtools.skirt.table.generate import GeneratedSkirt, peaks_of_table
 from camtools.skirt.table.speed import summary_of
@@ -221,7 +223,7 @@ def _refit(corner: Corner) -> Json:
 def where_sides_meet(geometry: Geometry) -> Json | None:
     """Return where two sides meet and by how much they differ there, nothing of other sections."""
     sides = geometry.surface
-    sides = sides.inner if isinstance(sides, HeldSurface) else sides
+    sides = sides.inner if isinstance(sides, HeldSurface | CorrectedSurface) else sides
     sides = sides.surface if isinstance(sides, TurnedSurface) else sides
     if not isinstance(sides, SidesSurface) or sides.antithrust is None:
         return None
@@ -301,6 +303,7 @@ def _extras(result: GeneratedSkirt) -> Json:
         "imported": import_facts,
     }
     known: Json = {name: facts_of(result.part.piston) for name, facts_of in facts.items()}
+    known["fit"] = fit_facts(result.part.piston, result.geometry)
     known["sides"] = where_sides_meet(result.geometry)
     if result.part.piston.section.shape in GIVEN_BY_POINTS:
         known["beyond_profile"] = beyond_profile(result.geometry)
@@ -365,6 +368,7 @@ def emit_text(summary: Json) -> str:
         + "".join(f"  {text} (overshoot_um)\n" for text in summary.get("overshoots", []))
         + _scan_text(summary)
         + _beyond_text(summary)
+        + fit_text(summary.get("fit", {}))
         + _sides_text(summary)
         + _refit_text(summary)
         + _speed_text(summary)
