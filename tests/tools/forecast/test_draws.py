@@ -140,6 +140,14 @@ def test_draw_is_even_and_grows() -> None:
     assert np.abs(np.corrcoef(drawn.T) - np.eye(len(KEYS))).max() < 0.02
 
 
+def test_independent_machines_are_not_even() -> None:
+    """MATHS.md (168): the mean of n uniform numbers spreads by 1/sqrt(12 n), and a draw grows."""
+    drawn = [draw(UNKNOWNS, 64, seed=seed, is_independent=True) - 1 for seed in range(50)]
+    assert np.array_equal(draw(UNKNOWNS, 9, seed=3, is_independent=True) - 1, drawn[3][:9])
+    spread = np.std([one.mean(axis=0) for one in drawn])
+    assert spread * np.sqrt(12 * 64) == pytest.approx(1, abs=0.15)
+
+
 def sum_of(drawn: Floats) -> Floats:
     """Return a known function of a draw: the sum of six uniform numbers."""
     return np.asarray((drawn - 1).sum(axis=1))

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NamedTuple, cast
@@ -21,6 +22,7 @@ from camtools.report.sheet_page import out_of_tolerance, sheet_pages, sheets_jso
 from camtools.report.sheet_plots import draw_lines, draw_section
 from camtools.report.text import verdict_of
 from camtools.roundness.section import transmission
+from camtools.sim.drawn_parts import WHOLE, DrawnParts
 from camtools.sim.results import (
     PLACES,
     AnyCut,
@@ -391,6 +393,45 @@ def test_what_is_out_is_told_by_the_verdict_of_the_part() -> None:
         "out of tolerance",
     )
     assert pages.out[0] in verdict.sentence
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize(
+    ("room_um", "whole_um", "section_um", "verdict", "of_part"),
+    [
+        (0.4, 0.3, 0.3, "pass", "pass"),
+        (0.4, 0.3, 0.5, "not decided", "not decided"),
+        (0.4, 0.5, 0.3, "pass", "not decided"),
+        (0.4, 0.3, None, "not decided", "not decided"),
+        (-0.4, 0.5, 0.5, "not decided", "not decided"),
+        (-0.4, 0.5, 0.3, "fail", "fail"),
+    ],
+)
+def test_uncertainty_of_a_forecast_decides(
+    room_um: float, whole_um: float, section_um: float | None, verdict: str, of_part: str
+) -> None:
+    """All parts of the forecast are off this one by U, half of them to either side."""
+    largest_um = 1e3 * float(np.abs(deviation_mm(PHI)).max())
+    cut = cut_of(GaugedSections((section(),), ()), largest_um + room_um)
+    cut.summary["form_error_um"]["max"] = largest_um
+    name, signs = "form: largest deviation, unfiltered", np.resize([1.0, -1.0], 100)
+    off = {WHOLE: whole_um, f"height 20 mm: {name} [µm]": section_um}
+    values = {key: largest_um + um * signs for key, um in off.items() if um is not None}
+    cut = replace(cut, drawn=DrawnParts(values, "there"))
+    sheets, pages = make_sheets(cut, OVAL), sheet_pages(cut, OVAL)
+    assert sheets is not None and pages is not None and pages.is_certified
+    found = by_name(sheets.sections[0].features)[name]
+    assert found.expanded == (None if section_um is None else pytest.approx(section_um))
+    assert found.verdict == verdict
+    row = next(row for row in pages.views[0].rows if row[0] == name)
+    assert row[6:] == (
+        *(verdict, {"pass": "good", "fail": "poor"}.get(verdict, "none")),
+        "" if section_um is None else f"{section_um:.4f} µm",
+    )
+    assert out_of_tolerance(pages.files["sheets.json"], "not_decided") == pages.undecided
+    told = verdict_of(cut, pages.out, pages.undecided)
+    assert (told.title, told.kind) == (of_part, "good" if of_part == "pass" else "poor")
+    assert {row.name: row.value for row in pages.head}["conformity"].endswith("drawn in there")
 
 
 def test_data_and_page_have_the_same_numbers(sheets: Sheets) -> None:

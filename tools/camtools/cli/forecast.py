@@ -59,6 +59,9 @@ class Options:
     set: Annotated[
         tuple[str, ...], Option("value of a controller parameter; repeatable", "P=V")
     ] = ()
+    sections: Annotated[
+        bool, Option("also bound each feature of the sheets: what 95 % of all parts keep")
+    ] = False
     workers: Annotated[
         int | None, Option("parallel processes on this computer (default: one per core)", "N")
     ] = None
@@ -90,6 +93,8 @@ class Options:
             rpm=self.rpm,
             words=words,
             tolerance_um=self.tolerance_um,
+            feed_mm=self.feed,
+            has_sections=self.sections,
         )
 
 

@@ -14,6 +14,7 @@ continues with the cuts that are missing.
 
 import atexit
 import hashlib
+import json
 import logging
 import os
 import shutil
@@ -28,6 +29,7 @@ from multiprocessing import resource_tracker
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, get_type_hints
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
@@ -36,8 +38,11 @@ from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.files import write_all
 from camtools.base.parquet import parquet_bytes
 from camtools.base.project import library_path
+from camtools.pipeline.load import Made
+from camtools.report.sheet import sizes_of
 from camtools.sim.machine_file import Machine
-from camtools.sim.simulate import Result, simulate
+from camtools.sim.results import AnyCut, Cut, CutTrace, GaugedSurface, sections_of
+from camtools.sim.simulate import Result, cut
 
 if TYPE_CHECKING:
     from distributed import Client, LocalCluster
@@ -54,10 +59,12 @@ class Task(NamedTuple):
     design: bytes  # content of its report
     words: tuple[str, ...]  # options of camsim
     build: str  # digest of the simulator that all cuts are to be made by
+    sheets: Made | None = None  # the part, if its features are to be gauged as on its sheets
 
     def key(self, machine: str) -> str:
         """Return what a cut depends on, as one digest."""
-        parts = (self.table, self.design, "\0".join(self.words).encode(), self.build.encode())
+        parts = [self.table, self.design, "\0".join(self.words).encode(), self.build.encode()]
+        parts += [] if self.sheets is None else [b"sheets"]
         digest = hashlib.sha256()
         for part in (*parts, machine.encode()):
             digest.update(len(part).to_bytes(8, "little"))
@@ -79,6 +86,7 @@ class CutOutcome(NamedTuple):
     following_max_um: float
     ticks: int  # that the cut took
     wall_s: float  # computing time
+    features: str = ""  # sizes of the sheets by their names, as JSON; empty: not asked for
 
     @property
     def is_gauged(self) -> bool:
@@ -106,27 +114,42 @@ def folder_of(table: bytes, design: bytes) -> Path:
     return folder
 
 
-def _outcome(key: str, result: Result) -> CutOutcome:
+def _features(made: Made, result: Result) -> str:
+    """Return the sizes on the sheets of a cut."""
+    nothing = np.empty(0)
+    surface, trace = GaugedSurface(*[nothing] * 4), CutTrace(*[nothing] * 10)
+    sections = sections_of(result.sections)
+    seen: AnyCut = Cut(made.table, result.summary, surface, trace, sections=sections)
+    return json.dumps(sizes_of(seen, made.kind.report().subject(seen)))
+
+
+def _outcome(key: str, result: Result, made: Made | None) -> CutOutcome:
     summary = result.summary
     form, following = summary["form_error_um"], summary["following_error_um"]
     values = (form["max"], form["rms"], form["roundness"], following["max"])
     faults = " ".join(summary.get("first_faults", []))
     largest, rms, roundness, late = (nan if value is None else float(value) for value in values)
-    return CutOutcome(
+    outcome = CutOutcome(
         key, summary["end"], result.status, faults, result.message,
         largest, rms, roundness, late, int(summary["ticks"]), float(summary["wall_time_s"]),
     )  # fmt: skip
+    if made is None or not outcome.is_gauged:
+        return outcome
+    return outcome._replace(features=_features(made, result))
 
 
 def cut_one(task: Task, machine: str) -> CutOutcome:
     """Cut on one machine; what the simulator refuses is an outcome, too."""
     key = task.key(machine)
-    table = folder_of(task.table, task.design) / TABLE
+    words = [str(folder_of(task.table, task.design) / TABLE), *task.words]
+    if task.sheets is not None:  # parts differ in the noise of the encoder, too
+        words += ["--seed", str(int(key[:8], 16))]
+    tables = ("surface",) if task.sheets is None else ("surface", "sections")
     try:
-        result = simulate(table, Machine("machine", machine), options=task.words)
+        result = cut(words, Machine("machine", machine), tables=tables)
     except CamtoolsError as error:
         return CutOutcome(key, "refused", 2, "", str(error), nan, nan, nan, nan, 0, 0.0)
-    return _outcome(key, result)
+    return _outcome(key, result, task.sheets)
 
 
 def cut_batch(task: Task, machines: Sequence[str]) -> list[CutOutcome]:
@@ -262,4 +285,4 @@ def _read(path: Path) -> list[CutOutcome]:
         problem = f"not a result of tools/forecast: {reason}"
         remedy = "remove it; its cuts are repeated"
         raise InputError(str(path), "", None, problem, remedy) from error
-    return [CutOutcome(**row) for row in rows]
+    return [CutOutcome(**row | {"features": row["features"] or ""}) for row in rows]

@@ -16,6 +16,7 @@ from camtools.forecast.cuts import TABLE, Task, build_of, folder_of
 from camtools.forecast.vary import Unknown, default_vary, draw, read_vary
 from camtools.part.model import read_part_file
 from camtools.pipeline.load import Made, load, make
+from camtools.sim.drawn_parts import LEAST_CUTS
 from camtools.sim.machine_file import (
     Machine,
     Tree,
@@ -62,12 +63,18 @@ def plan_of(
     rpm: float | None = None,
     words: Sequence[str] = (),
     tolerance_um: float | None = None,
+    feed_mm: float | None = None,
+    has_sections: bool = False,
 ) -> ForecastPlan:
     """Make the table, read machine and unknowns, draw the machines; nothing is cut or written.
 
-    None stands for the machine and the tolerance of the part file, and for the usual unknowns. The
-    machine has a name or a path; the tables of some parts depend on the speed.
+    None stands for the machine, the tolerance and the feed of the part file, and for the usual
+    unknowns. The machine has a name or a path; the tables of some parts depend on the speed. With
+    sections the features of the part's sheets are gauged, of independent machines.
     """
+    if has_sections and n_runs < LEAST_CUTS:
+        problem = f"--runs {n_runs}: too few for a bound of a section"
+        raise CamtoolsError([f"{problem}; give at least {LEAST_CUTS}"])
     made = make(load(part_file), part_file, rpm=rpm)
     part = made.table.part
     own = Machine(f"{part.part.name}_machine.toml", made.kind.machine(part))
@@ -80,7 +87,11 @@ def plan_of(
     task = Task(table, design, (*words, "--tolerance-um", "1e6"), build_of(library_path("camsim")))
     _check(task, machine, name)
     _check_ends(task, tree, unknowns, str(vary or USUAL.name))
-    inputs = draw(unknowns, n_runs, seed=seed)
+    if has_sections:
+        heights_mm = made.kind.sections_mm(made.table, feed_mm or part.process.feed_mm)
+        gauged = ("--sections-mm", ",".join(map(repr, heights_mm))) if heights_mm else ()
+        task = task._replace(words=(*task.words, *gauged), sheets=made)
+    inputs = draw(unknowns, n_runs, seed=seed, is_independent=has_sections)
     keys = [unknown.key for unknown in unknowns]
     drawn = (dict(zip(keys, map(float, row), strict=True)) for row in inputs)
     texts = [emit_machine(mistaken(tree, numbers)) for numbers in drawn]

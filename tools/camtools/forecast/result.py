@@ -21,6 +21,7 @@ from camtools.forecast.cuts import SCHEMA, CutOutcome
 from camtools.forecast.job import ForecastPlan
 from camtools.part.smoothing import share_text
 from camtools.report.text import plain
+from camtools.sim.drawn_parts import ABOUT, WHOLE, bound_of, cut_facts, drawn_parts
 
 _CONFIDENCE = 0.95
 _Z = NormalDist().inv_cdf(0.5 + _CONFIDENCE / 2)
@@ -113,6 +114,7 @@ class Forecast(NamedTuple):
     quantiles: list[Quantile]
     ends: dict[str, int]  # count of cuts by how they ended, and by their first faults
     effects: list[Effect]  # of the unknowns, the strongest first; empty when there are too few cuts
+    bounds: list[tuple[str, float]]  # what most parts keep, by feature; empty: without sections
 
 
 def evaluate(plan: ForecastPlan, outcomes: Sequence[CutOutcome]) -> Forecast:
@@ -127,12 +129,18 @@ def evaluate(plan: ForecastPlan, outcomes: Sequence[CutOutcome]) -> Forecast:
         " ".join(["gauged" if outcome.is_gauged else outcome.end, outcome.faults]).strip()
         for outcome in outcomes
     )
+    features = [outcome.features for outcome in outcomes]
     return Forecast(
         errors_um,
         share_within(int((errors_um <= plan.tolerance_um).sum()), len(outcomes)),
         [quantile(errors_um, percent) for percent in PERCENTS],
         dict(ends.most_common()),
         effects(plan.names, plan.inputs[is_gauged], found[is_gauged], seed=plan.seed),
+        [
+            (name, bound_of(np.abs(values)))
+            for name, values in drawn_parts(errors_um, features).values.items()
+            if any(features)
+        ],
     )
 
 
@@ -160,6 +168,11 @@ def forecast_summary(plan: ForecastPlan, forecast: Forecast) -> Json:
         ],
         "left_out": plan.left_out,
         "effects": [effect._asdict() for effect in forecast.effects],
+        "cut": cut_facts(plan.task.table, plan.machine.text, plan.words),
+        "bounds": [
+            {"feature": name, "bound": bound if np.isfinite(bound) else None}
+            for name, bound in forecast.bounds
+        ],
     }
 
 
@@ -171,7 +184,7 @@ def runs_parquet(plan: ForecastPlan, outcomes: Sequence[CutOutcome], about: Json
     columns: dict[str, Any] = {"run": list(range(len(outcomes)))}
     columns |= {key: plan.inputs[:, place] for place, key in enumerate(plan.names)}
     columns |= {name: [getattr(outcome, name) for outcome in outcomes] for name in names}
-    return parquet_bytes(columns, schema, {"camturn.forecast": emit_json(about)})
+    return parquet_bytes(columns, schema, {ABOUT: emit_json(about)})
 
 
 _SHOWN = 5
@@ -203,6 +216,9 @@ def forecast_text(plan: ForecastPlan, forecast: Forecast, place: str) -> str:
     rows += [("matters most" if effect is shown[0] else "", _effect(effect)) for effect in shown]
     if not shown:
         rows.append(("matters most", f"unknown with fewer than {LEAST_FOR_RANKING} different cuts"))
+    for name, bound in forecast.bounds:
+        size = f"{bound:.3g}" if np.isfinite(bound) else "no bound"
+        rows.append(("95 % of parts keep" if name == WHOLE else "", f"{size}  {name}"))
     if plan.left_out:
         rows.append(("not varied", f"{', '.join(plan.left_out)}: 0 on this machine"))
     rows.append(("results", f"{place}/forecast.json, forecast.png, runs.parquet"))

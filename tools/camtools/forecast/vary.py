@@ -96,10 +96,19 @@ def default_vary(machine: Mapping[str, Any]) -> tuple[list[Unknown], list[str]]:
     return found, left_out
 
 
-def draw(unknowns: Sequence[Unknown], n_runs: int, *, seed: int) -> Floats:
-    """Return numbers (n_runs, unknowns); a longer draw continues a shorter one, MATHS.md (162)."""
-    sobol = scipy.stats.qmc.Sobol(len(unknowns), scramble=True, rng=np.random.default_rng(seed))
-    with warnings.catch_warnings():  # balance wants powers of two; any number is a fair sample
-        warnings.simplefilter("ignore", UserWarning)
-        points = sobol.random(n_runs)
+def draw(
+    unknowns: Sequence[Unknown], n_runs: int, *, seed: int, is_independent: bool = False
+) -> Floats:
+    """Return numbers (n_runs, unknowns); a longer draw continues a shorter one, MATHS.md (162).
+
+    They fill their range evenly, or each row is drawn on its own, as bounds of (168) need it.
+    """
+    rng = np.random.default_rng(seed)
+    if is_independent:
+        points = rng.random((n_runs, len(unknowns)))
+    else:
+        sobol = scipy.stats.qmc.Sobol(len(unknowns), scramble=True, rng=rng)
+        with warnings.catch_warnings():  # balance wants powers of two; any number is a fair sample
+            warnings.simplefilter("ignore", UserWarning)
+            points = sobol.random(n_runs)
     return np.column_stack([unknown.at(points[:, place]) for place, unknown in enumerate(unknowns)])

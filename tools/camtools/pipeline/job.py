@@ -21,8 +21,9 @@ from camtools.cut.correction import Correction
 from camtools.measured.correction_round import DEFAULT_GAIN, Request, next_round
 from camtools.measured.correction_step import cautions
 from camtools.part.common import PartFile, Tool, check_tracks, is_feed_within
-from camtools.pipeline.load import Loaded
+from camtools.pipeline.load import Loaded, Made
 from camtools.roundness.section import DEFAULT_UPR, UPR_CHOICES
+from camtools.sim.drawn_parts import DrawnParts, cut_facts, read_parts
 from camtools.sim.machine_file import machine_bytes, names
 from camtools.table.header import check_tolerance
 
@@ -122,6 +123,9 @@ _UPR = Option(
     f"(default: {DEFAULT_UPR})",
     choices=UPR_CHOICES,
 )
+_FORECAST = Option(
+    "judge with the uncertainty of the machine: a forecast of this cut with --sections", "DIR"
+)
 _KEEP = Option(
     "delete all but the N newest runs in build/run, this one included (default: keep all)",
     "N",
@@ -144,6 +148,7 @@ class RunJob:
     machine: Annotated[bytes | None, Option(MACHINE_HELP, "M", read=machine_bytes)] = None
     tolerance_nm: Annotated[float | None, _TOLERANCE] = None
     upr: Annotated[int, _UPR] = DEFAULT_UPR
+    forecast: Annotated[Path | None, _FORECAST] = None
     csv: Annotated[bool, Option("also write the trace as trace.csv")] = False
     keep: Annotated[int | None, _KEEP] = None
     output: Annotated[str | None, _OUTPUT] = None
@@ -156,6 +161,9 @@ class RunJob:
             raise CamtoolsError(["-o: an empty path; give a folder"])
         if self.keep is not None and self.output:
             raise CamtoolsError(["--keep: applies only to build/run; leave out -o or --keep"])
+        if self.forecast is not None and self.upr != DEFAULT_UPR:
+            problem = f"--upr {self.upr}: forecasts have {DEFAULT_UPR}"
+            raise CamtoolsError([f"{problem}; leave out --upr or --forecast"])
 
     def with_words(self, words: Sequence[str]) -> "RunJob":
         """Return the job with the user's words for camsim, which works in another folder."""
@@ -197,6 +205,17 @@ class RunJob:
             problem = f"--tolerance-um {given}: smoothing takes {plain_number(taken_um)} um"
             raise CamtoolsError([f"{problem}; allow more, or reduce smooth_um"])
         return ["--tolerance-um", repr(left_um)]
+
+    def drawn(self, made: Made) -> DrawnParts | None:
+        """Return the parts of the forecast that is given, which must be of this cut."""
+        if self.forecast is None:
+            return None
+        part = made.table.part
+        text = made.kind.machine(part) if self.machine is None else self.machine.decode("utf-8")
+        words = [] if self.rpm is None else ["--rpm", repr(self.rpm)]
+        words += [*self.feed_words(), *self.extra]
+        table = made.files(with_plots=False)[f"{part.part.name}.camtab"]
+        return read_parts(self.forecast, cut_facts(table, text, words))
 
     def feed_words(self) -> list[str]:
         """Return camsim's options for the feed, when one is given."""

@@ -149,7 +149,7 @@ def render_page(outcome: AnyCut, page: Page) -> str:
     """Return the HTML page of a part of any kind; the clock of the computer is not in it."""
     board, sheets = page.board, page.sheets
     charts = {shown.key: shown.chart for shown in page.shown if shown.chart is not None}
-    verdict = verdict_of(outcome, sheets.out if sheets else ())
+    verdict = verdict_of(outcome, *((sheets.out, sheets.undecided) if sheets else ()))
     plotly, ours = script_texts()
     template = _environment().get_template("page.html.j2")
     return template.render(

@@ -21,6 +21,7 @@ from camtools.roundness.section import (
     section_of,
     straightness,
 )
+from camtools.sim.drawn_parts import CONFIDENCE, FAIL, NOT_DECIDED, SHARE, DrawnParts, decision
 from camtools.sim.results import PLACES, AnyCut, GaugedLine, GaugedSection
 
 GOOD, OUT, NO_TOLERANCE = "good", "out of tolerance", "no tolerance given"
@@ -61,6 +62,13 @@ class Feature(NamedTuple):
     tolerance: float | None  # the largest size of the deviation that is good; of mm in um
     verdict: str
     is_width: bool = False  # of a zone: never below 0
+    expanded: float | None = None  # uncertainty U with k = 2, as the tolerance; none: not known
+
+    @property
+    def size(self) -> float:
+        """Return what is compared with the tolerance, in its unit: the deviation, if there is."""
+        value = abs(self.actual) if self.deviation is None else self.deviation
+        return value * (UM_PER_MM if self.unit == "mm" else 1)
 
 
 class SectionSheet(NamedTuple):
@@ -95,15 +103,30 @@ class Sheets(NamedTuple):
     lines: list[LineSheet]
     tapers: list[Feature]
     missing: list[str]  # sections that were not cut all round
+    is_certified: bool = False  # verdicts take the uncertainty of the machine into account
+
+    def tables(self) -> Iterator[tuple[str, list[Feature]]]:
+        """Yield each table with what its features are named by besides."""
+        yield from ((f"{sheet.name}: ", sheet.features) for sheet in self.sections)
+        yield from ((f"profile {line.angle_deg:g}°: ", line.features) for line in self.lines)
+        yield "", self.tapers
+
+    def named(self, *verdicts: str) -> list[str]:
+        """Return the features of some verdicts, by sheet and feature."""
+        tables = self.tables()
+        return [
+            f"{at}{one.name}" for at, table in tables for one in table if one.verdict in verdicts
+        ]
 
     @property
     def out(self) -> list[str]:
         """Return what is out of tolerance, by sheet and feature."""
-        named = [(sheet.name, entry) for sheet in self.sections for entry in sheet.features]
-        profiles = ((f"profile {line.angle_deg:g}°", line.features) for line in self.lines)
-        named += [(name, entry) for name, features in profiles for entry in features]
-        found = [f"{name}: {entry.name}" for name, entry in named if entry.verdict == OUT]
-        return found + [entry.name for entry in self.tapers if entry.verdict == OUT]
+        return self.named(OUT, FAIL)
+
+    @property
+    def undecided(self) -> list[str]:
+        """Return what the uncertainty leaves open, by sheet and feature."""
+        return self.named(NOT_DECIDED)
 
 
 def verdict_of(deviation: float, tolerance: float | None) -> str:
@@ -367,7 +390,47 @@ def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
     head = _head(outcome, upr)
     head += [ReportRow("smoothing", subject.note)] if subject.note else []
     tapers = list(_tapers(lines, stated.taper_um))
-    return Sheets(head, subject, upr, sections, lines, tapers, missing)
+    sheets = Sheets(head, subject, upr, sections, lines, tapers, missing)
+    return sheets if outcome.drawn is None else _certified(sheets, outcome.drawn)
+
+
+def _key(place: str, entry: Feature) -> str:
+    return f"{place}{entry.name} [{'°' if entry.unit == '°' else 'µm'}]"
+
+
+def sizes_of(outcome: AnyCut, subject: Subject) -> dict[str, float]:
+    """Return the sizes of all features that a tolerance judges; nothing without a section."""
+    sheets = make_sheets(outcome, subject)
+    return {
+        _key(place, entry): entry.size
+        for place, features in (sheets.tables() if sheets is not None else ())
+        for entry in features
+        if entry.tolerance is not None
+    }
+
+
+def _decided(place: str, entry: Feature, drawn: DrawnParts) -> Feature:
+    """Return a feature with U and the verdict that allows for it."""
+    if entry.tolerance is None:
+        return entry
+    expanded = drawn.expanded(_key(place, entry), entry.size)
+    verdict = decision(abs(entry.size), expanded, entry.tolerance)
+    is_judged = entry.verdict in (GOOD, OUT)
+    return entry._replace(expanded=expanded, verdict=verdict if is_judged else entry.verdict)
+
+
+def _certified(sheets: Sheets, drawn: DrawnParts) -> Sheets:
+    """Return sheets whose verdicts allow for the uncertainty of the machine."""
+    for place, features in sheets.tables():
+        features[:] = [_decided(place, entry, drawn) for entry in features]
+    rule = (
+        "pass: the size with U added does not exceed the tolerance; fail: with U taken off it "
+        f"does; else not decided (ISO 14253-1). {100 * SHARE:.0f} % of all parts, the level of "
+        f"k = 2, are within ±U, at {100 * CONFIDENCE:.0f} % confidence, by {drawn.n_parts} parts "
+        f"on machines drawn in {drawn.folder}"
+    )
+    head = [row._replace(value=rule) if row.name == "conformity" else row for row in sheets.head]
+    return sheets._replace(head=head, is_certified=True)
 
 
 def shown_number(value: float | None, unit: str) -> str:

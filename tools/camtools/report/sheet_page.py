@@ -26,13 +26,14 @@ from camtools.report.sheet import (
 from camtools.report.sheet_plots import draw_lines, draw_section
 from camtools.report.text import ReportRow
 from camtools.roundness.section import Circle, Roundness, RoundWave
+from camtools.sim.drawn_parts import FAIL, PASS
 from camtools.sim.results import AnyCut
 
 SHEETS = "sheets.json"
 _COLUMNS = 5  # of the table of harmonics
-_CLASSES = {GOOD: "good", OUT: "poor"}
+_CLASSES = {GOOD: "good", OUT: "poor", PASS: "good", FAIL: "poor"}
 
-Row = tuple[str, str, str, str, str, str, str, str]  # the last one is the class of the verdict
+Row = tuple[str, str, str, str, str, str, str, str, str]  # at last the class of the verdict and U
 
 
 class SheetView(NamedTuple):
@@ -54,6 +55,8 @@ class SheetPages(NamedTuple):
     views: list[SheetView]
     files: dict[str, bytes]
     out: list[str]  # what is out of tolerance
+    undecided: list[str]
+    is_certified: bool
 
 
 def _row(feature: Feature) -> Row:
@@ -74,6 +77,7 @@ def _row(feature: Feature) -> Row:
         "" if feature.tolerance is None else f"{sign}{feature.tolerance:g}{small}",
         "\N{EN DASH}" if feature.verdict == NO_TOLERANCE else feature.verdict,
         _CLASSES.get(feature.verdict, "none"),
+        "" if feature.expanded is None else shown_number(feature.expanded, small) + small,
     )
 
 
@@ -168,9 +172,9 @@ def _line(line: LineSheet) -> Json:
     }
 
 
-def out_of_tolerance(document: bytes | None) -> list[str]:
-    """Return what the sheets found out of tolerance, from sheets.json; nothing without sheets."""
-    return [] if document is None else list(json.loads(document)["out_of_tolerance"])
+def out_of_tolerance(document: bytes | None, key: str = "out_of_tolerance") -> list[str]:
+    """Return what the sheets found out of tolerance, or "not_decided", from sheets.json."""
+    return [] if document is None else list(json.loads(document)[key])
 
 
 def sheets_json(sheets: Sheets) -> bytes:
@@ -181,6 +185,7 @@ def sheets_json(sheets: Sheets) -> bytes:
         "left_out": sheets.subject.left_out,
         "not_cut": sheets.missing,
         "out_of_tolerance": sheets.out,
+        "not_decided": sheets.undecided,
         "sections": [_section(sheet, is_oval=sheets.subject.is_oval) for sheet in sheets.sections],
         "profiles": [_line(line) for line in sheets.lines],
         "tapers": [taper._asdict() for taper in sheets.tapers],
@@ -195,4 +200,5 @@ def sheet_pages(outcome: AnyCut, subject: Subject) -> SheetPages | None:
         return None
     views, files = _views(sheets)
     files[SHEETS] = sheets_json(sheets)
-    return SheetPages(sheets.head, subject.left_out, sheets.missing, views, files, sheets.out)
+    verdicts = (sheets.out, sheets.undecided, sheets.is_certified)
+    return SheetPages(sheets.head, subject.left_out, sheets.missing, views, files, *verdicts)

@@ -16,6 +16,7 @@ from camtools.base.quantities import length_text
 from camtools.base.text import Json
 from camtools.cut.feasibility import UNITS
 from camtools.part.smoothing import share_text
+from camtools.sim.drawn_parts import FAIL, NOT_DECIDED, PASS, WHOLE, decision
 from camtools.sim.results import FAULT, AnyCut, is_beyond
 
 _FAULTS = ROOT / "firmware" / "FAULTS.md"
@@ -84,8 +85,8 @@ def _named(names: Sequence[str]) -> str:
     return "; ".join(names[:_MOST_NAMES]) + (f"; and {more} more" if more > 0 else "")
 
 
-def verdict_of(outcome: AnyCut, out: Sequence[str] = ()) -> Verdict:
-    """Return whether the part is good, and why not; `out`: found by the sheets."""
+def verdict_of(outcome: AnyCut, out: Sequence[str] = (), undecided: Sequence[str] = ()) -> Verdict:
+    """Return whether the part is good, and why not; `out` and `undecided`: found by the sheets."""
     summary = outcome.summary
     form = summary["form_error_um"]
     if outcome.has_fault:
@@ -99,7 +100,7 @@ def verdict_of(outcome: AnyCut, out: Sequence[str] = ()) -> Verdict:
     within = f"The {found} is within the {allowed}"
     zones = summary.get("zones", [])
     within = f"The {found} is within what each zone accepts" if zones else within
-    if is_beyond(summary):
+    if is_beyond(summary) and (zones or outcome.drawn is None):
         where = [f"in zone {zone['name']}" for zone in zones if not zone.get("is_good", True)]
         where += [] if form.get("is_good_beside_zones", True) else ["beside the zones"]
         above = f"The surface is out of tolerance {_named(where)}." if where else ""
@@ -110,13 +111,41 @@ def verdict_of(outcome: AnyCut, out: Sequence[str] = ()) -> Verdict:
         turns = f"{cut['turns']:.0f} of {cut['planned_turns']:.0f} turns were cut"
         sentence = f"{turns}. So far the {found} is good."
         return Verdict("poor", f"incomplete: {summary['end']}", sentence)
-    if not outcome.is_good:  # a lobe of a camshaft, or a zone
+    if not outcome.is_good and not is_beyond(summary):  # a lobe of a camshaft, or a zone
         sentence = f"{found.capitalize()}, but not every lobe or zone was gauged."
         return Verdict("poor", "not gauged", sentence)
+    if outcome.drawn is not None:
+        return _decided(outcome, out, undecided)
     if out:
         shown = f"but the measurement sheets show out of tolerance: {_named(out)}"
         return Verdict("poor", "out of tolerance", f"{within}, {shown}.")
     return Verdict("good", "within tolerance", f"{within}.")
+
+
+def certified_facts(outcome: AnyCut) -> Json | None:
+    """Return the form error's expanded uncertainty and where it is from; none without forecast."""
+    drawn, form_um = outcome.drawn, outcome.summary["form_error_um"]["max"]
+    if drawn is None:
+        return None
+    expanded = None if form_um is None else drawn.expanded(WHOLE, form_um)
+    return {"forecast": drawn.folder, "parts": drawn.n_parts, "form_error_u_um": expanded}
+
+
+def _decided(outcome: AnyCut, out: Sequence[str], undecided: Sequence[str]) -> Verdict:
+    """Return the verdict of a whole cut by ISO 14253-1, on machines as a forecast has drawn."""
+    form, facts = outcome.summary["form_error_um"], certified_facts(outcome)
+    expanded = None if facts is None else facts["form_error_u_um"]
+    verdicts = {decision(form["max"], expanded, form["tolerance"])}
+    verdicts |= ({FAIL} if out else set()) | ({NOT_DECIDED} if undecided else set())
+    title = next(verdict for verdict in (FAIL, NOT_DECIDED, PASS) if verdict in verdicts)
+    known = "an unknown U" if expanded is None else f"U = {length_text(expanded)} (k = 2)"
+    names = {FAIL: out, NOT_DECIDED: undecided}.get(title)
+    sentence = (
+        f"The largest form error is {length_text(form['max'])} with {known}, the tolerance "
+        + length_text(form["tolerance"])
+        + (f"; {title} on the measurement sheets: {_named(names)}." if names else ".")
+    )
+    return Verdict("good" if title == PASS else "poor", title, sentence)
 
 
 def error_pair(error: Json) -> str:
@@ -190,9 +219,15 @@ def margins_of(outcome: AnyCut) -> list[Margin]:
 
 
 def page_text(
-    outcome: AnyCut, about: list[ReportRow], place: str, total_s: float, out: Sequence[str] = ()
+    outcome: AnyCut,
+    about: list[ReportRow],
+    place: str,
+    total_s: float,
+    out: Sequence[str] = (),
+    undecided: Sequence[str] = (),
 ) -> str:
-    """Return the summary for the terminal: folder as typed, computing time, what is out."""
+    """Return the summary for the terminal: folder as typed, computing time, what is out or open."""
+    verdict = verdict_of(outcome, out, undecided)
     rows = [row for row in about if row.name != "computing time"]
     for margin in margins_of(outcome):
         value = f"{margin.needed}, {margin.percent:.0f} % of the limit of {margin.limit}"
@@ -202,8 +237,10 @@ def page_text(
     rows.append(ReportRow("results", f"{place}/report.html and the other files there"))
     if out:
         rows.insert(0, ReportRow("out of tolerance", _named(out)))
+    if outcome.drawn is not None:
+        rows.insert(0, ReportRow("verdict", verdict.sentence))
     width = max(len(row.name) for row in rows)
-    lines = [f"{outcome.name}: {verdict_of(outcome, out).title}"]
+    lines = [f"{outcome.name}: {verdict.title}"]
     lines += [f"  {row.name:<{width}}  {plain(row.value)}" for row in rows]
     return "\n".join(lines) + "\n"
 

@@ -21,6 +21,7 @@ from camtools.base.quantities import DEG_PER_TURN, NM_PER_MM, Floats
 from camtools.base.text import Json
 from camtools.roundness.section import DEFAULT_UPR
 from camtools.sim.binding import Rows
+from camtools.sim.drawn_parts import DrawnParts
 from camtools.table.header import MadeTable
 
 TRACE, SURFACE, SUMMARY = "trace.parquet", "surface.csv", "summary.json"
@@ -236,6 +237,7 @@ class Cut(Generic[MadeT]):
     origin: Origin | None = None  # what repeats the cut, where a command made it
     sections: GaugedSections = NO_SECTIONS  # the true radius at evenly spaced places
     cutoff_upr: int = DEFAULT_UPR  # of the filter of the sheets, waves per turn
+    drawn: DrawnParts | None = None  # the same part on machines that a forecast has drawn
 
     @property
     def name(self) -> str:

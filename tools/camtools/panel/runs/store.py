@@ -242,6 +242,8 @@ def verdict_word(summary: Json) -> str:
     form = summary["form_error_um"]
     if form["max"] is None:
         return "nothing cut"
+    if summary.get("certified"):
+        return str(summary["verdict"])
     if is_beyond(summary):
         return "out of tolerance"
     if summary["end"] != "done":
