@@ -1,5 +1,6 @@
 """Parts that a chuck springs: what is gauged of them against the Fourier series of a ring."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 from camtools.base.quantities import Floats
 from camtools.cli.mktables import main
-from tests.tools.cases.camsim_cases import cut, plain
+from tests.tools.cases.camsim_cases import camsim, cut, plain
 
 ROUND = """\
 [part]
@@ -88,3 +89,26 @@ def test_jaws_stay_where_the_phase_turns_the_part(cylinder: Path) -> None:
     """A part that is turned by 25 degrees on the spindle has its lobes 25 degrees earlier."""
     deg, rows_um, _ = sections_um(cylinder, "spring_um = 9", "--set", "phase_udeg=25000000")
     assert rows_um[0] == pytest.approx(9 * sprung_um(deg, 3, -25), abs=0.02)
+
+
+@pytest.mark.long
+def test_two_rounds_cut_the_spring_out(cylinder: Path, tmp_path: Path) -> None:
+    """A coarse cut: three lobes of 30 um are left at first, 1 um at most after two rounds."""
+    keys = "jaw_deg = 20\nspring_um = 30\njaw_height_mm = 10\nround_height_mm = -5"
+    (tmp_path / "chuck.toml").write_text(f"[chuck]\n{keys}\n")
+    table, largest_um = cylinder, []
+    for number in range(3):
+        made = tmp_path / str(number)
+        if number:
+            words = ["--measured", str(tmp_path / f"{number - 1}.csv")]
+            words += ["--previous", str(table.with_suffix(".json"))]
+            assert main([str(cylinder.with_suffix(".toml")), "-o", str(made), *words]) == 0
+            table = made / "cylinder.camtab"
+        files = ["--surface", f"{number}.csv", "--summary", f"{number}.json"]
+        options = ["--machine", "chuck.toml", "--tolerance-um", "99", *files]
+        assert camsim("run", table, *options, cwd=tmp_path).returncode == 0
+        summary = json.loads((tmp_path / f"{number}.json").read_text())
+        largest_um.append(summary["form_error_um"]["max"])
+    assert 14 < largest_um[0] < 17  # a ring's lobes are 53 % of the spring high, 47 % deep
+    assert largest_um[1] < 0.4 * largest_um[0]
+    assert largest_um[2] < 1.0

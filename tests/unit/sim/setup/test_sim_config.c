@@ -68,6 +68,8 @@ static void test_ranges_of_the_effects_are_kept(void)
         {"x", "command_quantum_nm = -1;"},
         {"z", "command_quantum_nm = 100001;"},
         {"cut", "kc_n_per_mm2 = -1;radial_share = 11;tool_stiffness_n_per_um = -1;"},
+        {"chuck", "jaws = 1;jaws = 13;jaws = 2.5;jaw_deg = 361;spring_um = 1001;"
+                  "jaw_height_mm = -2001;round_height_mm = 2001;"},
         {"spindle", "ripple_2 = 0.6;ripple_per_turn_2 = 0;runout_um = -1;runout_2_um = 1001;"},
         {"encoder", "time_stamps = 2;"}};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
