@@ -79,9 +79,10 @@ void camsim_explain_form(const sim_session_t *s, const char *table, const char *
     for (int i = 0; i < areas->n_zones; i++) {
         const sim_zone_t *zone = &areas->zone[i];
         if (zone->excess_um > 0.0) {
-            (void)common_error(e,
-                               "%s: zone %s: the form error exceeds its tolerance by %.3f um; %s",
-                               table, zone->name, zone->excess_um, remedy);
+            const double limit_um = sim_zone_tolerance_um(zone, s->options.tolerance_um);
+            (void)common_error(e, "%s: zone %s: the form error exceeds its %s by %.3f um; %s",
+                               table, zone->name, zone->max_um > limit_um ? "tolerance" : "band",
+                               zone->excess_um, remedy);
             return;
         }
     }

@@ -262,16 +262,16 @@ def test_window_is_left_out_of_circles_and_axes() -> None:
     assert found is not None and found.missing == []
     sheet = found.sections[0]
     names = by_name(sheet.features)
-    assert names["share of the turn that was measured"].actual == pytest.approx(
-        100 * 340 / 360, abs=0.06
-    )
+    assert names[
+        "share of the turn that was measured; axes in windows are left out"
+    ].actual == pytest.approx(100 * 340 / 360, abs=0.06)
     centre = sheet.section.off.circle
     bridge_mm = C_MM * (1 - np.cos(np.radians(10)))  # between a chord of 20 degrees and its arc
     assert (
         np.hypot(centre.x_mm - C_MM * np.cos(C_RAD), centre.y_mm - C_MM * np.sin(C_RAD)) < bridge_mm
     )
     assert sheet.section.off.total_mm < 2 * bridge_mm
-    # The short axis lies at 102 degrees, so its opposite ends are 282 and, still there, 102.
+    # The short axis lies at 102 degrees, beside the window; that at 90 would end in it.
     assert names["short axis"].nominal == pytest.approx(2 * (A_MM - G_MM / 2), abs=1e-9)
     assert names["short axis"].deviation == pytest.approx(0, abs=1e-4)
 

@@ -135,7 +135,7 @@ def test_report_names_the_zone(excess_um: float, is_good: bool, words: str) -> N
     form["is_good_beside_zones"] = not is_good or excess_um < 0
     summary = made_up_summary(form_error_um=form)
     summary |= {"zones": [{"name": "belt", "is_good": is_good}], "is_good": excess_um < 0}
-    found = SimpleNamespace(summary=summary, has_fault=False, is_good=excess_um < 0)
+    found = SimpleNamespace(summary=summary, has_fault=False, is_good=excess_um < 0, drawn=None)
     verdict = verdict_of(cast(AnyCut, found))
     assert (words in verdict.sentence, verdict.kind) == (True, "good" if excess_um < 0 else "poor")
 
@@ -169,6 +169,7 @@ def test_points_in_a_window_do_not_correct(tmp_path: Path) -> None:
 
 ZONE = zone("skirt", 0, 20)
 BAND = "height_mm = [0, 9]\nlower_um = [1, 2]\nupper_um = [2, 2]\n"
+HIGH = "height_mm = [0, 9]\nlower_um = [6, 7]\nupper_um = [9, 9]\n"
 
 
 @pytest.mark.parametrize(
@@ -182,6 +183,9 @@ BAND = "height_mm = [0, 9]\nlower_um = [1, 2]\nupper_um = [2, 2]\n"
         (BORE.replace("offset_mm = 1", "offset_mm = 40"), "window.0: does not lie within"),
         (BORE.replace('"pin bore"', '"pin/bore"'), "use 1 to 30 letters, digits, spaces, _ and -"),
         (zone("skirt", 0, 41), "tolerances.zone.0: must lie within the part's heights, 0 .. 40 mm"),
+        (ZONE + "angle_deg = 45\nwidth_deg = 40\nstraightness_um = 1\n", "at 0, 90, 180 or 270"),
+        (ZONE + HIGH, "has a band of 6 .. 9 um beyond its form error, 5 um"),
+        (BOX.replace("[[", "[").replace("]]", "]"), "write [[piston.window]], in double brackets"),
         (BOX.replace("30", "361"), "piston.window.0.width_deg = 361"),
         (ZONE + zone("skirt", 20, 40), 'tolerances.zone: has "skirt" twice; give every zone'),
         (ZONE + zone("top", 19, 40), 'tolerances.zone: "skirt" and "top" overlap; change their'),
@@ -253,6 +257,11 @@ def test_feed_that_leaves_too_much_is_refused(
     part.write_text(text_of("[tolerances]\nroughness_um = 2\n", 0.2, 0.8))
     assert run([str(part), "-o", str(out), "--feed", "0.3"]) == 2
     assert "--feed = 0.3: leaves scallops of 14.2 um" in capsys.readouterr().err
+    for zones in (zone("thin", 5, 5.02, "scallop_um = 0.05"), zone("all", 0, 40, "scallop_um = 3")):
+        part.write_text(text_of("[tolerances]\nroughness_um = 2\n" + zones, 0.2, 0.8))
+        assert mktables([str(part), "-o", str(out), "--propose-feed"]) == 0
+        table, feed = capsys.readouterr().out.splitlines()
+        assert (table, float(feed.split()[-1]) < 0.14) == ("[process]", True)
     part.write_text(text_of(ROUGH, 0.2))
     assert mktables([str(part), "-o", str(out)]) == 2
     assert "tool.nose_radius_mm: is missing: limits of scallop_um" in capsys.readouterr().err

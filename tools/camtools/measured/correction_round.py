@@ -296,5 +296,8 @@ def next_round(request: Request, name: str, drawing: Drawing) -> Round:
     except CamtoolsError as error:
         own_name = f"--measured {request.surface}: "
         lines = [line.replace("--measured: ", own_name, 1) for line in error.lines]
+        if drawing.windows:
+            hint = "heights with a window count only for few waves, a gap of g degrees for 180 / g"
+            lines.append(f"{own_name}{hint}; give --keep-harmonics as few")
         raise CamtoolsError(lines) from error
     return Round(before.plus(step.taken, about, step.left_mm), previous)

@@ -13,7 +13,7 @@
 
 import re
 from collections.abc import Sequence
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import Annotated, NamedTuple, Self
 
 import numpy as np
@@ -22,7 +22,7 @@ from pydantic import AfterValidator, AliasChoices, Field, field_validator, model
 from camtools.base.quantities import Bools, Floats
 from camtools.base.text import Json
 from camtools.part.common import SectionTolerances, Tolerances
-from camtools.part.model import HeightMm, Points, TomlTable, rising, wrong
+from camtools.part.model import HeightMm, Points, TomlTable, wrong
 
 _SAME_DEG = 1e-9
 MAX_WINDOWS = 32  # two areas each at most, host_sim/part/sim_area.h
@@ -79,7 +79,7 @@ class Area(NamedTuple):
 class Window(TomlTable):
     """[[piston.window]]: where [there is no material](PISTONS.md#windows)."""
 
-    name: AreaName = "window"
+    name: AreaName = Field("window", description="in reports")
     angle_deg: AngleDeg = Field(description="of its middle")
     height_mm: HeightMm | None = Field(None, description="round: of its centre")
     diameter_mm: Annotated[float, Field(ge=0.1, le=4000)] | None = Field(
@@ -144,7 +144,7 @@ class Zone(SectionTolerances):
     not overlap.
     """
 
-    name: AreaName
+    name: AreaName = Field(description="in reports and sheets, each another")
     from_mm: HeightMm
     to_mm: HeightMm
     angle_deg: AngleDeg = Field(0.0, description="of its middle")
@@ -167,11 +167,21 @@ class Zone(SectionTolerances):
     @field_validator("height_mm")
     @classmethod
     def _check_heights(cls, value: list[float] | None) -> list[float] | None:
-        return None if value is None else rising(value)
+        for lower, upper in pairwise(value or []):
+            if not lower < upper:
+                problem = f"heights must rise, but {upper:g} mm follows {lower:g} mm"
+                raise wrong("rising", problem, "list the points upwards")
+        return value
 
     @model_validator(mode="after")
     def _check_zone(self) -> Self:
         _check_ends(self.from_mm, self.to_mm)
+        lines = Area(self.angle_deg % 360, self.width_deg, 0.0, 0.0, 0.0, 0.0, 0.0)
+        has_line = bool(lines.holds(np.arange(4) / 4, np.zeros(4), np.ones(4)).any())
+        if self.straightness_um is not None and not has_line:
+            context = {"field": "straightness_um", "value": self.straightness_um}
+            problem = "needs a profile that is gauged: at 0, 90, 180 or 270 degrees"
+            raise wrong("line", problem, "remove it, or make the zone wider", **context)
         for key in _ALL_ROUND:
             if self.width_deg < 360 and getattr(self, key) is not None:
                 context = {"field": key, "value": getattr(self, key)}

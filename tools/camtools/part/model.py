@@ -197,7 +197,10 @@ def describe(file: str, finding: ErrorDetails) -> str:
     hides_value = finding["type"] in ("missing", "extra_forbidden")  # it may be of another kind
     value = None if hides_value else context.get("value", finding["input"])
     problem = _PROBLEMS.get(finding["type"], finding["msg"])
-    return str(InputError(file, field, value, problem, remedy_for(finding["type"], context)))
+    remedy = remedy_for(finding["type"], context)
+    if finding["type"] == "list_type" and isinstance(finding["input"], dict):
+        value, remedy = None, f"write [[{field}]], in double brackets, for each entry"
+    return str(InputError(file, field, value, problem, remedy))
 
 
 def describe_all(file: str, error: ValidationError) -> list[str]:

@@ -18,6 +18,7 @@ from camtools.roundness.section import (
     POINTS_PER_WAVE,
     SectionFigures,
     Straightness,
+    axes_of,
     section_of,
     straightness,
 )
@@ -33,6 +34,7 @@ _LOST_TICKS = 4  # beside a window, where the gauge has no cubic
 _OVALITY = "ovality: long less short axis"
 _ROUNDNESS_MZ = "roundness of the deviation RONt, MZ"
 _STRAIGHTNESS_MZ = "straightness of the deviation STRt, MZ"
+_SEEN_UM = 0.1  # by which an axis may lie beside what was measured
 _OVAL_UM = 1.0  # ovality below which a long axis has no direction
 
 
@@ -150,26 +152,35 @@ def feature(
     return Feature(name, *kind, nominal, actual, deviation, tolerance, verdict)
 
 
+def _is_seen(section: SectionFigures, name: str) -> bool:
+    """Return whether an axis of the drawing has both its ends where the section was measured."""
+    drawn_mm = getattr(axes_of(section.drawn_mm), name)
+    off_mm: float = drawn_mm - getattr(section.drawn_axes, name)
+    return abs(off_mm) * UM_PER_MM < _SEEN_UM
+
+
 def _axes_features(
     section: SectionFigures, stated: SectionTolerances, bore_off_deg: float
 ) -> list[Feature]:
+    """Return sizes and phase of an oval; axes that end in a window are left out."""
     drawn, cut = section.drawn_axes, section.cut_axes
-    size = ("diameter", "mm")
-    found = [
-        feature("long axis", size, cut.long_mm, drawn.long_mm, stated.diameter_um),
-        feature("short axis", size, cut.short_mm, drawn.short_mm, stated.diameter_um),
-        feature("mean of all diameters", size, cut.mean_mm, drawn.mean_mm),
-    ]
+    size, found = ("diameter", "mm"), []
+    has_long, has_short = (_is_seen(section, name) for name in ("long_mm", "short_mm"))
+    if has_long:
+        found.append(feature("long axis", size, cut.long_mm, drawn.long_mm, stated.diameter_um))
+    if has_short:
+        found.append(feature("short axis", size, cut.short_mm, drawn.short_mm, stated.diameter_um))
+    found.append(feature("mean of all diameters", size, cut.mean_mm, drawn.mean_mm))
     if drawn.ovality_mm * UM_PER_MM < _OVAL_UM:
         return found
+    if has_long and has_short:
+        oval = (cut.ovality_mm, drawn.ovality_mm, stated.ovality_um)
+        found.append(feature(_OVALITY, size, *oval))
     turned_deg = (cut.phase_deg - bore_off_deg - drawn.phase_deg + 90) % 180 - 90
     nearest_deg = drawn.phase_deg + turned_deg
     degrees, most_deg = ("angle", "°"), stated.phase_deg
-    return [
-        *found,
-        feature(_OVALITY, size, cut.ovality_mm, drawn.ovality_mm, stated.ovality_um),
-        feature("phase of the long axis", degrees, nearest_deg, drawn.phase_deg, most_deg),
-    ]
+    phase = feature("phase of the long axis", degrees, nearest_deg, drawn.phase_deg, most_deg)
+    return [*found, phase]
 
 
 def _form_features(
@@ -350,7 +361,9 @@ def _run_out(
 
 def _share(section: SectionFigures) -> Feature:
     percent = 100 * float(section.is_measured.mean())
-    return feature("share of the turn that was measured", ("angle", "%"), percent)
+    name = "share of the turn that was measured"
+    name += "" if section.is_measured.all() else "; axes in windows are left out"
+    return feature(name, ("angle", "%"), percent)
 
 
 def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
@@ -377,7 +390,8 @@ def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
         features = _form_features(section, subject, own_um, own)
         if subject.is_oval:
             axes = _axes_features(section, own, subject.datum.bore_off_deg)
-            features = [*axes, *features, *_whole_features(section)]
+            whole = _whole_features(section) if section.is_measured.all() else []
+            features = [*axes, *features, *whole]
             features.append(
                 _run_out(section, subject.datum.centre_mm(measured.z_mm), own.runout_um)
             )
@@ -385,7 +399,10 @@ def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
         features += [_share(section)] if subject.windows else []
         turn = np.arange(PLACES) / PLACES if subject.windows else measured.turn
         sections.append(SectionSheet(name, measured.z_mm, turn, section, features))
-    judged = (line for line in gauged.lines if line.z_mm.size >= _LEAST_POINTS)
+    judged = [line for line in gauged.lines if line.z_mm.size >= _LEAST_POINTS]
+    if subject.windows and gauged.lines:
+        lost_deg = {0.0, 90.0, 180.0, 270.0} - {line.angle_deg for line in judged}
+        missing += [f"profile {deg:g}°" for deg in sorted(lost_deg)]
     lines = [_line_sheet(line, tolerance_um, stated) for line in judged]
     head = _head(outcome, upr)
     head += [ReportRow("smoothing", subject.note)] if subject.note else []

@@ -81,7 +81,7 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
         heights_mm = made.geometry.breaks_mm() if growth is None else growth.height_mm
         named_mm = {float(z) for z in heights_mm}
         found = spread(sorted(named_mm), made.geometry.skirt_mm, margin_mm(feed_mm))
-        return with_zones(found, made.part.tolerances)
+        return with_zones(found, made.part.tolerances, made.part.piston.window_areas)
 
     def taken_um(self, made: GeneratedSkirt) -> float:
         """See `Kind.taken_um`."""

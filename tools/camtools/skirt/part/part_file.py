@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import AliasChoices, Field, Tag, ValidationInfo, field_validator, model_validator
 
-from camtools.part.areas import MAX_WINDOWS, Area, Window, ZonedTolerances
+from camtools.part.areas import MAX_WINDOWS, Area, Window, ZonedTolerances, in_any
 from camtools.part.common import FeedLaw, Machine, PartInfo, SectionProcess, Tool
 from camtools.part.datum import Datum
 from camtools.part.model import TomlTable, wrong
@@ -230,6 +230,14 @@ class SkirtPart(TomlTable):
                 problem = f"must lie within the part's heights, {first:g} .. {last:g} mm"
                 context = {"field": f"tolerances.zone.{i}", "value": None}
                 raise wrong("zone", problem, "correct from_mm and to_mm", **context)
+            form_um = zone.tolerance_um(self.process.form_error_um)
+            band = zip(zone.lower_um or (), zone.upper_um or (), strict=True)
+            for lower, upper in band:
+                if lower >= form_um or upper <= -form_um:
+                    problem = f"has a band of {lower:g} .. {upper:g} um beyond its form error, "
+                    context = {"field": f"tolerances.zone.{i}", "value": None}
+                    problem += f"{form_um:g} um"
+                    raise wrong("band", problem, "set form_error_um of the zone", **context)
         return self
 
     @model_validator(mode="after")
@@ -317,21 +325,36 @@ def spread(
 _MOST_SECTIONS = 16  # of the gauge
 
 
-def with_zones(heights_mm: list[float], tolerances: ZonedTolerances) -> list[float]:
-    """Return heights of sections with the middle of each zone that has none of its own.
+_ZONE_SHARES = (0.5, 0.25, 0.75, 0.125, 0.875)  # of a zone's height, the first that is material
+
+
+def with_zones(
+    heights_mm: list[float], tolerances: ZonedTolerances, windows: Sequence[Area] = ()
+) -> list[float]:
+    """Return heights of sections that windows leave, and of each zone that has none of its own.
 
     >>> skirt = {"name": "skirt", "from_mm": 4, "to_mm": 9}
-    >>> with_zones([0.5, 20.0], ZonedTolerances.model_validate({"zone": [skirt]}))
-    [0.5, 6.5, 20.0]
+    >>> groove = Area(0.0, 360.0, 5.0, 7.0, 0.0, 0.0, 0.5)
+    >>> tolerances = ZonedTolerances.model_validate({"zone": [skirt]})
+    >>> with_zones([0.5, 20.0], tolerances), with_zones([0.5, 20.0], tolerances, [groove])
+    ([0.5, 6.5, 20.0], [0.5, 7.75, 20.0])
     """
-    found = list(heights_mm)
+    found = [z_mm for z_mm in heights_mm if _is_open(z_mm, windows)]
     for zone in tolerances.zones:
         is_there = any(zone.from_mm <= z_mm <= zone.to_mm for z_mm in found)
-        middle_mm = (zone.from_mm + zone.to_mm) / 2
-        if found and not is_there and len(found) < _MOST_SECTIONS:
-            inside_mm = min(max(middle_mm, heights_mm[0]), heights_mm[-1])
-            found = sorted({*found, round(inside_mm, 6)})
+        span_mm = zone.to_mm - zone.from_mm
+        places = (zone.from_mm + share * span_mm for share in _ZONE_SHARES)
+        inside = (min(max(z_mm, heights_mm[0]), heights_mm[-1]) for z_mm in places if heights_mm)
+        own = next((z_mm for z_mm in inside if _is_open(z_mm, windows)), None)
+        if own is not None and not is_there and len(found) < _MOST_SECTIONS:
+            found = sorted({*found, round(own, 6)})
     return found
+
+
+def _is_open(z_mm: float, windows: Sequence[Area]) -> bool:
+    """Return whether half of a turn is material; a radius of 1 m makes margins small."""
+    turn = np.arange(360) / 360
+    return bool(in_any(windows, turn, np.full(360, z_mm), np.full(360, 1e3)).mean() < 0.5)
 
 
 def margin_mm(feed_mm: float) -> float:

@@ -12,12 +12,14 @@ from math import floor, sqrt
 from typing import NamedTuple
 
 import numpy as np
+from pydantic import ValidationError
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.quantities import UM_PER_MM
+from camtools.base.quantities import NM_PER_MM, UM_PER_MM
 from camtools.part.areas import Zone
-from camtools.part.common import MAX_FEED_MM, SectionTolerances
+from camtools.part.common import MAX_FEED_MM, FeedLaw, SectionTolerances
 from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.tool.turning import way_channel
 
 _RA = 18 * sqrt(3)  # feed^2 / (18 sqrt(3) radius): mean distance of a parabola from its mean line
 _BLEND_MM = 1.0  # of a proposed law, within the zone that accepts more
@@ -94,7 +96,9 @@ def check_texture(part: SkirtPart, feed_mm: float | None = None) -> None:
         problem = "is missing: limits of scallop_um and roughness_um need it"
         raise CamtoolsError([f"tool.nose_radius_mm: {problem}; add it, or remove the limits"])
     own_mm, law = part.process.feed_mm, part.process.feed_law
-    key = "--feed" if feed_mm else "process.feed_mm" if law is None else "process.feed_law"
+    key = "process.feed_mm" if law is None else "process.feed_law"
+    key = "feed_mm of the last process.pass" if part.process.passes else key
+    key = "--feed" if feed_mm else key
     share = (feed_mm or own_mm) / own_mm
     lines = [line for stretch in stretches(part) if (line := _refusal(part, stretch, share))]
     if lines:
@@ -134,9 +138,10 @@ def _shown(feed_mm: float) -> float:
 
 
 def proposed_law(part: SkirtPart) -> str:
-    """Return [process.feed_law] with the largest feed of each stretch, as text for a part file.
+    """Return the largest feed of each stretch as text for a part file.
 
-    Raises CamtoolsError: no nose radius, or no stretch has a limit.
+    A law where Z can follow it, else the feed that all stretches accept. Raises CamtoolsError: no
+    nose radius, or no stretch has a limit.
     """
     found = stretches(part)
     limited = [stretch.most_mm for stretch in found if stretch.most_mm is not None]
@@ -144,13 +149,30 @@ def proposed_law(part: SkirtPart) -> str:
         problem = "needs tool.nose_radius_mm, and scallop_um or roughness_um in [tolerances]"
         raise CamtoolsError([f"--propose-feed: {problem}; add them to the part file"])
     feeds = [min(_shown(s.most_mm or max(limited)), part.height_mm, MAX_FEED_MM) for s in found]
+    points = _law_points(found, feeds)
+    columns = [list(column) for column in zip(*points, strict=True)]
+    if len(set(feeds)) == 1 or part.process.path != "helix" or not _is_law(*columns):
+        return f"[process]\nfeed_mm = {min(feeds):g}\n"
+    heights, values = (", ".join(f"{value:g}" for value in column) for column in columns)
+    return f"[process.feed_law]\nheight_mm = [{heights}]\nfeed_mm = [{values}]\n"
+
+
+def _law_points(found: list[Stretch], feeds: list[float]) -> list[tuple[float, float]]:
+    """Return heights and feeds; the feed changes within the stretch that accepts more."""
     points = [(found[0].from_mm, feeds[0])]
     for (below, above), (feed, next_feed) in zip(pairwise(found), pairwise(feeds), strict=True):
         blend_mm = min(_BLEND_MM, *((s.to_mm - s.from_mm) / 3 for s in (below, above)))
         begin_mm = below.to_mm - (blend_mm if feed > next_feed else 0)
         points += [(begin_mm, feed), (begin_mm + blend_mm, next_feed)] if feed != next_feed else []
-    points.append((found[-1].to_mm, feeds[-1]))
-    heights, values = (
-        ", ".join(f"{value:g}" for value in column) for column in zip(*points, strict=True)
-    )
-    return f"[process.feed_law]\nheight_mm = [{heights}]\nfeed_mm = [{values}]\n"
+    return [*points, (found[-1].to_mm, feeds[-1])]
+
+
+def _is_law(height_mm: list[float], feed_mm: list[float]) -> bool:
+    """Return whether a table can have a law."""
+    try:
+        law = FeedLaw(height_mm=height_mm, feed_mm=feed_mm)
+        ends_nm = round(height_mm[0] * NM_PER_MM), round(height_mm[-1] * NM_PER_MM)
+        way_channel(law, ends_nm)
+    except (ValidationError, CamtoolsError):
+        return False
+    return True
