@@ -39,6 +39,7 @@ REFUSALS = {
         ("--vary /nowhere.toml", "forecast: /nowhere.toml: cannot be read: No such file"),
         ("--set k1_ns", "forecast: --set k1_ns: give PARAM=VALUE"),
         ("--rpm 9000", "forecast: --rpm 9000: infeasible"),
+        ("--sections --runs 58", "--runs 58: too few for a bound of a section; give at least 59"),
     ],
     "mkgcode {parts}/perkins240.toml -o out": [
         ("--from-mm -1", "--from-mm -1: must be a height of the part; give 0 .. 62 mm"),

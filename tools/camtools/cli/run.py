@@ -13,13 +13,13 @@ from camtools.pipeline.run import run
 
 _USAGE = """\
 tools/run [PART.toml] [--rpm N] [--feed MM] [--machine M] [--tolerance-nm T]
-                 [--measured SURFACE.csv ..] [--upr N] [--csv] [--keep N] [-o DIR]
+                 [--measured SURFACE.csv ..] [--upr N] [--forecast DIR] [--csv] [--keep N] [-o DIR]
                  [-- CAMSIM-OPTIONS]"""
 _EPILOG = """\
 Options after -- go to `camsim run`, for example an emergency stop after 5 s of cutting:
   tools/run -o build/run/estop -- --inject estop@5
-Exit status: 0 done, 1 the cut ended in a fault, is out of tolerance or not gauged, 2 wrong usage
-or bad input."""
+Exit status: 0 done, 1 the cut ended in a fault, is out of tolerance, not decided or not gauged, 2
+wrong usage or bad input."""
 
 main = command("tools/run", run, usage=_USAGE, epilog=_EPILOG)
 
