@@ -117,7 +117,7 @@ BAD = [
     (DISC.replace('"constant-surface"', '"even"'), "process.speed", "'uniform' or 'constant-sur"),
     (GOOD.replace("= 60\n\n[machine", "= 0\n\n[machine"), "process.spindle_rpm = 0", "at least 1"),
     (GOOD.replace("swing_deg = 30", "swing_deg = 90"), "machine.limits.swing_deg", "at most 80"),
-    (GOOD.replace("[[cam.lobe]]", "[cam.lobe]"), "cam.lobe", "give a list"),
+    (GOOD.replace("[[cam.lobe]]", "[cam.lobe]"), "cam.lobe", "[[cam.lobe]]"),
 ]
 
 

@@ -40,6 +40,7 @@ from camtools.base.parquet import parquet_bytes
 from camtools.base.project import library_path
 from camtools.pipeline.load import Made
 from camtools.report.sheet import sizes_of
+from camtools.sim.drawn_parts import part_bytes
 from camtools.sim.machine_file import Machine
 from camtools.sim.results import AnyCut, Cut, CutTrace, GaugedSurface, sections_of
 from camtools.sim.simulate import Result, cut
@@ -64,7 +65,7 @@ class Task(NamedTuple):
     def key(self, machine: str) -> str:
         """Return what a cut depends on, as one digest."""
         parts = [self.table, self.design, "\0".join(self.words).encode(), self.build.encode()]
-        parts += [] if self.sheets is None else [b"sheets"]
+        parts += [] if self.sheets is None else [part_bytes(self.sheets.table.part)]
         digest = hashlib.sha256()
         for part in (*parts, machine.encode()):
             digest.update(len(part).to_bytes(8, "little"))

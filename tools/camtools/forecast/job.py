@@ -16,7 +16,7 @@ from camtools.forecast.cuts import TABLE, Task, build_of, folder_of
 from camtools.forecast.vary import Unknown, default_vary, draw, read_vary
 from camtools.part.model import read_part_file
 from camtools.pipeline.load import Made, load, make
-from camtools.sim.drawn_parts import LEAST_CUTS
+from camtools.sim.drawn_parts import LEAST_CUTS, refuse_zones
 from camtools.sim.machine_file import (
     Machine,
     Tree,
@@ -77,6 +77,8 @@ def plan_of(
         raise CamtoolsError([f"{problem}; give at least {LEAST_CUTS}"])
     made = make(load(part_file), part_file, rpm=rpm)
     part = made.table.part
+    if has_sections:
+        refuse_zones(part, "--sections")
     own = Machine(f"{part.part.name}_machine.toml", made.kind.machine(part))
     machine = own if machine_name is None else find_machine(machine_name)
     tree = read_machine(machine.text, machine.name)

@@ -168,7 +168,7 @@ def forecast_summary(plan: ForecastPlan, forecast: Forecast) -> Json:
         ],
         "left_out": plan.left_out,
         "effects": [effect._asdict() for effect in forecast.effects],
-        "cut": cut_facts(plan.task.table, plan.machine.text, plan.words),
+        "cut": cut_facts(plan.task.table, plan.made.table.part, plan.machine.text, plan.words),
         "bounds": [
             {"feature": name, "bound": bound if np.isfinite(bound) else None}
             for name, bound in forecast.bounds

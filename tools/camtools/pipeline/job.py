@@ -23,7 +23,7 @@ from camtools.measured.correction_step import cautions
 from camtools.part.common import PartFile, Tool, check_tracks, is_feed_within
 from camtools.pipeline.load import Loaded, Made
 from camtools.roundness.section import DEFAULT_UPR, UPR_CHOICES
-from camtools.sim.drawn_parts import DrawnParts, cut_facts, read_parts
+from camtools.sim.drawn_parts import DrawnParts, cut_facts, read_parts, refuse_zones
 from camtools.sim.machine_file import machine_bytes, names
 from camtools.table.header import check_tolerance
 
@@ -211,11 +211,12 @@ class RunJob:
         if self.forecast is None:
             return None
         part = made.table.part
+        refuse_zones(part, "--forecast")
         text = made.kind.machine(part) if self.machine is None else self.machine.decode("utf-8")
         words = [] if self.rpm is None else ["--rpm", repr(self.rpm)]
         words += [*self.feed_words(), *self.extra]
         table = made.files(with_plots=False)[f"{part.part.name}.camtab"]
-        return read_parts(self.forecast, cut_facts(table, text, words))
+        return read_parts(self.forecast, cut_facts(table, part, text, words))
 
     def feed_words(self) -> list[str]:
         """Return camsim's options for the feed, when one is given."""

@@ -127,8 +127,8 @@ class Sheets(NamedTuple):
 
     @property
     def undecided(self) -> list[str]:
-        """Return what the uncertainty leaves open, by sheet and feature."""
-        return self.named(NOT_DECIDED)
+        """Return what the uncertainty, or too few points, leave open, by sheet and feature."""
+        return self.named(NOT_DECIDED, TOO_COARSE) + self.missing if self.is_certified else []
 
 
 def verdict_of(deviation: float, tolerance: float | None) -> str:

@@ -100,7 +100,8 @@ def verdict_of(outcome: AnyCut, out: Sequence[str] = (), undecided: Sequence[str
     within = f"The {found} is within the {allowed}"
     zones = summary.get("zones", [])
     within = f"The {found} is within what each zone accepts" if zones else within
-    if is_beyond(summary) and (zones or outcome.drawn is None):
+    is_out = is_beyond(summary)
+    if is_out and outcome.drawn is None:
         where = [f"in zone {zone['name']}" for zone in zones if not zone.get("is_good", True)]
         where += [] if form.get("is_good_beside_zones", True) else ["beside the zones"]
         above = f"The surface is out of tolerance {_named(where)}." if where else ""
@@ -109,9 +110,10 @@ def verdict_of(outcome: AnyCut, out: Sequence[str] = (), undecided: Sequence[str
     if summary["end"] != "done":
         cut = summary["cut"]
         turns = f"{cut['turns']:.0f} of {cut['planned_turns']:.0f} turns were cut"
-        sentence = f"{turns}. So far the {found} is good."
+        so_far = "is above the tolerance" if is_out else "is good"
+        sentence = f"{turns}. So far the {found} {so_far}."
         return Verdict("poor", f"incomplete: {summary['end']}", sentence)
-    if not outcome.is_good and not is_beyond(summary):  # a lobe of a camshaft, or a zone
+    if not outcome.is_good and not is_out:  # a lobe of a camshaft, or a zone
         sentence = f"{found.capitalize()}, but not every lobe or zone was gauged."
         return Verdict("poor", "not gauged", sentence)
     if outcome.drawn is not None:

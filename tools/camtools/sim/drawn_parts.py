@@ -18,6 +18,7 @@ import scipy
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.base.text import Json
+from camtools.part.model import TomlTable
 
 RUNS, ABOUT = "runs.parquet", "camturn.forecast"  # table of a forecast, and its metadata
 SHARE = CONFIDENCE = 0.95  # of the parts that keep a bound; that a bound is one
@@ -72,16 +73,28 @@ def drawn_parts(form_um: Floats, features: Sequence[str], folder: str = "") -> D
     return DrawnParts({WHOLE: form_um} | values, folder)
 
 
-def cut_facts(table: bytes, machine: str, words: Sequence[str]) -> Json:
-    """Return what a cut shares with its forecast: table, machine file, options of camsim."""
+def cut_facts(table: bytes, part: TomlTable, machine: str, words: Sequence[str]) -> Json:
+    """Return what a cut shares with its forecast: table, part, machine file, options of camsim."""
     kept = (
         word
         for before, word in zip(["", *words], words, strict=False)
         if not {before, word.split("=")[0]} & {*_FREE}
     )
-    tables = {"table": table, "machine": machine.encode()}
+    tables = {"table": table, "part": part_bytes(part), "machine": machine.encode()}
     digests = {name: hashlib.sha256(data).hexdigest() for name, data in tables.items()}
     return digests | {"options": [*kept]}
+
+
+def part_bytes(part: TomlTable) -> bytes:
+    """Return the keys of a part: its drawing, windows, datum and tolerances."""
+    return part.model_dump_json().encode()
+
+
+def refuse_zones(part: TomlTable, option: str) -> None:
+    """Refuse what bounds the largest error of a part that has tolerances by zone."""
+    if getattr(getattr(part, "tolerances", None), "zones", ()):
+        problem = "bounds the error of the whole part, and this part has zones of tolerance"
+        raise CamtoolsError([f"{option}: {problem}; leave it out, or remove [[tolerances.zone]]"])
 
 
 def read_parts(folder: Path, cut: Json) -> DrawnParts:

@@ -77,9 +77,11 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
 
     def sections_mm(self, made: GeneratedSkirt, feed_mm: float) -> list[float]:
         """See `Kind.sections_mm`: at heights that profile and ovality name."""
-        growth = made.part.piston.growth  # its curves have breaks that the drawing does not name
-        heights_mm = made.geometry.breaks_mm() if growth is None else growth.height_mm
-        named_mm = {float(z) for z in heights_mm}
+        named_mm = {float(z) for z in made.geometry.breaks_mm()}
+        piston = made.part.piston
+        if piston.has_fit:  # growth and coating have breaks that the drawing does not name
+            ovality = piston.ovality.height_mm if piston.ovality is not None else ()
+            named_mm = {float(z) for z in (*piston.profile.height_mm, *ovality)}
         found = spread(sorted(named_mm), made.geometry.skirt_mm, margin_mm(feed_mm))
         return with_zones(found, made.part.tolerances, made.part.piston.window_areas)
 

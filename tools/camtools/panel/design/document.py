@@ -120,7 +120,9 @@ def lines_of(text: str, fields: Iterable[str]) -> dict[str, int]:
         marks = steps.setdefault(field, [])
         for step in field.split("."):
             try:
-                at = at[int(step) if step.isdigit() else step]
+                around, at = at, at[int(step) if step.isdigit() else step]
+                if isinstance(at, bool):  # as an item it has a place
+                    at = around.value.item(step)
             except _REFUSALS:
                 break
             if trivia := getattr(at, "trivia", None):  # tables in parts have none

@@ -24,7 +24,7 @@ from camtools.cut.correction import Correction
 from camtools.cut.removal import QUARTER_RAD, TURN_RAD, SectionCut
 from camtools.skirt.geometry.corner import Corner, make_corner
 from camtools.skirt.geometry.corrected import CorrectedSurface, minus
-from camtools.skirt.geometry.growth import shrinkage, thickness
+from camtools.skirt.geometry.growth import expansion, shrinkage, thickness, thrust_rad
 from camtools.skirt.geometry.poly_surface import N_ANGLE, N_HEIGHT, PolySurface, angle_pieces
 from camtools.skirt.geometry.profile import (
     check_drawn,
@@ -190,6 +190,8 @@ def ovality_of_points(file: PointFile, surface: PolySurface) -> PPoly:
     return through(surface.breaks_mm, np.array(oval), "linear")
 
 
+_COLD_HEIGHTS, _COLD_RAD = 1025, 2 * np.pi * np.arange(16) / 16
+_MOST_OFF_UM = 0.2  # of a cold radius; corners of a profile take half of it
 _CHECKS_PER_PIECE = 64
 _APART_MM = 1e-9  # heights that differ only by rounding are closer
 
@@ -337,16 +339,33 @@ def _cold(geometry: Geometry, piston: Piston) -> Geometry:
     if growth is not None and growth.drawn == "hot":
         shrunk = shrinkage(piston, geometry.ends_mm, geometry.drawn_mm)
         if shrunk.waves_mm:
-            geometry = replace(
+            cold = replace(
                 geometry,
                 radius=minus(geometry.radius, shrunk.mean),
                 surface=CorrectedSurface(geometry.surface, shrunk),
                 drawn=geometry.drawn and CorrectedSurface(geometry.drawn, shrunk),
             )
+            _check_cold(geometry, cold, piston)
+            geometry = cold
     if coating is not None and coating.drawn == "coated":
         less = thickness(coating, geometry.ends_mm)
         geometry = replace(geometry, radius=minus(geometry.radius, less))
     return geometry
+
+
+def _check_cold(hot: Geometry, cold: Geometry, piston: Piston) -> None:
+    """Refuse growth that changes too fast over the height for the waves that carry it."""
+    assert piston.growth is not None
+    z_mm, phi = np.linspace(*hot.ends_mm, _COLD_HEIGHTS)[:, None], _COLD_RAD
+    grown = expansion(piston.growth, phi - thrust_rad(piston), z_mm)
+    off_mm = np.abs(cold.drawn_mm(phi, z_mm) - grown.cold_mm(hot.drawn_mm(phi, z_mm)))
+    worst = int(off_mm.max(axis=1).argmax())
+    off_um = float(off_mm[worst].max()) * UM_PER_MM
+    if off_um > _MOST_OFF_UM:
+        at = f"height {float(z_mm[worst, 0]):.4g} mm"
+        problem = f"changes too fast near {at}: what is turned would be off by {off_um:.3g} um"
+        remedy = "let it change over more height, or give fewer and smoother points"
+        raise GeometryError("piston.growth", f"{problem}, {_MOST_OFF_UM:g} um are allowed", remedy)
 
 
 def _oval(piston: Piston, radius: PPoly, oval: PPoly, factors: tuple[float, float]) -> SkirtSurface:

@@ -54,7 +54,7 @@ class Growth(TomlTable):
         None, description="per height, of the hot skirt along the thrust direction [°C]"
     )
     pin_temperature_c: Points[TemperatureC] | None = Field(
-        None, description="the same along the pin; without it as along the thrust direction [°C]"
+        None, description="the same along the pin; without it the mean of both thrust sides [°C]"
     )
     antithrust_temperature_c: Points[TemperatureC] | None = Field(
         None, description="the same opposite the thrust side; without it as there [°C]"

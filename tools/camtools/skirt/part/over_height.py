@@ -88,6 +88,13 @@ def _column(
     by_name = {name: one for one in quantities for name in one.names()}
     named = [i for i, name in enumerate(table.names, start=1) if name in by_name]
     found = named if place is None else [place]
+    if named and place is not None and place not in named:
+        name = table.names[named[0] - 1]
+        problem = (
+            f"column {place} is to be the {quantities[0].name}, but column {named[0]} has the "
+        )
+        remedy = "correct the key columns, or the header"
+        raise InputError(table.file, table.place, None, f"{problem}name {name}", remedy)
     if len(found) == 1 and found[0] <= table.n_columns:
         name = table.names[found[0] - 1] if table.names else ""
         if name in by_name or len(quantities) == 1:
@@ -99,6 +106,8 @@ def _column(
     has = f"{len(named)} columns of that name" if table.names else "no header"
     problem = f"of {table.n_columns} columns one must be the {what} ({words}), has {has}"
     remedy = "name it in the header, or give the keys columns = [1, 2] and values"
+    if place is not None and place > table.n_columns:
+        problem, remedy = f"has {table.n_columns} columns, no column {place}", "correct columns"
     raise InputError(table.file, table.place, None, problem, remedy)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from camtools.base.quantities import UM_PER_MM, Floats
 from camtools.base.text import Json
+from camtools.part.areas import in_any
 from camtools.skirt.geometry.growth import State, states_of
 from camtools.skirt.geometry.sections import ALL_AROUND_RAD
 from camtools.skirt.geometry.skirt_geometry import Geometry
@@ -51,13 +52,22 @@ def fit_facts(piston: Piston, geometry: Geometry) -> Json:
     less_um = (drawn_mm - states["cold"].radius_mm) * UM_PER_MM
     found: Json = {"less_than_drawn_um": [float(less_um.min()), float(less_um.max())]}
     if piston.bore is not None:
-        least = {name: _least(state, z_mm) for name, state in states.items()}
+        least = {name: _least(piston, state, z_mm) for name, state in states.items()}
         found["clearance"] = least
     return found
 
 
-def _least(state: State, z_mm: Floats) -> Json:
-    clearance = state.clearance_um
+def on_metal_um(piston: Piston, state: State, phi_rad: Floats, z_mm: Floats) -> Floats:
+    """Return the clearance over heights and angles, NaN in windows of the skirt."""
+    turn, heights = np.broadcast_arrays(phi_rad / (2 * np.pi), z_mm[:, None])
+    windows = [area._replace(margin_mm=0.0) for area in piston.window_areas]
+    is_open = in_any(windows, turn, heights, state.radius_mm)
+    return np.where(is_open, np.nan, state.clearance_um)
+
+
+def _least(piston: Piston, state: State, z_mm: Floats) -> Json:
+    clearance = on_metal_um(piston, state, ALL_AROUND_RAD, z_mm)
+    clearance = np.where(np.isnan(clearance), np.inf, clearance)
     i, j = np.unravel_index(int(clearance.round(_DECIMALS).argmin()), clearance.shape)
     deg = round(float(np.degrees(ALL_AROUND_RAD[j])), 1)
     return {"um": float(clearance[i, j]), "angle_deg": deg, "z_mm": round(float(z_mm[i]), 3)}

@@ -29,7 +29,7 @@ from camtools.plots.style import (
 from camtools.skirt.geometry.growth import thrust_rad
 from camtools.skirt.geometry.profile import smoothed_curves, smoothing_facts
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
-from camtools.skirt.report.fit import states_at
+from camtools.skirt.report.fit import on_metal_um, states_at
 from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.skirt.table.speed import motion_played
 
@@ -176,10 +176,12 @@ def draw_clearance(result: GeneratedSkirt) -> Figure:
     left.set_ylabel("skirt height, mm")
     left.set_xlabel("radius below the cold bore, µm" if piston.bore else "drop of the radius, µm")
     legend_below(figure, left, 4)
-    room = (datum_mm - state.radius_mm) * UM_PER_MM if piston.bore is None else state.clearance_um
+    room = (datum_mm - state.radius_mm) * UM_PER_MM
+    if piston.bore is not None:
+        room = on_metal_um(piston, state, np.radians(deg), z_mm)
     extent = (0.0, 360.0, *geometry.skirt_mm)
     picture = right.imshow(room, extent=extent, origin="lower", aspect="auto", cmap="viridis")
-    if room.min() < 0 < room.max():
+    if np.nanmin(room) < 0 < np.nanmax(room):
         right.contour(deg, z_mm, room, levels=[0.0], colors=[RED])
     what = "radial clearance" if piston.bore else "drop of the radius"
     figure.colorbar(picture, ax=right).set_label(f"{what}, {last}, µm")
