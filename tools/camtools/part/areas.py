@@ -239,12 +239,12 @@ class ZonedTolerances(Tolerances):
     @field_validator("zones")
     @classmethod
     def _check_zones(cls, value: list[Zone]) -> list[Zone]:
-        for one, other in combinations(value, 2):
-            if one.name == other.name:
+        for zone, other in combinations(value, 2):
+            if zone.name == other.name:
                 remedy = "give every zone a name of its own"
-                raise wrong("zone", f'has "{one.name}" twice', remedy, value=None)
-            if one.area.overlaps(other.area):
-                problem = f'"{one.name}" and "{other.name}" overlap'
+                raise wrong("zone", f'has "{zone.name}" twice', remedy, value=None)
+            if zone.area.overlaps(other.area):
+                problem = f'"{zone.name}" and "{other.name}" overlap'
                 raise wrong("zone", problem, "change their heights or angles", value=None)
         return value
 

@@ -124,7 +124,9 @@ class Keys:
                 found[word] = list(value) if word == "required" else value
         keys = node.get("properties", {})
         needed = found.get("required", [])
-        others = {key: [one for one in keys[key].get("x-or", ()) if one in keys] for key in needed}
+        others = {
+            key: [other for other in keys[key].get("x-or", ()) if other in keys] for key in needed
+        }
         left_out = [key for key in needed if others[key]]
         if left_out:  # each of the others stands for all of them
             found["required"] = [key for key in needed if key not in left_out]

@@ -117,7 +117,10 @@ class Sheets(NamedTuple):
         """Return the features of some verdicts, by sheet and feature."""
         tables = self.tables()
         return [
-            f"{at}{one.name}" for at, table in tables for one in table if one.verdict in verdicts
+            f"{at}{entry.name}"
+            for at, table in tables
+            for entry in table
+            if entry.verdict in verdicts
         ]
 
     @property

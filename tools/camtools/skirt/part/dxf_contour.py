@@ -60,7 +60,7 @@ def read_contour(
     if used is None:
         problem = "$INSUNITS of the drawing names neither mm nor inch"
         raise InputError(path.name, "", None, problem, 'set unit = "mm" or "inch"')
-    found = (edge for one in entities for edge in _edges(path.name, one, axis, _MM_PER[used]))
+    found = (edge for entity in entities for edge in _edges(path.name, entity, axis, _MM_PER[used]))
     edges = sorted(found, key=lambda edge: edge.low)
     _check(path.name, edges, layer)
     source = "by the part file" if unit else "by $INSUNITS"
@@ -90,7 +90,7 @@ def _on_layer(file: str, entities: list[Any], layer: str | None) -> tuple[list[A
     layers = {entity.dxf.layer.casefold(): str(entity.dxf.layer) for entity in entities}
     wanted = next(iter(layers), "") if layer is None and len(layers) == 1 else (layer or "")
     if wanted.casefold() in layers:
-        found = [one for one in entities if one.dxf.layer.casefold() == wanted.casefold()]
+        found = [entity for entity in entities if entity.dxf.layer.casefold() == wanted.casefold()]
         return found, layers[wanted.casefold()]
     problem = "has no layer name for the contour" if layer is None else f'layer "{layer}" is empty'
     names = ", ".join(sorted(layers.values())[:_MOST_LAYERS]) or "none"

@@ -60,7 +60,7 @@ def read_over_height(
     number is missing or out of range; heights neither rise nor fall.
     """
     table = NumberTable(read_whole_table(path, _MAX_BYTES), path.name, MAX_POINTS)
-    names = {name for column in columns for one in column for name in one.names()}
+    names = {name for column in columns for kind in column for name in kind.names()}
     plain = (re.sub(r"[\W_]+", "_", name).strip("_") for name in table.names)
     table.names = [name if name in names else "" for name in plain]  # others are not quoted
     if places is None and not table.names and table.n_columns == len(columns):
@@ -85,7 +85,7 @@ def _column(
     table: NumberTable, quantities: Sequence[Quantity], place: int | None
 ) -> tuple[Column, Quantity]:
     """Return a column and what it holds, by its number or by the header."""
-    by_name = {name: one for one in quantities for name in one.names()}
+    by_name = {name: kind for kind in quantities for name in kind.names()}
     named = [i for i, name in enumerate(table.names, start=1) if name in by_name]
     found = named if place is None else [place]
     if named and place is not None and place not in named:
@@ -101,8 +101,8 @@ def _column(
             quantity = by_name.get(name, quantities[0])
             per_unit = quantity.names().get(name, quantity.unit_mm)
             return Column(found[0] - 1, per_unit, name), quantity
-    what = " or ".join(dict.fromkeys(one.name for one in quantities))
-    words = ", ".join(dict.fromkeys(word for one in quantities for word in one.words))
+    what = " or ".join(dict.fromkeys(kind.name for kind in quantities))
+    words = ", ".join(dict.fromkeys(word for kind in quantities for word in kind.words))
     has = f"{len(named)} columns of that name" if table.names else "no header"
     problem = f"of {table.n_columns} columns one must be the {what} ({words}), has {has}"
     remedy = "name it in the header, or give the keys columns = [1, 2] and values"
