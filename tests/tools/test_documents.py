@@ -226,10 +226,10 @@ def test_frames_of_the_protocol_get_the_printed_answers(bench: Bench) -> None:
 
 RUNS = ("tools/mktables", "tools/mkgcode", "camsim")
 LONG_RUNS = (*RUNS, "tools/run", "tools/analyse", "build/host/host_sim/camsim")
-FAILS = {"--inject": 1, "round0": 1}  # a fault, a part that is out of tolerance
+FAILS = {"--inject": 1} | dict.fromkeys(("round0", "free0", "free1"), 1)  # out of tolerance
 GIVEN = {"NAME.camtab": "build/parts/perkins240.camtab", "/tmp": "build/parts"}
-# Files and numbers of the reader, other processes; a trace takes 200 MB.
-WANTING = {"PART.toml", "DIR", "N", "M.toml", "--wave", "--wire", "--can", "--trace"}
+# Files and numbers of the reader, other processes; a trace takes 200 MB, a forecast many cuts.
+WANTING = {"PART.toml", "DIR", "N", "M.toml", "--wave", "--wire", "--can", "--trace", "--forecast"}
 
 
 def to_be_run(page: str, programs: Collection[str]) -> list[Documented]:
