@@ -37,6 +37,19 @@ bool sim_json_numbers(const cJSON *list, double **values, size_t *n)
     return false;
 }
 
+int sim_json_count(const cJSON *parent, const char *where, const char *name, int most,
+                   const char *path, common_error_t *e)
+{
+    const cJSON *list = cJSON_GetObjectItemCaseSensitive(parent, name);
+    const int n = list == NULL ? 0 : cJSON_IsArray(list) ? cJSON_GetArraySize(list) : -1;
+    if (n < 0 || n > most) {
+        (void)common_error(e, "%s: %s.%s: must be a list of at most %d; " SIM_JSON_REMEDY, path,
+                           where, name, most);
+        return -1;
+    }
+    return n;
+}
+
 bool sim_json_breaks(const cJSON *list, double **breaks, size_t *n_pieces)
 {
     size_t n;

@@ -46,6 +46,11 @@ bool sim_json_number(const cJSON *item, double *value);
 /// @return        false when it is not such a list, or memory is short
 bool sim_json_numbers(const cJSON *list, double **values, size_t *n);
 
+/// Find an optional list of a report. @param where  dotted path of the parent, for messages
+/// @return its number of entries, 0 when it is missing; -1 and *e when it is no list, or too long
+int sim_json_count(const cJSON *parent, const char *where, const char *name, int most,
+                   const char *path, common_error_t *e);
+
 /// Read a list of two or more rising finite numbers.
 /// @param n_pieces  one less than the count of numbers
 bool sim_json_breaks(const cJSON *list, double **breaks, size_t *n_pieces);

@@ -74,13 +74,19 @@ static tracks_t tracks_of(double z_mm, double e_mm, double last_z_mm, double las
                             : (tracks_t){last_z_mm, last_e_mm, z_mm, e_mm};
 }
 
+/// @return the index of any whole number of places
+static int wrapped(int64_t place)
+{
+    const int64_t n = sim_sections_places;
+    return (int)(((place % n) + n) % n);
+}
+
 void sim_sections_pass(sim_sections_t *s, int64_t place, double z_mm, const sim_place_t *at)
 {
     if (s->n == 0) {
         return;
     }
-    const int64_t n = sim_sections_places;
-    const int k = (int)(((place % n) + n) % n);
+    const int k = wrapped(place);
     const tracks_t t = tracks_of(z_mm, at->e_mm, s->before_z_mm[k], s->before_e_mm[k]);
     s->before_z_mm[k] = z_mm;
     s->before_e_mm[k] = at->e_mm;
@@ -137,10 +143,9 @@ static places_t places_between(double from_turn, double to_turn)
 /// Forget the passes before this one at all places between two angles.
 static void forget(sim_sections_t *s, double from_turn, double to_turn)
 {
-    const int64_t n = sim_sections_places;
     const places_t found = places_between(from_turn, to_turn);
     for (int64_t place = found.first; place <= found.last; place++) {
-        s->before_z_mm[((place % n) + n) % n] = NAN;
+        s->before_z_mm[wrapped(place)] = NAN;
     }
 }
 

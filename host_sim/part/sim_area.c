@@ -48,23 +48,6 @@ static bool read_zone(sim_zone_t *z, const source_t *from)
                                              from->path, from->e)));
 }
 
-/// Count the entries of a list, which may be missing. @return -1 and *e when it is none, or long
-static int count(const cJSON *design, const char *key, int most, const char *path,
-                 common_error_t *e)
-{
-    const cJSON *list = cJSON_GetObjectItemCaseSensitive(design, key);
-    if (list == NULL) {
-        return 0;
-    }
-    const int n = cJSON_IsArray(list) ? cJSON_GetArraySize(list) : -1;
-    if (n < 0 || n > most) {
-        (void)common_error(e, "%s: design.%s: must be a list of at most %d; " REMEDY, path, key,
-                           most);
-        return -1;
-    }
-    return n;
-}
-
 static source_t entry(const cJSON *design, const char *key, int i, const char *path,
                       common_error_t *e)
 {
@@ -76,8 +59,11 @@ static source_t entry(const cJSON *design, const char *key, int i, const char *p
 
 bool sim_areas_read(sim_areas_t *a, const cJSON *design, const char *path, common_error_t *e)
 {
-    const int n_windows = count(design, "windows", sim_areas_most_windows, path, e);
-    const int n_zones = n_windows < 0 ? -1 : count(design, "zones", sim_areas_most_zones, path, e);
+    const int n_windows =
+        sim_json_count(design, "design", "windows", sim_areas_most_windows, path, e);
+    const int n_zones =
+        n_windows < 0 ? -1
+                      : sim_json_count(design, "design", "zones", sim_areas_most_zones, path, e);
     for (; a->n_windows < n_windows; a->n_windows++) {
         const source_t from = entry(design, "windows", a->n_windows, path, e);
         if (!read_area(&a->window[a->n_windows], &from)) {

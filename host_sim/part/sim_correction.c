@@ -25,13 +25,9 @@ bool sim_correction_read(sim_correction_t *c, const cJSON *design, const char *n
                          const char *path, common_error_t *e)
 {
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(design, "correction");
-    if (list == NULL) {
-        return true;
-    }
-    const int n = cJSON_IsArray(list) ? cJSON_GetArraySize(list) : -1;
-    if (n < 0 || n > sim_correction_max_order) {
-        return common_error(e, "%s: %s.correction: must be a list of at most %d waves; " REMEDY,
-                            path, name, (int)sim_correction_max_order);
+    const int n = sim_json_count(design, name, "correction", sim_correction_max_order, path, e);
+    if (n <= 0) {
+        return n == 0;
     }
     c->wave = calloc((size_t)n + 1u, sizeof *c->wave);
     if (c->wave == NULL) {
