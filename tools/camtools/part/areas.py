@@ -24,6 +24,7 @@ from camtools.base.text import Json
 from camtools.part.common import SectionTolerances, Tolerances
 from camtools.part.model import HeightMm, Points, TomlTable, wrong
 
+LINES_DEG = (0.0, 90.0, 180.0, 270.0)  # profiles along the axis that the gauge takes
 _SAME_DEG = 1e-9
 MAX_WINDOWS = 32  # two areas each at most, host_sim/part/sim_area.h
 MAX_ZONES = 16
@@ -49,9 +50,9 @@ class Area(NamedTuple):
     width_deg: float  # 0 of a bore
     low_mm: float
     high_mm: float
-    diameter_mm: float  # 0 of a box
-    offset_mm: float  # of a bore's axis from that of the part, towards rising angles
-    margin_mm: float  # without a verdict, on the surface
+    diameter_mm: float = 0.0  # 0 of a box
+    offset_mm: float = 0.0  # of a bore's axis from that of the part, towards rising angles
+    margin_mm: float = 0.0  # without a verdict, on the surface
 
     def document(self) -> Json:
         """Return it as the gauge reads it, host_sim/part/sim_area.h."""
@@ -176,9 +177,7 @@ class Zone(SectionTolerances):
     @model_validator(mode="after")
     def _check_zone(self) -> Self:
         _check_ends(self.from_mm, self.to_mm)
-        lines = Area(self.angle_deg % 360, self.width_deg, 0.0, 0.0, 0.0, 0.0, 0.0)
-        has_line = bool(lines.holds(np.arange(4) / 4, np.zeros(4), np.ones(4)).any())
-        if self.straightness_um is not None and not has_line:
+        if self.straightness_um is not None and not any(map(self.has_line, LINES_DEG)):
             context = {"field": "straightness_um", "value": self.straightness_um}
             problem = "needs a profile that is gauged: at 0, 90, 180 or 270 degrees"
             raise wrong("line", problem, "remove it, or make the zone wider", **context)
@@ -222,9 +221,12 @@ class Zone(SectionTolerances):
     @property
     def area(self) -> Area:
         """Return its extent."""
-        return Area(
-            self.angle_deg % 360, self.width_deg, self.from_mm, self.to_mm, *(0.0, 0.0, 0.0)
-        )
+        return Area(self.angle_deg % 360, self.width_deg, self.from_mm, self.to_mm)
+
+    def has_line(self, angle_deg: float) -> bool:
+        """Return whether it holds a profile along the axis."""
+        turn, z_mm, radius_mm = np.array([angle_deg / 360, self.from_mm, 1.0])
+        return bool(self.area.holds(turn, z_mm, radius_mm))
 
 
 class ZonedTolerances(Tolerances):

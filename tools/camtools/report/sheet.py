@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.quantities import UM_PER_MM, Bools, Floats
-from camtools.part.areas import Area, Zone, ZonedTolerances, in_any
+from camtools.part.areas import LINES_DEG, Area, Zone, ZonedTolerances, in_any
 from camtools.part.common import SectionTolerances
 from camtools.part.datum import Datum
 from camtools.report.text import ReportRow, origin_rows
@@ -155,20 +155,19 @@ def feature(
     return Feature(name, *kind, nominal, actual, deviation, tolerance, verdict)
 
 
-def _is_seen(section: SectionFigures, name: str) -> bool:
+def _is_seen(whole_mm: float, seen_mm: float) -> bool:
     """Return whether an axis of the drawing has both its ends where the section was measured."""
-    drawn_mm = getattr(axes_of(section.drawn_mm), name)
-    off_mm: float = drawn_mm - getattr(section.drawn_axes, name)
-    return abs(off_mm) * UM_PER_MM < _SEEN_UM
+    return abs(whole_mm - seen_mm) * UM_PER_MM < _SEEN_UM
 
 
 def _axes_features(
     section: SectionFigures, stated: SectionTolerances, bore_off_deg: float
 ) -> list[Feature]:
     """Return sizes and phase of an oval; axes that end in a window are left out."""
-    drawn, cut = section.drawn_axes, section.cut_axes
+    drawn, cut, whole = section.drawn_axes, section.cut_axes, axes_of(section.drawn_mm)
+    has_long = _is_seen(whole.long_mm, drawn.long_mm)
+    has_short = _is_seen(whole.short_mm, drawn.short_mm)
     size, found = ("diameter", "mm"), []
-    has_long, has_short = (_is_seen(section, name) for name in ("long_mm", "short_mm"))
     if has_long:
         found.append(feature("long axis", size, cut.long_mm, drawn.long_mm, stated.diameter_um))
     if has_short:
@@ -225,9 +224,8 @@ def _within(line: GaugedLine, zone: Zone) -> GaugedLine:
 def _zone_features(line: GaugedLine, stated: ZonedTolerances) -> Iterator[Feature]:
     """Yield the straightness within each zone that has one of its own."""
     for zone in stated.zones:
-        part = _within(line, zone)
-        is_at = zone.area.holds(np.array([line.angle_deg / 360]), part.z_mm[:1], part.radius_mm[:1])
-        if zone.straightness_um is not None and part.z_mm.size >= _LEAST_POINTS and is_at.all():
+        part, is_at = _within(line, zone), zone.has_line(line.angle_deg)
+        if zone.straightness_um is not None and part.z_mm.size >= _LEAST_POINTS and is_at:
             zone_um = straightness(part.z_mm, part.deviation_mm).zone_mm * UM_PER_MM
             name = f"{_STRAIGHTNESS_MZ}, zone {zone.name}"
             found = feature(name, ("radius", "µm"), zone_um, None, zone.straightness_um)
@@ -369,6 +367,27 @@ def _share(section: SectionFigures) -> Feature:
     return feature(name, ("angle", "%"), percent)
 
 
+def _name_of(measured: GaugedSection, subject: Subject) -> str:
+    named = measured.number <= len(subject.names)
+    name = subject.names[measured.number - 1] if named else f"height {measured.z_mm:g} mm"
+    zone = subject.tolerances.zone_at(measured.z_mm)
+    return name if zone is None else f"{name}, zone {zone.name}"
+
+
+def _section_features(
+    section: SectionFigures, z_mm: float, subject: Subject, tolerance_um: float
+) -> list[Feature]:
+    """Return the table of a section, by what holds at its height."""
+    stated, datum = subject.tolerances.stated_at(z_mm), subject.datum
+    form_um = subject.tolerances.form_error_at(z_mm, tolerance_um)
+    features = _form_features(section, subject, form_um, stated)
+    if not subject.is_oval:
+        return features
+    axes = _axes_features(section, stated, datum.bore_off_deg)
+    whole = _whole_features(section) if section.is_measured.all() else []
+    return [*axes, *features, *whole, _run_out(section, datum.centre_mm(z_mm), stated.runout_um)]
+
+
 def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
     """Return the sheets of a cut; nothing when no section was gauged."""
     gauged, upr, stated = outcome.sections, outcome.cutoff_upr, subject.tolerances
@@ -379,33 +398,20 @@ def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
     is_coarse, lost = per_turn < POINTS_PER_WAVE * upr, _LOST_TICKS / per_turn
     sections, missing = [], []
     for measured in gauged.sections:
-        named = measured.number <= len(subject.names)
-        name = subject.names[measured.number - 1] if named else f"height {measured.z_mm:g} mm"
-        zone = stated.zone_at(measured.z_mm)
-        name += "" if zone is None else f", zone {zone.name}"
-        found = _around(measured, subject, lost)
+        name, found = _name_of(measured, subject), _around(measured, subject, lost)
         if found is None:
             missing.append(name)
             continue
         section = section_of(*found[:2], upr, found.is_measured)
-        own_um = stated.form_error_at(measured.z_mm, tolerance_um)
-        own = stated.stated_at(measured.z_mm)
-        features = _form_features(section, subject, own_um, own)
-        if subject.is_oval:
-            axes = _axes_features(section, own, subject.datum.bore_off_deg)
-            whole = _whole_features(section) if section.is_measured.all() else []
-            features = [*axes, *features, *whole]
-            features.append(
-                _run_out(section, subject.datum.centre_mm(measured.z_mm), own.runout_um)
-            )
+        features = _section_features(section, measured.z_mm, subject, tolerance_um)
         features = _not_too_coarse(features) if is_coarse else features
         features += [_share(section)] if subject.windows else []
         turn = np.arange(PLACES) / PLACES if subject.windows else measured.turn
         sections.append(SectionSheet(name, measured.z_mm, turn, section, features))
     judged = [line for line in gauged.lines if line.z_mm.size >= _LEAST_POINTS]
     if subject.windows and gauged.lines:
-        lost_deg = {0.0, 90.0, 180.0, 270.0} - {line.angle_deg for line in judged}
-        missing += [f"profile {deg:g}°" for deg in sorted(lost_deg)]
+        found_deg = {line.angle_deg for line in judged}
+        missing += [f"profile {deg:g}°" for deg in LINES_DEG if deg not in found_deg]
     lines = [_line_sheet(line, tolerance_um, stated) for line in judged]
     head = _head(outcome, upr)
     head += [ReportRow("smoothing", subject.note)] if subject.note else []
