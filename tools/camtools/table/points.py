@@ -34,7 +34,7 @@ _SAME_DEG = 1e-6
 _FEWEST, _FEWEST_ALONE = 4, 8  # points of a turn: with motion, and of values alone
 MM_PER_INCH = 25.4
 _ANGLES = {"deg": 1.0, "rad": DEG_PER_RAD, "turn": DEG_PER_TURN}
-_LENGTHS = {"mm": 1.0, "um": 1e-3, "nm": 1e-6, "inch": MM_PER_INCH}
+LENGTHS = {"mm": 1.0, "um": 1e-3, "nm": 1e-6, "inch": MM_PER_INCH}
 _WORDS = {
     "z": "z",
     "x": "x|angle|master|phi",
@@ -124,7 +124,7 @@ def _column(name: str, place: int) -> _Column | None:
         if found is None:
             continue
         units = [unit for unit in found.groups() if unit]
-        scale = _ANGLES.get(units[0], _LENGTHS.get(units[0], 1.0)) if units else 1.0
+        scale = _ANGLES.get(units[0], LENGTHS.get(units[0], 1.0)) if units else 1.0
         if len(units) == 2:
             scale /= _ANGLES[units[1]] ** (1 if key == "v" else 2)
         return _Column(key, scale, place, bool(units))

@@ -17,12 +17,11 @@ from typing import Any, NamedTuple
 from camtools.base.errors import InputError
 from camtools.base.files import read_limited
 from camtools.part.model import MAX_HEIGHT_MM, MIN_STEP_MM, SAME_MM
-from camtools.table.points import MM_PER_INCH
+from camtools.table.points import LENGTHS
 
 MIN_RADIUS_MM, MAX_RADIUS_MM = 0.5, 2000
 _MAX_BYTES = 20_000_000
 _JOINED_MM = 1e-4  # ends that are so close are one point
-_MM_PER = {"mm": 1.0, "inch": MM_PER_INCH}
 _INSUNITS = {1: "inch", 4: "mm"}
 _MOST_LAYERS = 20  # named in a refusal
 _CURVED = 0b1111110  # flags of a POLYLINE: fitted curves, three dimensions, meshes
@@ -60,7 +59,7 @@ def read_contour(
     if used is None:
         problem = "$INSUNITS of the drawing names neither mm nor inch"
         raise InputError(path.name, "", None, problem, 'set unit = "mm" or "inch"')
-    found = (edge for entity in entities for edge in _edges(path.name, entity, axis, _MM_PER[used]))
+    found = (edge for entity in entities for edge in _edges(path.name, entity, axis, LENGTHS[used]))
     edges = sorted(found, key=lambda edge: edge.low)
     _check(path.name, edges, layer)
     source = "by the part file" if unit else "by $INSUNITS"

@@ -15,13 +15,14 @@ from camtools.base.errors import InputError
 from camtools.base.number_table import Column, NumberTable, read_whole_table
 from camtools.base.quantities import Floats
 from camtools.part.model import MAX_HEIGHT_MM, MIN_STEP_MM, SAME_MM
-from camtools.table.points import MM_PER_INCH
+from camtools.table.points import LENGTHS
 
 MAX_POINTS = 1000
 _MAX_BYTES = 1_000_000
 _DIGITS = 10  # of mm: below them is the rounding of inches
-_MM_PER = {"mm": 1.0, "um": 1e-3, "µm".casefold(): 1e-3, "inch": MM_PER_INCH, "in": MM_PER_INCH}
-_UNIT_OF = {1.0: "mm", 1e-3: "um", MM_PER_INCH: "inch"}
+_UNIT_OF = {mm: unit for unit, mm in LENGTHS.items()}
+_SPELT = {"mm": "mm", "um": "um", "µm".casefold(): "um", "inch": "inch", "in": "inch"}
+_MM_PER = {word: LENGTHS[unit] for word, unit in _SPELT.items()}
 
 
 class Quantity(NamedTuple):
