@@ -64,6 +64,32 @@ def points_part(
     return load_part(folder / "points.toml")
 
 
+OVAL_PART = """\
+[part]
+name = "{name}"
+kind = "piston"
+source = "Invented."
+[piston.profile]
+height_mm = [0, {high_mm}]
+diameter_mm = [{diameter_mm}, {diameter_mm}]
+[piston.ovality]
+height_mm = [0, {high_mm}]
+ovality_mm = {ovality_mm}
+{more}
+[process]
+spindle_rpm = 1500
+{process}
+"""
+
+
+def oval_text(
+    name: str, size_mm: tuple[float, float], ovality_mm: list[float], process: str, more: str = ""
+) -> str:
+    """Return a part file of equal long axes: height and diameter, ovality at its ends, tables."""
+    keys = {"name": name, "high_mm": size_mm[0], "diameter_mm": size_mm[1]}
+    return OVAL_PART.format(**keys, ovality_mm=ovality_mm, process=process, more=more)
+
+
 def changed(part: SkirtPart, values: Mapping[str, object]) -> SkirtPart:
     """Return a skirt with other values of keys or whole tables, named as "piston.profile"."""
     tree = part.model_dump(exclude_none=True)

@@ -9,23 +9,9 @@ import pytest
 from camtools.base.quantities import Floats
 from camtools.cli.mktables import main
 from tests.tools.cases.camsim_cases import camsim, cut, plain
+from tests.tools.cases.part_cases import oval_text
 
-ROUND = """\
-[part]
-name = "cylinder"
-kind = "piston"
-source = "a test"
-[piston.profile]
-height_mm = [0, 10]
-diameter_mm = [80, 80]
-[piston.ovality]
-height_mm = [0, 10]
-ovality_mm = [0, 0]
-[process]
-spindle_rpm = 1500
-feed_mm = 0.5
-direction = -1
-"""
+ROUND = oval_text("cylinder", (10, 80), [0, 0], "feed_mm = 0.5\ndirection = -1")
 HEIGHTS_MM = (3, 5, 7)
 
 

@@ -17,28 +17,9 @@ from camtools.report.text import verdict_of
 from camtools.sim.results import AnyCut
 from camtools.skirt.tool.texture import feed_for_roughness_mm, roughness_um, scallop_um
 from tests.tools.cases.camsim_cases import cut
-from tests.tools.cases.part_cases import parse_part, refused
+from tests.tools.cases.part_cases import oval_text, parse_part, refused
 from tests.tools.cases.report_cases import made_up_summary
 
-PART = """\
-[part]
-name = "piston"
-kind = "piston"
-source = "Invented."
-[piston.profile]
-height_mm = [0, 40]
-diameter_mm = [92, 92]
-[piston.ovality]
-height_mm = [0, 40]
-ovality_mm = [0.2, 0.3]
-[process]
-spindle_rpm = 1500
-feed_mm = {feed_mm}
-form_error_um = 5
-[tool]
-nose_radius_mm = {nose_mm}
-{more}
-"""
 BORE = """\
 [[piston.window]]
 name = "pin bore"
@@ -55,7 +36,9 @@ OWN = "form_error_um = 9"
 
 def text_of(more: str, feed_mm: float = 0.5, nose_mm: float = 0.0) -> str:
     """Return a part with more tables."""
-    return PART.format(more=more, feed_mm=feed_mm, nose_mm=nose_mm)
+    process = f"feed_mm = {feed_mm}\nform_error_um = 5"
+    tool = f"[tool]\nnose_radius_mm = {nose_mm}\n"
+    return oval_text("piston", (40, 92), [0.2, 0.3], process, tool + more)
 
 
 def made(folder: Path, more: str, *words: str) -> Path:

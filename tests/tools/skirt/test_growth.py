@@ -14,27 +14,10 @@ from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.report.plots import draw_clearance
 from camtools.table.image import pack
 from tests.tools.cases.cut_cases import PARTS, cut_made, evaluated, made_skirt, skirt_of, tip_mm
-from tests.tools.cases.part_cases import changed, load_part, parse_part, refused
+from tests.tools.cases.part_cases import changed, load_part, oval_text, parse_part, refused
 
 ALPHA = 21e-6
-RING = """\
-[part]
-name = "ring"
-kind = "piston"
-source = "A textbook's."
-[piston.profile]
-height_mm = [0, 6]
-diameter_mm = [92, 92]
-[piston.ovality]
-height_mm = [0, 6]
-ovality_mm = [{oval}, {oval}]
-[piston.section]
-shape = "cosine"
-{more}
-[process]
-spindle_rpm = 1500
-feed_mm = 0.1
-"""
+COSINE = '[piston.section]\nshape = "cosine"\n'
 HOT = f"""[piston.growth]
 drawn = "hot"
 height_mm = [0, 6]
@@ -46,9 +29,14 @@ COATED = "[piston.coating]\nthickness_um = 15\n"
 BORE = "[piston.bore]\ndiameter_mm = 92.04\n"
 
 
+def ring_text(more: str, oval: float = 0.0) -> str:
+    """Return the part file of a cylinder of 92 mm, or of an oval one, with tables."""
+    return oval_text("ring", (6, 92), [oval, oval], "feed_mm = 0.1", COSINE + more)
+
+
 def ring(more: str, oval: float = 0.0) -> SkirtPart:
     """Return a cylinder of 92 mm, or an oval one, with tables."""
-    return parse_part(RING.format(more=more, oval=oval).encode(), "ring.toml")
+    return parse_part(ring_text(more, oval).encode(), "ring.toml")
 
 
 def test_table_of_a_ring(tmp_path: Path) -> None:
@@ -257,7 +245,7 @@ def test_refusals(more: str, place: str, remedy: str) -> None:
 @pytest.mark.parametrize(("table", "state"), [(HOT, "cold"), (COATED, "bare")])
 def test_imported_points_are_turned_as_they_are(table: str, state: str) -> None:
     """Hot or coated points are refused."""
-    head, _, tail = RING.format(more=table, oval=0).partition("[piston.ovality]")
+    head, _, tail = ring_text(table).partition("[piston.ovality]")
     text = (
         head + '[piston.section]\nshape = "points"\ncsv = "a.csv"\n' + tail.partition('cosine"')[2]
     )
