@@ -97,7 +97,7 @@ static const common_setting_t fields[] = {
     REAL("cut", "tool_stiffness_n_per_um", chip.tool_stiffness_n_per_um, 0.0, 0.0, 1e6, "between tip and slide, 0: rigid"),
     WHOLE("chuck", "jaws", chuck.jaws, 3.0, 2.0, 12.0, "at equal distances"),
     REAL("chuck", "jaw_deg", chuck.jaw_deg, 0.0, -360.0, 360.0, "angle of a jaw: the drawing's, without phase"),
-    REAL("chuck", "spring_um", chuck.spring_um, 0.0, -1000.0, 1000.0, "by which a cylinder turned at the jaws is out of round when released, peak to valley: proud at the jaws; below 0: jaws that expand inside"),
+    REAL("chuck", "spring_um", chuck.spring_um, 0.0, -1000.0, 1000.0, "by which a cylinder turned at the jaws is out of round when released, peak to valley: metal stands out at the jaws; below 0: jaws that expand inside"),
     REAL("chuck", "jaw_height_mm", chuck.jaw_height_mm, 0.0, -2000.0, 2000.0, "height of the jaws"),
     REAL("chuck", "round_height_mm", chuck.round_height_mm, 0.0, -2000.0, 2000.0, "height where the part stays round, the spring rises linearly from there to the jaws; that of the jaws: alike at all heights"),
     REAL("wheel", "wear_um_per_lobe", wheel_wear_um, 0.0, 0.0, 1000.0, "loss of radius per lobe"),
