@@ -7,12 +7,13 @@
 from itertools import pairwise
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import AfterValidator, Field, Tag, model_validator
 
 from camtools.part.model import (
+    LIST_OR_ONE,
     SAME_MM,
+    Entry,
     HeightMm,
-    NumberOrPoints,
     Points,
     TomlTable,
     as_long,
@@ -21,10 +22,16 @@ from camtools.part.model import (
 )
 
 MIN_BLEND_MM = 0.5  # of a coating's edge
+Heights = Annotated[Points[HeightMm], AfterValidator(rising)]
+PerHeight = Annotated[Points[Entry], AfterValidator(as_long)]
 TemperatureC = Annotated[float, Field(ge=-60, le=1000)]
 PerK = Annotated[float, Field(ge=0, le=1e-4)]
 DropUm = Annotated[float, Field(ge=-10_000, le=10_000)]
 ThicknessUm = Annotated[float, Field(ge=0, le=1000)]
+ThicknessesUm = Annotated[
+    Annotated[PerHeight[ThicknessUm], Tag("(list)")] | Annotated[ThicknessUm, Tag("(one)")],
+    LIST_OR_ONE,
+]
 
 _PER_K = "linear expansion coefficient [1/K]"
 _NEEDS = (  # keys, and what each cannot do without
@@ -43,41 +50,34 @@ class Growth(TomlTable):
     """
 
     drawn: Literal["cold", "hot"] = Field(description="state that the drawing shows")
-    height_mm: Points[HeightMm] = Field(
+    height_mm: Heights = Field(
         description="rising, covers the profile's range; heights of the lists of this table"
     )
     expansion_per_k: PerK | None = Field(None, description=_PER_K)
     reference_c: TemperatureC = Field(
         20.0, description="of the cold part and of the cold bore [°C]"
     )
-    temperature_c: Points[TemperatureC] | None = Field(
+    temperature_c: PerHeight[TemperatureC] | None = Field(
         None, description="per height, of the hot skirt along the thrust direction [°C]"
     )
-    pin_temperature_c: Points[TemperatureC] | None = Field(
+    pin_temperature_c: PerHeight[TemperatureC] | None = Field(
         None, description="the same along the pin; without it the mean of both thrust sides [°C]"
     )
-    antithrust_temperature_c: Points[TemperatureC] | None = Field(
+    antithrust_temperature_c: PerHeight[TemperatureC] | None = Field(
         None, description="the same opposite the thrust side; without it as there [°C]"
     )
-    cold_drop_um: Points[DropUm] | None = Field(
+    cold_drop_um: PerHeight[DropUm] | None = Field(
         None,
         description="instead of temperatures: measured cold, radius below a circle that is common "
         "to all four lists, along the thrust direction",
     )
-    hot_drop_um: Points[DropUm] | None = Field(
+    hot_drop_um: PerHeight[DropUm] | None = Field(
         None, description="the same hot; below 0 where it is outside the circle"
     )
-    pin_cold_drop_um: Points[DropUm] | None = Field(
+    pin_cold_drop_um: PerHeight[DropUm] | None = Field(
         None, description="cold along the pin; without it the growth is the same all round"
     )
-    pin_hot_drop_um: Points[DropUm] | None = Field(None, description="the same hot")
-
-    _check_height = field_validator("height_mm")(rising)
-
-    @field_validator("*")
-    @classmethod
-    def _check_length(cls, value: object, info: ValidationInfo) -> object:
-        return as_long(value, info) if isinstance(value, list) else value
+    pin_hot_drop_um: PerHeight[DropUm] | None = Field(None, description="the same hot")
 
     @model_validator(mode="after")
     def _check_way(self) -> Self:
@@ -102,23 +102,11 @@ class Coating(TomlTable):
     drawn: Literal["coated", "bare"] = Field(
         "coated", description="surface that the drawing shows; the bare one is turned"
     )
-    height_mm: Points[HeightMm] | None = Field(
-        None, description="rising; heights of a list of thicknesses"
-    )
-    thickness_um: NumberOrPoints[ThicknessUm] = Field(
+    height_mm: Heights | None = Field(None, description="rising; heights of a list of thicknesses")
+    thickness_um: ThicknessesUm = Field(
         description="everywhere, or per height: between two heights a smooth step, beyond them as "
         "there"
     )
-
-    @field_validator("height_mm")
-    @classmethod
-    def _check_height(cls, value: list[float] | None) -> list[float] | None:
-        return value and rising(value)
-
-    @field_validator("thickness_um")
-    @classmethod
-    def _check_length(cls, value: object, info: ValidationInfo) -> object:
-        return as_long(value, info) if isinstance(value, list) else value
 
     @model_validator(mode="after")
     def _check_zones(self) -> Self:
