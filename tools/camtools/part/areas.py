@@ -264,11 +264,9 @@ class ZonedTolerances(Tolerances):
 
     def stated_at(self, z_mm: float) -> SectionTolerances:
         """Return what holds all round at a height: of its zone, else of the part."""
-        keys = SectionTolerances.model_fields
-        own = {key: getattr(self, key) for key in keys}
-        zone = self.zone_at(z_mm)
-        stated = {} if zone is None else {key: getattr(zone, key) for key in keys}
-        return SectionTolerances(**own | {key: um for key, um in stated.items() if um is not None})
+        keys, zone = set(SectionTolerances.model_fields), self.zone_at(z_mm)
+        stated = zone.model_dump(include=keys, exclude_none=True) if zone is not None else {}
+        return SectionTolerances(**self.model_dump(include=keys) | stated)
 
 
 def in_any(areas: Sequence[Area], turn: Floats, z_mm: Floats, radius_mm: Floats) -> Bools:

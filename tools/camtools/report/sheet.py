@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.quantities import UM_PER_MM, Bools, Floats
-from camtools.part.areas import LINES_DEG, Area, Zone, ZonedTolerances, in_any
+from camtools.part.areas import LINES_DEG, Area, ZonedTolerances, in_any
 from camtools.part.common import SectionTolerances
 from camtools.part.datum import Datum
 from camtools.report.text import ReportRow, origin_rows
@@ -27,11 +27,11 @@ from camtools.sim.results import PLACES, AnyCut, GaugedLine, GaugedSection
 
 GOOD, OUT, NO_TOLERANCE = "good", "out of tolerance", "no tolerance given"
 TOO_COARSE = "not judged: too few points"
+_RADIUS, _SIZE = ("radius", "µm"), ("diameter", "mm")
 _LEAST_POINTS = 3  # of a line
 _LEAST_SHARE = 0.25  # of a section, that must be material
 _WIDEST = 0.45  # gap of a turn; beyond, the centre of a circle is free
 _LOST_TICKS = 4  # beside a window, where the gauge has no cubic
-_OVALITY = "ovality: long less short axis"
 _ROUNDNESS_MZ = "roundness of the deviation RONt, MZ"
 _STRAIGHTNESS_MZ = "straightness of the deviation STRt, MZ"
 _SEEN_UM = 0.1  # by which an axis may lie beside what was measured
@@ -78,7 +78,6 @@ class SectionSheet(NamedTuple):
 
     name: str
     z_mm: float
-    turn: Floats  # of its places
     section: SectionFigures
     features: list[Feature]
 
@@ -115,10 +114,9 @@ class Sheets(NamedTuple):
 
     def named(self, *verdicts: str) -> list[str]:
         """Return the features of some verdicts, by sheet and feature."""
-        tables = self.tables()
         return [
             f"{at}{entry.name}"
-            for at, table in tables
+            for at, table in self.tables()
             for entry in table
             if entry.verdict in verdicts
         ]
@@ -145,19 +143,24 @@ def feature(
     name: str,
     kind: tuple[str, str],
     actual: float,
-    nominal: float | None = None,
     tolerance: float | None = None,
+    nominal: float | None = None,
 ) -> Feature:
-    """Return a line of a table; of lengths the tolerance is in um; no nominal: a deviation."""
+    """Return a line of a table of a length [mm], its tolerance in um, or of an angle.
+
+    Without a nominal value it is a deviation.
+    """
+    actual *= UM_PER_MM if kind[1] == "µm" else 1
     deviation = None if nominal is None else actual - nominal
-    judged = actual if deviation is None else deviation
-    verdict = verdict_of(judged * (UM_PER_MM if kind[1] == "mm" else 1), tolerance)
-    return Feature(name, *kind, nominal, actual, deviation, tolerance, verdict)
+    entry = Feature(name, *kind, nominal, actual, deviation, tolerance, NO_TOLERANCE)
+    return entry._replace(verdict=verdict_of(entry.size, tolerance))
 
 
-def _is_seen(whole_mm: float, seen_mm: float) -> bool:
-    """Return whether an axis of the drawing has both its ends where the section was measured."""
-    return abs(whole_mm - seen_mm) * UM_PER_MM < _SEEN_UM
+def _width(
+    name: str, width_mm: float, tolerance_um: float | None, kind: tuple[str, str] = _RADIUS
+) -> Feature:
+    """Return the line of a zone."""
+    return feature(name, kind, width_mm, tolerance_um)._replace(is_width=True)
 
 
 def _axes_features(
@@ -165,87 +168,78 @@ def _axes_features(
 ) -> list[Feature]:
     """Return sizes and phase of an oval; axes that end in a window are left out."""
     drawn, cut, whole = section.drawn_axes, section.cut_axes, axes_of(section.drawn_mm)
-    has_long = _is_seen(whole.long_mm, drawn.long_mm)
-    has_short = _is_seen(whole.short_mm, drawn.short_mm)
-    size, found = ("diameter", "mm"), []
-    if has_long:
-        found.append(feature("long axis", size, cut.long_mm, drawn.long_mm, stated.diameter_um))
-    if has_short:
-        found.append(feature("short axis", size, cut.short_mm, drawn.short_mm, stated.diameter_um))
-    found.append(feature("mean of all diameters", size, cut.mean_mm, drawn.mean_mm))
+    axes = (
+        ("long axis", cut.long_mm, drawn.long_mm, whole.long_mm),
+        ("short axis", cut.short_mm, drawn.short_mm, whole.short_mm),
+    )
+    found = [
+        feature(name, _SIZE, cut_mm, stated.diameter_um, drawn_mm)
+        for name, cut_mm, drawn_mm, whole_mm in axes
+        if abs(whole_mm - drawn_mm) * UM_PER_MM < _SEEN_UM
+    ]
+    has_both = len(found) == len(axes)
+    found.append(feature("mean of all diameters", _SIZE, cut.mean_mm, None, drawn.mean_mm))
     if drawn.ovality_mm * UM_PER_MM < _OVAL_UM:
         return found
-    if has_long and has_short:
-        oval = (cut.ovality_mm, drawn.ovality_mm, stated.ovality_um)
-        found.append(feature(_OVALITY, size, *oval))
+    if has_both:
+        oval = (cut.ovality_mm, stated.ovality_um, drawn.ovality_mm)
+        found.append(feature("ovality: long less short axis", _SIZE, *oval))
     turned_deg = (cut.phase_deg - bore_off_deg - drawn.phase_deg + 90) % 180 - 90
-    nearest_deg = drawn.phase_deg + turned_deg
-    degrees, most_deg = ("angle", "°"), stated.phase_deg
-    phase = feature("phase of the long axis", degrees, nearest_deg, drawn.phase_deg, most_deg)
-    return [*found, phase]
+    phase = (drawn.phase_deg + turned_deg, stated.phase_deg, drawn.phase_deg)
+    return [*found, feature("phase of the long axis", ("angle", "°"), *phase)]
 
 
 def _form_features(
     section: SectionFigures, subject: Subject, tolerance_um: float | None, stated: SectionTolerances
 ) -> list[Feature]:
-    um = ("radius" if subject.has_radius else "along the normal", "µm")
-    off, zone_um = section.off, section.off_zone.width_mm * UM_PER_MM
-    parts = {"RONp": off.peak_mm, "RONv": off.valley_mm, "RONq": off.q_mm}
-    zone = feature(_ROUNDNESS_MZ, um, zone_um, None, stated.roundness_um)
-    largest_um = section.largest_mm * UM_PER_MM
+    um = _RADIUS if subject.has_radius else ("along the normal", "µm")
+    off = section.off
     return [
-        feature("form: largest deviation, unfiltered", um, largest_um, None, tolerance_um),
-        feature("roundness of the deviation RONt, LS", um, off.total_mm * UM_PER_MM),
-        *(feature(f"{name}, LS", um, mm * UM_PER_MM) for name, mm in parts.items()),
-        zone._replace(is_width=True),
+        feature("form: largest deviation, unfiltered", um, section.largest_mm, tolerance_um),
+        feature("roundness of the deviation RONt, LS", um, off.total_mm),
+        feature("RONp, LS", um, off.peak_mm),
+        feature("RONv, LS", um, off.valley_mm),
+        feature("RONq, LS", um, off.q_mm),
+        _width(_ROUNDNESS_MZ, section.off_zone.width_mm, stated.roundness_um, um),
     ]
 
 
 def _whole_features(section: SectionFigures) -> list[Feature]:
-    um, size, apart = ("radius", "µm"), ("diameter", "mm"), ("distance", "µm")
-    centre = section.whole.circle
+    centre, apart = section.whole.circle, ("distance", "µm")
     return [
-        feature("RONt of the section as it is, LS", um, section.whole.total_mm * UM_PER_MM),
-        feature("RONt of the section as it is, MZ", um, section.whole_zone.width_mm * UM_PER_MM),
-        feature("least-squares circle", size, 2 * section.whole.circle.radius_mm),
-        feature("smallest circle around it", size, 2 * section.circumscribed.radius_mm),
-        feature("largest circle within it", size, 2 * section.inscribed.radius_mm),
-        feature("centre of the LS circle, towards 0°", apart, centre.x_mm * UM_PER_MM),
-        feature("centre of the LS circle, towards 90°", apart, centre.y_mm * UM_PER_MM),
+        feature("RONt of the section as it is, LS", _RADIUS, section.whole.total_mm),
+        feature("RONt of the section as it is, MZ", _RADIUS, section.whole_zone.width_mm),
+        feature("least-squares circle", _SIZE, 2 * centre.radius_mm),
+        feature("smallest circle around it", _SIZE, 2 * section.circumscribed.radius_mm),
+        feature("largest circle within it", _SIZE, 2 * section.inscribed.radius_mm),
+        feature("centre of the LS circle, towards 0°", apart, centre.x_mm),
+        feature("centre of the LS circle, towards 90°", apart, centre.y_mm),
     ]
-
-
-def _within(line: GaugedLine, zone: Zone) -> GaugedLine:
-    is_in = (line.z_mm >= zone.from_mm) & (line.z_mm <= zone.to_mm)
-    columns = (column[is_in] for column in (line.z_mm, line.radius_mm, line.deviation_mm))
-    return GaugedLine(line.angle_deg, *columns)
 
 
 def _zone_features(line: GaugedLine, stated: ZonedTolerances) -> Iterator[Feature]:
     """Yield the straightness within each zone that has one of its own."""
     for zone in stated.zones:
-        part, is_at = _within(line, zone), zone.has_line(line.angle_deg)
-        if zone.straightness_um is not None and part.z_mm.size >= _LEAST_POINTS and is_at:
-            zone_um = straightness(part.z_mm, part.deviation_mm).zone_mm * UM_PER_MM
+        is_in = (line.z_mm >= zone.from_mm) & (line.z_mm <= zone.to_mm)
+        is_here = zone.has_line(line.angle_deg) and np.count_nonzero(is_in) >= _LEAST_POINTS
+        if zone.straightness_um is not None and is_here:
+            found = straightness(line.z_mm[is_in], line.deviation_mm[is_in])
             name = f"{_STRAIGHTNESS_MZ}, zone {zone.name}"
-            found = feature(name, ("radius", "µm"), zone_um, None, zone.straightness_um)
-            yield found._replace(is_width=True)
+            yield _width(name, found.zone_mm, zone.straightness_um)
 
 
 def _line_sheet(line: GaugedLine, tolerance_um: float, stated: ZonedTolerances) -> LineSheet:
     off, whole = (straightness(line.z_mm, values) for values in (line.deviation_mm, line.radius_mm))
-    um, zone_um = ("radius", "µm"), off.zone_mm * UM_PER_MM
     has_own = any(zone.straightness_um is not None for zone in stated.zones)
     straight_um = None if has_own else stated.straightness_um
-    worst_um = float(line.deviation_mm[np.abs(line.deviation_mm).argmax()]) * UM_PER_MM
+    worst_mm = float(line.deviation_mm[np.abs(line.deviation_mm).argmax()])
+    form_um = None if stated.zones else tolerance_um
     features = [
-        feature(
-            "profile: largest deviation", um, worst_um, None, None if stated.zones else tolerance_um
-        ),
-        feature("straightness of the deviation STRt, LS", um, off.total_mm * UM_PER_MM),
-        feature(_STRAIGHTNESS_MZ, um, zone_um, None, straight_um)._replace(is_width=True),
-        feature("STRq, LS", um, off.q_mm * UM_PER_MM),
-        feature("straightness as it is STRt, LS", um, whole.total_mm * UM_PER_MM),
+        feature("profile: largest deviation", _RADIUS, worst_mm, form_um),
+        feature("straightness of the deviation STRt, LS", _RADIUS, off.total_mm),
+        _width(_STRAIGHTNESS_MZ, off.zone_mm, straight_um),
+        feature("STRq, LS", _RADIUS, off.q_mm),
+        feature("straightness as it is STRt, LS", _RADIUS, whole.total_mm),
         *_zone_features(line, stated),
     ]
     return LineSheet(*line, off, whole, features)
@@ -258,10 +252,10 @@ def _tapers(lines: list[LineSheet], tolerance_um: float | None) -> Iterator[Feat
         if {deg, deg + 180.0} <= by_angle.keys():
             side, opposite = by_angle[deg], by_angle[deg + 180.0]
             span_mm = min(float(np.ptp(line.z_mm)) for line in (side, opposite))
-            grown_um = (side.off.slope + opposite.off.slope) * span_mm * UM_PER_MM
+            grown_mm = (side.off.slope + opposite.off.slope) * span_mm
             over = f"{deg:g}°/{deg + 180.0:g}° over {span_mm:.4g} mm"
-            kind = ("diameter", "µm")
-            yield feature(f"taper {over}, off the drawing", kind, grown_um, None, tolerance_um)
+            name = f"taper {over}, off the drawing"
+            yield feature(name, ("diameter", "µm"), grown_mm, tolerance_um)
 
 
 def ticks_per_turn(outcome: AnyCut) -> float:
@@ -355,9 +349,8 @@ def _run_out(
     n = section.filtered_mm.size
     phi = 2 * np.pi * np.arange(n) / n
     seen_mm = section.filtered_mm - centre_mm[0] * np.cos(phi) - centre_mm[1] * np.sin(phi)
-    range_um = float(np.ptp(seen_mm[section.is_measured])) * UM_PER_MM
-    found = feature("run-out to the datum axis", ("radius", "µm"), range_um, None, tolerance_um)
-    return found._replace(is_width=True)
+    range_mm = float(np.ptp(seen_mm[section.is_measured]))
+    return _width("run-out to the datum axis", range_mm, tolerance_um)
 
 
 def _share(section: SectionFigures) -> Feature:
@@ -402,12 +395,11 @@ def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
         if found is None:
             missing.append(name)
             continue
-        section = section_of(*found[:2], upr, found.is_measured)
+        section = section_of(*found, upr)
         features = _section_features(section, measured.z_mm, subject, tolerance_um)
         features = _not_too_coarse(features) if is_coarse else features
         features += [_share(section)] if subject.windows else []
-        turn = np.arange(PLACES) / PLACES if subject.windows else measured.turn
-        sections.append(SectionSheet(name, measured.z_mm, turn, section, features))
+        sections.append(SectionSheet(name, measured.z_mm, section, features))
     judged = [line for line in gauged.lines if line.z_mm.size >= _LEAST_POINTS]
     if subject.windows and gauged.lines:
         found_deg = {line.angle_deg for line in judged}

@@ -120,25 +120,12 @@ def _circle(circle: Circle) -> Json:
 
 def _roundness(roundness: Roundness, zone_mm: float) -> Json:
     names = ("RONt_LS_um", "RONp_LS_um", "RONv_LS_um", "RONq_LS_um", "RONt_MZ_um")
-    values_mm = (
-        roundness.total_mm,
-        roundness.peak_mm,
-        roundness.valley_mm,
-        roundness.q_mm,
-        zone_mm,
-    )
+    values_mm = (*roundness[1:], zone_mm)
     return {name: mm * UM_PER_MM for name, mm in zip(names, values_mm, strict=True)}
 
 
 def _waves(waves: list[RoundWave]) -> list[Json]:
-    return [
-        {
-            "order": wave.order,
-            "amplitude_um": wave.amplitude * UM_PER_MM,
-            "phase_deg": wave.phase_deg,
-        }
-        for wave in waves
-    ]
+    return [{"order": n, "amplitude_um": mm * UM_PER_MM, "phase_deg": deg} for n, mm, deg in waves]
 
 
 def _section(sheet: SectionSheet, *, is_oval: bool) -> Json:

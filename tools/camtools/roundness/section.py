@@ -9,7 +9,8 @@ harmonics and diameters, MATHS.md (201) .. (204).
 >>> f"{about.total_mm * 1e3:.3f} {about.q_mm * 1e3:.3f} {about.circle.x_mm * 1e3:.3f}"
 '2.000 0.707 2.000'
 >>> phi = 2 * np.pi * np.arange(3600) / 3600
->>> figures = section_of(46 - 0.1 * np.sin(phi) ** 2, 1e-4 * np.cos(5 * phi), 50)
+>>> drawn_mm, deviation_mm = 46 - 0.1 * np.sin(phi) ** 2, 1e-4 * np.cos(5 * phi)
+>>> figures = section_of(drawn_mm, deviation_mm, np.ones(3600, np.bool_), 50)
 >>> f"{figures.off.total_mm * 1e6:.1f} nm, {figures.whole.total_mm * 1e3:.1f} um"
 '198.6 nm, 100.1 um'
 """
@@ -201,8 +202,6 @@ class Straightness(NamedTuple):
     """Parameters of ISO 12780-1, all along the radius [mm]."""
 
     total_mm: float  # STRt about the least-squares line: peak to valley
-    peak_mm: float  # STRp
-    valley_mm: float  # STRv, above 0
     q_mm: float  # STRq: root mean square
     zone_mm: float  # STRt of the minimum zone
     middle_mm: float  # least-squares line at the mean height
@@ -223,8 +222,6 @@ def straightness(z_mm: Floats, value_mm: Floats) -> Straightness:
     basis = np.column_stack([np.ones(z_mm.size), 2 * (z_mm - z_mm[0]) / np.ptp(z_mm) - 1])
     return Straightness(
         float(np.ptp(off_mm)),
-        float(off_mm.max()),
-        float(-off_mm.min()),
         float(np.sqrt(np.mean(off_mm**2))),
         float(np.ptp(off_mm - basis @ _strip(basis, off_mm)[:2])),
         level_mm,
@@ -340,20 +337,20 @@ def bridged(deviation_mm: Floats, is_measured: Bools) -> Floats:
 
 
 def section_of(
-    drawn_mm: Floats, deviation_mm: Floats, cutoff_upr: float, is_measured: Bools | None = None
+    drawn_mm: Floats, deviation_mm: Floats, is_measured: Bools, cutoff_upr: float
 ) -> SectionFigures:
     """Return the figures of a section by its drawing and deviation at even angles from 0 on.
 
     The Gaussian filter takes the deviation only: a drawing is not rounded off. Filter and waves are
     of the bridged deviation; circles, zones and axes are of the angles that were measured.
     """
-    there = np.ones(drawn_mm.size, dtype=np.bool_) if is_measured is None else is_measured
     phi = 2 * np.pi * np.arange(drawn_mm.size) / drawn_mm.size
-    deviation_mm = bridged(deviation_mm, there)
+    deviation_mm = bridged(deviation_mm, is_measured)
     filtered_mm = low_pass(deviation_mm, cutoff_upr)
-    off = RoundProfile(phi[there], float(drawn_mm.mean()) + filtered_mm[there])
-    whole = RoundProfile(phi[there], (drawn_mm + filtered_mm)[there])
-    worst = int(np.where(there, np.abs(deviation_mm), 0.0).argmax())
+    cut_mm = drawn_mm + filtered_mm
+    off = RoundProfile(phi[is_measured], float(drawn_mm.mean()) + filtered_mm[is_measured])
+    whole = RoundProfile(phi[is_measured], cut_mm[is_measured])
+    worst = int(np.where(is_measured, np.abs(deviation_mm), 0.0).argmax())
     return SectionFigures(
         drawn_mm,
         deviation_mm,
@@ -366,9 +363,9 @@ def section_of(
         minimum_zone(whole),
         minimum_circumscribed(whole),
         maximum_inscribed(whole),
-        axes_of(drawn_mm, there),
-        axes_of(drawn_mm + filtered_mm, there),
+        axes_of(drawn_mm, is_measured),
+        axes_of(cut_mm, is_measured),
         harmonics(deviation_mm),
         harmonics(drawn_mm + deviation_mm),
-        there,
+        is_measured,
     )
