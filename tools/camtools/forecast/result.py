@@ -6,7 +6,6 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from statistics import NormalDist
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +23,6 @@ from camtools.report.text import plain
 from camtools.sim.drawn_parts import ABOUT, WHOLE, bound_of, cut_facts, drawn_parts
 
 _CONFIDENCE = 0.95
-_Z = NormalDist().inv_cdf(0.5 + _CONFIDENCE / 2)
 LEAST_FOR_RANKING = 64  # of a RBD-FAST or PAWN with any meaning
 _SLICES = 10  # of PAWN
 _RESAMPLES = 100
@@ -60,21 +58,17 @@ class Effect(NamedTuple):
 
 def share_within(n_within: int, n: int) -> Share:
     """Return a share with Wilson's interval, MATHS.md (164)."""
-    share, spread = n_within / n, _Z * _Z / n
-    middle = (share + spread / 2) / (1 + spread)
-    half = _Z / (1 + spread) * float(np.sqrt(share * (1 - share) / n + spread / (4 * n)))
-    return Share(share, max(0.0, middle - half), min(1.0, middle + half))
+    found = scipy.stats.binomtest(n_within, n).proportion_ci(_CONFIDENCE, "wilson")
+    return Share(n_within / n, float(found.low), float(found.high))
 
 
 def quantile(errors: Floats, percent: float) -> Quantile:
     """Return a quantile of errors (infinite: no result) with its interval, MATHS.md (163)."""
-    ordered, n, share = np.sort(errors), errors.size, percent / 100
-    place = min(max(int(np.ceil(share * n)), 1), n)
-    low = int(scipy.stats.binom.ppf((1 - _CONFIDENCE) / 2, n, share))
-    high = int(scipy.stats.binom.ppf((1 + _CONFIDENCE) / 2, n, share)) + 1
-    lower = float(ordered[low - 1]) if low >= 1 else 0.0
-    upper = float(ordered[high - 1]) if high <= n else float("inf")
-    return Quantile(percent, float(ordered[place - 1]), lower, upper)
+    share = percent / 100
+    found = scipy.stats.quantile_test(errors, p=share).confidence_interval(_CONFIDENCE)
+    value = float(np.quantile(errors, share, method="inverted_cdf"))
+    low, high = np.where(np.isnan(found), (0.0, np.inf), found)
+    return Quantile(percent, value, float(low), float(high))
 
 
 def _problem(inputs: Floats) -> dict[str, Any]:

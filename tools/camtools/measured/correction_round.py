@@ -140,9 +140,7 @@ class Request(NamedTuple):
     """What the command line asks for."""
 
     surface: Path  # the gauged one
-    previous: Path | None = (
-        None  # NAME.json of the table that cut it; None: that beside the surface
-    )
+    previous: Path | None = None  # NAME.json of the table that cut it; None: beside the surface
     gain: float = DEFAULT_GAIN  # share taken off of what this part alone shows, see `take`
     most_order: int | None = None  # highest harmonic kept; None: 16, or as many as angles allow
     is_centred: bool = False  # mean and centre were taken out: harmonics 0 and 1 are left alone
@@ -263,10 +261,7 @@ def _on_metal(points: GaugedPoints, drawing: Drawing) -> GaugedPoints:
     if not drawing.windows:
         return points
     radius_mm = drawing.radius_mm(points.turn, np.clip(points.z_mm, *drawing.ends_mm))
-    is_metal = ~in_any(drawing.windows, points.turn, points.z_mm, radius_mm)
-    own_mm = None if points.radius_mm is None else points.radius_mm[is_metal]
-    turn, z_mm, deviation_um = (column[is_metal] for column in points[:3])
-    return GaugedPoints(turn, z_mm, deviation_um, own_mm)
+    return points.pick(~in_any(drawing.windows, points.turn, points.z_mm, radius_mm))
 
 
 def next_round(request: Request, name: str, drawing: Drawing) -> Round:

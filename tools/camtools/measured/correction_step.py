@@ -30,7 +30,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.base.quantities import UM_PER_MM, Bools, Floats
+from camtools.base.quantities import UM_PER_MM, Floats
 from camtools.base.text import Json
 from camtools.cut.correction import N_NODES, Complexes, Correction, nodes_of
 from camtools.measured.points import GaugedPoints
@@ -75,12 +75,7 @@ def judged(fit: SurfaceFit, points: GaugedPoints, ends_mm: tuple[float, float]) 
     """
     nodes_mm = nodes_of(ends_mm)
     is_judged = fit.counts | (points.z_mm <= nodes_mm[1]) | (points.z_mm >= nodes_mm[-2])
-    return _chosen(points, is_judged)
-
-
-def _chosen(points: GaugedPoints, is_chosen: Bools) -> GaugedPoints:
-    turn, z_mm, deviation_um = (column[is_chosen] for column in points[:3])
-    return GaugedPoints(turn, z_mm, deviation_um)
+    return points.pick(is_judged)
 
 
 def off_um(step: Correction, points: GaugedPoints) -> Floats:
@@ -99,8 +94,7 @@ def taper(step: Correction, points: GaugedPoints) -> Correction:
     nodes_mm = step.nodes_mm
     for outer, reached in ((0, _REACH), (N_NODES - 1, N_NODES - 1 - _REACH)):
         reach_mm = abs(nodes_mm[reached] - nodes_mm[outer])
-        near = _chosen(points, np.abs(points.z_mm - nodes_mm[outer]) <= reach_mm)
-        share = _share(step, outer, near)
+        share = _share(step, outer, points.pick(np.abs(points.z_mm - nodes_mm[outer]) <= reach_mm))
         for values in waves_mm.values():
             values[outer] *= share
     return Correction(step.heights_mm, waves_mm)

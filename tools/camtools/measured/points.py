@@ -9,7 +9,7 @@ The header names quantities and units. A deviation above 0 is metal left standin
 
 >>> turn, z_mm = np.tile(np.arange(72) / 72, 5), np.repeat(np.linspace(0, 40, 5), 72)
 >>> found = by_height(GaugedPoints(turn, z_mm, np.zeros(360)))
->>> [height.z_mm for height in found.heights], found.most_order
+>>> found.z_mm.tolist(), found.most_order
 ([0.0, 10.0, 20.0, 30.0, 40.0], 16)
 """
 
@@ -19,7 +19,7 @@ import numpy as np
 
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.number_table import NumberTable, Units
-from camtools.base.quantities import Floats, Ints
+from camtools.base.quantities import Bools, Floats, Ints
 from camtools.cut.correction import nodes_of
 from camtools.part.model import MAX_HEIGHT_MM
 
@@ -46,6 +46,10 @@ class GaugedPoints(NamedTuple):
     z_mm: Floats
     deviation_um: Floats  # from the drawing, above 0: metal left standing
     radius_mm: Floats | None = None  # where the file has it
+
+    def pick(self, rows: Bools) -> "GaugedPoints":
+        """Return some of the points."""
+        return GaugedPoints(*(column[rows] for column in self if column is not None))
 
 
 def parse_points(text: str, file: str) -> GaugedPoints:
@@ -87,17 +91,11 @@ _OVER = 1.5  # points per unknown
 _GAP_WAVES = 0.5  # of the highest order, that may lack points
 
 
-class Height(NamedTuple):
-    """The points of a height."""
-
-    z_mm: float
-    rows: Ints
-
-
 class Heights(NamedTuple):
     """Heights with enough points to fit their waves, rising, and the highest order fitted."""
 
-    heights: list[Height]
+    z_mm: Floats
+    rows: list[Ints]  # of the points of each
     most_order: int
     n_left_out: int  # heights with too few points, or with a gap
 
@@ -154,8 +152,8 @@ def by_height(points: GaugedPoints, most_order: int | None = None) -> Heights:
     good = [group for group in groups if _suffices(points.turn[group], order)]
     if len(good) < MIN_HEIGHTS:
         raise CamtoolsError([_too_few(points, groups, len(good), order, most_order)])
-    heights = [Height(float(points.z_mm[group].mean()), group) for group in good]
-    return Heights(heights, order, len(groups) - len(good))
+    z_mm = np.array([points.z_mm[group].mean() for group in good])
+    return Heights(z_mm, good, order, len(groups) - len(good))
 
 
 def _too_few(

@@ -243,16 +243,15 @@ def fit_surface(
     For the highest order see `by_height`; no order below `first` is kept.
     """
     heights = by_height(points, most_order)
-    z_mm = np.array([height.z_mm for height in heights.heights])
+    z_mm = heights.z_mm
     check_heights(z_mm, ends_mm)
-    sizes = np.array([height.rows.size for height in heights.heights])
+    sizes = np.array([rows.size for rows in heights.rows])
     use = np.arange(z_mm.size)
     off_um, base = points.deviation_um, np.zeros((heights.most_order + 1, z_mm.size), complex)
     alone_mm: list[float] = []
     for _ in range(_PASSES):
         fits = [
-            fit_waves(points.turn[height.rows], off_um[height.rows], heights.most_order)
-            for height in heights.heights
+            fit_waves(points.turn[rows], off_um[rows], heights.most_order) for rows in heights.rows
         ]
         waves = base + np.array([fit.waves for fit in fits]).T
         while len(alone_mm) < _MOST_ALONE * z_mm.size:
@@ -276,7 +275,7 @@ def fit_surface(
     counts = np.zeros(points.turn.size, dtype=np.bool_)
     has_edges = max(fits[i].is_far.mean() for i in use) > _MOST_DUST
     for i in use:
-        counts[heights.heights[i].rows] = ~fits[i].is_far | has_edges
+        counts[heights.rows[i]] = ~fits[i].is_far | has_edges
     n_far = sum(int(np.count_nonzero(fits[i].is_far)) for i in use)
     return SurfaceFit(z_mm[use], found, sigma_um, n_far, counts, sorted(alone_mm), heights)
 
