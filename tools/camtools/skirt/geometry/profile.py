@@ -87,10 +87,8 @@ def smoothing_facts(piston: Piston) -> Json:
 
     Diameters and ovalities, not radii; the second derivative is that of three neighbours.
     """
-    curves = smoothed_curves(piston)
-    return {
-        name: _facts(curve, curve.smooth_um) for name, curve in curves.items() if curve.smooth_um
-    }
+    curves = _pointed(piston).items()
+    return {name: _facts(curve, curve.smooth_um) for name, curve in curves if curve.smooth_um}
 
 
 def noise_facts(piston: Piston) -> Json:

@@ -90,9 +90,6 @@ def compare_removal(rig: Rig, generated: GeneratedSkirt) -> Even | None:
     return Even(cuts[0].summary, cuts[1].summary, even, uniform)
 
 
-_BETWEEN = "ridges between tracks"
-
-
 def _nose_text(nose_mm: float) -> str:
     return f"nose radius {nose_mm:g} mm" if nose_mm else "pointed, without nose radius"
 
@@ -120,17 +117,15 @@ def track_row(summary: Json, tool: Tool, peak: float = 1.0) -> ReportRow:
     """
     nose_mm = summary.get("tool", {}).get("nose_mm", tool.nose_radius_mm)
     feed_mm = summary["cut"]["feed_mm"] * peak
+    why = f"(nose radius {nose_mm:g} mm, feed {feed_mm:.4g} mm)"
     if not nose_mm:
         text = "not judged: the tool has no nose radius; give tool.nose_radius_mm"
-        return ReportRow(_BETWEEN, text)
-    why = f"(nose radius {nose_mm:g} mm, feed {feed_mm:.4g} mm)"
-    if feed_mm >= 2 * nose_mm:
+    elif feed_mm >= 2 * nose_mm:
         text = f"the tracks do not meet, so metal remains {why}; reduce the feed"
-        return ReportRow(_BETWEEN, text)
-    text = (
-        f"{length_text(scallop_um(feed_mm, nose_mm))} in theory {why}; not part of the form error"
-    )
-    return ReportRow(_BETWEEN, text)
+    else:
+        height = length_text(scallop_um(feed_mm, nose_mm))
+        text = f"{height} in theory {why}; not part of the form error"
+    return ReportRow("ridges between tracks", text)
 
 
 def what_was_cut(outcome: SkirtOutcome) -> str:
@@ -163,49 +158,45 @@ def _force_text(force: Json) -> str:
     return f", chip force {force['mean']:.0f} N, at most {force['max']:.0f} N"
 
 
-def _corner_rows(outcome: SkirtOutcome) -> list[ReportRow]:
+def _corner_text(outcome: SkirtOutcome) -> str:
     corner = outcome.generated.geometry.corner
     if corner is None or corner.recipe is None:
-        return []
+        return ""
     recipe, off = corner.recipe, corner.off
     assert off is not None
-    text = (
+    return (
         f"{recipe.spline}, ({recipe.s1}, {recipe.s2}) points left out: deviates from the "
         f"drawing by at most {length_text(off.um)}, {length_text(corner.off_limit_um)} allowed"
     )
-    return [ReportRow("refit of the corner", text)]
 
 
-def _filter_rows(outcome: SkirtOutcome) -> list[ReportRow]:
+def _filter_text(outcome: SkirtOutcome) -> str:
     geometry, section = outcome.generated.geometry, outcome.generated.part.piston.section
     if geometry.off_points_um is None or section.harmonics is None:
-        return []
+        return ""
     waves = f"waves up to {section.harmonics} per turn are kept"
-    off = f"at most {length_text(geometry.off_points_um)} from the points"
-    return [ReportRow("filter of the points", f"{waves}; {off}")]
+    return f"{waves}; at most {length_text(geometry.off_points_um)} from the points"
 
 
-def _correction_rows(outcome: SkirtOutcome) -> list[ReportRow]:
+def _correction_text(outcome: SkirtOutcome) -> str:
     """Return what was expected of a part whose table gauged parts have corrected."""
     correction = outcome.generated.geometry.correction
     if correction is None:
-        return []
+        return ""
     about = correction.rounds[-1]
     left = about["expected_um"]
-    text = (
+    return (
         f"round {len(correction.rounds)}: measured at most "
         f"{length_text(about['gauged_um']['max'])}; expected {length_text(left['max'])}, "
         f"rms {length_text(left['rms'])}"
     )
-    return [ReportRow("correction by measured parts", text)]
 
 
-def _control_rows(outcome: SkirtOutcome) -> list[ReportRow]:
-    control = outcome.summary.get("control_error_um")
-    if control is None or outcome.generated.geometry.drawn is None:
-        return []
-    played = outcome.generated.geometry.played_name
-    return [ReportRow("controller's own error", f"{error_pair(control)} against the {played}")]
+def _control_text(outcome: SkirtOutcome) -> str:
+    geometry, control = outcome.generated.geometry, outcome.summary.get("control_error_um")
+    if control is None or geometry.drawn is None:
+        return ""
+    return f"{error_pair(control)} against the {geometry.played_name}"
 
 
 def _zone_text(found: Json) -> str:
@@ -226,14 +217,14 @@ def _zone_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     return [ReportRow(f"zone {found['name']}", _zone_text(found)) for found in zones]
 
 
-def _window_rows(outcome: SkirtOutcome) -> list[ReportRow]:
+def _window_text(outcome: SkirtOutcome) -> str:
     windows = outcome.generated.part.piston.windows
     if not windows:
-        return []
+        return ""
     names = ", ".join(dict.fromkeys(window.name for window in windows))
     margins = sorted({window.margin_mm for window in windows})
     apart = " .. ".join(f"{margin:g}" for margin in dict.fromkeys((margins[0], margins[-1])))
-    return [ReportRow("windows", f"{names}: no verdict in them, nor within {apart} mm of an edge")]
+    return f"{names}: no verdict in them, nor within {apart} mm of an edge"
 
 
 def _smoothing_rows(outcome: SkirtOutcome) -> list[ReportRow]:
@@ -302,14 +293,14 @@ ROWS = (
         lambda cut: form_text(cut.summary["form_error_um"], smoothing_takes_um(cut.generated.part)),
     ),
     _zone_rows,
-    _window_rows,
-    _correction_rows,
-    _control_rows,
+    quantity("windows", _window_text),
+    quantity("correction by measured parts", _correction_text),
+    quantity("controller's own error", _control_text),
     pass_rows,
     FOLLOWING_ERROR,
     learned,
-    _corner_rows,
-    _filter_rows,
+    quantity("refit of the corner", _corner_text),
+    quantity("filter of the points", _filter_text),
     lambda cut: [
         ReportRow("overshoot", text) for text in notable_overshoots(cut.generated.part.piston)
     ],
