@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_work.h"
 #include "sim_units.h" // sim_abs, sim_floor
-#include <math.h>      // NAN, isnan
+#include <math.h>      // NAN, fmax, fmin, isnan
 
 /// [mm] tolerance for a height that is on a track.
 #define SAME_MM 1e-9
@@ -106,12 +106,11 @@ void sim_sections_pass(sim_sections_t *s, int64_t place, double z_mm, const sim_
 /// angles need not be evenly spaced; linearly after a reversal.
 static double cubic(const sim_section_tip_t tip[4], double turn)
 {
-    const bool is_rising =
-        tip[0].turn < tip[1].turn && tip[1].turn < tip[2].turn && tip[2].turn < tip[3].turn;
-    const bool is_falling =
-        tip[0].turn > tip[1].turn && tip[1].turn > tip[2].turn && tip[2].turn > tip[3].turn;
-    const int first = is_rising || is_falling ? 0 : 1;
-    const int last = is_rising || is_falling ? 3 : 2;
+    const double step = tip[2].turn - tip[1].turn;
+    const bool is_one_way =
+        (tip[1].turn - tip[0].turn) * step > 0.0 && (tip[3].turn - tip[2].turn) * step > 0.0;
+    const int first = is_one_way ? 0 : 1;
+    const int last = is_one_way ? 3 : 2;
     double sum = 0.0;
     for (int i = first; i <= last; i++) {
         double weight = 1.0;
@@ -130,14 +129,11 @@ typedef struct {
 
 static places_t places_between(double from_turn, double to_turn)
 {
-    const double turned = to_turn - from_turn;
-    if (sim_abs(turned) > 0.5) {
+    if (sim_abs(to_turn - from_turn) > 0.5) {
         return (places_t){.first = 0, .last = -1};
     }
-    const double low = turned > 0.0 ? from_turn : to_turn;
-    const double high = turned > 0.0 ? to_turn : from_turn;
-    return (places_t){sim_floor(low * sim_sections_places) + 1,
-                      sim_floor(high * sim_sections_places)};
+    return (places_t){sim_floor(fmin(from_turn, to_turn) * sim_sections_places) + 1,
+                      sim_floor(fmax(from_turn, to_turn) * sim_sections_places)};
 }
 
 /// Forget the passes before this one at all places between two angles.

@@ -118,14 +118,13 @@ double sim_zone_tolerance_um(const sim_zone_t *z, double of_part_um)
 /// @return [um] by how much an error leaves a zone's band or tolerance; below 0: inside
 static double excess_um(sim_zone_t *z, double z_mm, double error_um, double tolerance_um)
 {
-    double most_um = sim_abs(error_um) - sim_zone_tolerance_um(z, tolerance_um);
-    if (z->has_band) {
-        const double above_um = error_um - sim_cubics_at(&z->upper_um, z_mm);
-        const double below_um = sim_cubics_at(&z->lower_um, z_mm) - error_um;
-        most_um = above_um > most_um ? above_um : most_um;
-        most_um = below_um > most_um ? below_um : most_um;
+    const double beyond_um = sim_abs(error_um) - sim_zone_tolerance_um(z, tolerance_um);
+    if (!z->has_band) {
+        return beyond_um;
     }
-    return most_um;
+    const double above_um = error_um - sim_cubics_at(&z->upper_um, z_mm);
+    const double below_um = sim_cubics_at(&z->lower_um, z_mm) - error_um;
+    return fmax(beyond_um, fmax(above_um, below_um));
 }
 
 /// @return [um] the excess of a sample

@@ -67,7 +67,6 @@ static void add_cut(cJSON *root, const sim_cut_t *cut)
     sim_summary_progress(object, &cut->session);
     sim_summary_sampled(object, &cut->session, "depth_min_mm", cut->session.work.depth_min_mm);
     sim_summary_sampled(object, &cut->session, "depth_max_mm", cut->session.work.depth_max_mm);
-    sim_summary_metal(object, &cut->session);
 }
 
 static void add_margin(cJSON *root, const char *key, double needed, double limit)

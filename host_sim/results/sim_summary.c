@@ -97,10 +97,6 @@ void sim_summary_progress(cJSON *cut, const sim_session_t *s)
     sim_summary_number(cut, "seconds", s->cut_s);
     sim_summary_number(cut, "samples", (double)s->work.n);
     sim_summary_number(cut, "blank_radius_mm", s->work.blank_mm);
-}
-
-void sim_summary_metal(cJSON *cut, const sim_session_t *s)
-{
     sim_summary_number(cut, "removed_mm3", s->work.removed_mm3);
     sim_summary_number(cut, "gouge_um", s->work.gouge_um);
 }

@@ -23,11 +23,8 @@ void sim_summary_faults(cJSON *root, const char *key, uint32_t faults);
 /// without a target), and "following_error_um".
 void sim_summary_errors(cJSON *root, const sim_session_t *s);
 
-/// Add the progress of the cut to "cut".
+/// Add the progress of the cut and the removed metal to "cut".
 void sim_summary_progress(cJSON *cut, const sim_session_t *s);
-
-/// Add the removed metal to "cut".
-void sim_summary_metal(cJSON *cut, const sim_session_t *s);
 
 /// Add "cam": lobes, surface speed, effective rake. Adds nothing for a skirt, nor for lobes without
 /// a report, where the gauge compares X - U with the table.

@@ -132,7 +132,6 @@ void sim_tables_surface(sim_rows_t *t, const sim_session_t *s)
 
 static void make_scallop(sim_rows_t *t, const sim_scallop_t *scallop, sim_design_t *design)
 {
-    sim_rows_drop(t);
     for (int i = 0; i < sim_scallop_angles; i++) {
         for (int j = 0; j < sim_scallop_heights; j++) {
             sim_rows_real(t, (double)i / sim_scallop_angles);
@@ -181,7 +180,6 @@ static void add_section(sim_rows_t *t, sim_session_t *s, int section)
 
 static void make_sections(sim_rows_t *t, sim_session_t *s)
 {
-    sim_rows_drop(t);
     for (int i = 0; i < s->sections.n; i++) {
         add_section(t, s, i);
     }

@@ -72,7 +72,6 @@ char *sim_watch_summary(const sim_watch_t *w)
     sim_summary_errors(root, s);
     cJSON *cut = cJSON_AddObjectToObject(root, "cut");
     sim_summary_progress(cut, s);
-    sim_summary_metal(cut, s);
     cJSON *drives = cJSON_AddObjectToObject(root, "status_words");
     for (int i = sim_bus_u; i < sim_bus_n_nodes; i++) {
         sim_summary_number(drives, name[i], sim_cia402_status(&w->bus.node[i].power));
