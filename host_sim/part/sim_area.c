@@ -61,9 +61,7 @@ bool sim_areas_read(sim_areas_t *a, const cJSON *design, const char *path, commo
 {
     const int n_windows =
         sim_json_count(design, "design", "windows", sim_areas_most_windows, path, e);
-    const int n_zones =
-        n_windows < 0 ? -1
-                      : sim_json_count(design, "design", "zones", sim_areas_most_zones, path, e);
+    const int n_zones = sim_json_count(design, "design", "zones", sim_areas_most_zones, path, e);
     for (; a->n_windows < n_windows; a->n_windows++) {
         const source_t from = entry(design, "windows", a->n_windows, path, e);
         if (!read_area(&a->window[a->n_windows], &from)) {
@@ -77,7 +75,7 @@ bool sim_areas_read(sim_areas_t *a, const cJSON *design, const char *path, commo
         }
     }
     sim_areas_restart(a);
-    return n_zones >= 0;
+    return n_windows >= 0 && n_zones >= 0;
 }
 
 bool sim_area_holds(const sim_area_t *a, double turn, double z_mm, double radius_mm,

@@ -20,27 +20,19 @@ void sim_rows_open(sim_rows_t *t, const char *columns)
     sim_rows_drop(t);
 }
 
-static bool make_room(sim_rows_t *t)
-{
-    if (t->n < t->room) {
-        return true;
-    }
-    const size_t room = t->room > 0u ? 2u * t->room : first_room;
-    int64_t *number = realloc(t->number, room * sizeof *number);
-    if (number == NULL) {
-        t->is_lost = true;
-        return false;
-    }
-    t->number = number;
-    t->room = room;
-    return true;
-}
-
 void sim_rows_add(sim_rows_t *t, int64_t number)
 {
-    if (make_room(t)) {
-        t->number[t->n++] = number;
+    if (t->n == t->room) {
+        const size_t room = t->room > 0u ? 2u * t->room : first_room;
+        int64_t *larger = realloc(t->number, room * sizeof *larger);
+        if (larger == NULL) {
+            t->is_lost = true;
+            return;
+        }
+        t->number = larger;
+        t->room = room;
     }
+    t->number[t->n++] = number;
 }
 
 void sim_rows_real(sim_rows_t *t, double value)

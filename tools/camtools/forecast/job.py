@@ -116,18 +116,13 @@ def _unknowns(vary: Path | None, tree: Tree) -> tuple[list[Unknown], list[str]]:
     return read_vary(data, str(vary), tree), []
 
 
-def _begin(task: Task, machine: Machine) -> None:
-    table = folder_of(task.table, task.design) / TABLE
-    with begun([str(table), *task.words], machine):
-        pass
-
-
 def _check(task: Task, machine: Machine, name: str) -> None:
+    table = str(folder_of(task.table, task.design) / TABLE)
     try:
-        _begin(task, machine)
+        with begun([table, *task.words], machine):
+            pass
     except CamtoolsError as error:
-        place = str(folder_of(task.table, task.design) / TABLE)
-        lines = [line.replace(place, f"{name}.camtab") for line in error.lines]
+        lines = [line.replace(table, f"{name}.camtab") for line in error.lines]
         raise CamtoolsError(lines) from error
 
 
@@ -137,7 +132,7 @@ def _check_ends(task: Task, tree: Tree, unknowns: Sequence[Unknown], file: str) 
         for end, value in (("low", unknown.low), ("high", unknown.high)):
             text = emit_machine(mistaken(tree, {unknown.key: value}))
             try:
-                _begin(task, Machine(_PROBE, text))
+                _check(task, Machine(_PROBE, text), _PROBE)
             except CamtoolsError as error:
                 found = _LINE.match(str(error))
                 if found is not None:

@@ -63,12 +63,6 @@ def _across(direction: str, at: float) -> Json:
     return whole | {f"{direction}0": at, f"{direction}1": at}
 
 
-def _mark(direction: str) -> Json:
-    """Return a dashed line through the whole map, which page.js moves."""
-    line = {"type": "line", "line": {"width": 1.5, "dash": "dash", "color": "#000"}}
-    return line | _across(direction, 0)
-
-
 def map_chart(board: Board, angle: str) -> Json:
     """Return the error map without its numbers."""
     factor, unit = length_unit(board.largest_um)
@@ -88,7 +82,9 @@ def map_chart(board: Board, angle: str) -> Json:
     }
     axes = {"xaxis": _angle_axis(angle), "yaxis": _axis("height, mm", zeroline=False)}
     margin = {"l": 70, "r": 20, "t": 15, "b": 55}
-    shown = layout(height=390, margin=margin, **axes, shapes=[_mark("y"), _mark("x")])
+    mark = {"type": "line", "line": {"width": 1.5, "dash": "dash", "color": "#000"}}
+    marks = [mark | _across(direction, 0) for direction in "yx"]  # page.js moves them
+    shown = layout(height=390, margin=margin, **axes, shapes=marks)
     return {"data": [heat], "layout": shown | {"plot_bgcolor": _NOT_CUT}}
 
 

@@ -69,11 +69,9 @@ def _strip(axes: Axes, spans: list[tuple[float, float, int]], begin_s: float, en
 
 
 def _state_handles(spans: list[tuple[float, float, int]]) -> list[Patch]:
-    names: dict[str, list[str]] = {}
+    names: dict[str, dict[str, None]] = {}  # keys are ordered and there once
     for _, _, state in spans:
-        of_colour = names.setdefault(STATE_COLOURS[state], [])
-        if STATES[state] not in of_colour:
-            of_colour.append(STATES[state])
+        names.setdefault(STATE_COLOURS[state], {})[STATES[state]] = None
     return [
         Patch(color=colour, alpha=0.75, label=", ".join(states)) for colour, states in names.items()
     ]

@@ -15,7 +15,7 @@ from matplotlib.patches import Circle as Disc
 from camtools.base.quantities import UM_PER_MM, Floats, length_text, length_unit
 from camtools.plots import style
 from camtools.report.sheet import LineSheet, SectionSheet, Sheets
-from camtools.roundness.section import RoundWave
+from camtools.roundness.section import Circle, RoundWave
 
 _TURN = np.linspace(0, 1, 721)
 _ROOM = 0.3  # share of the radius in which deviations are drawn, to both sides
@@ -77,11 +77,11 @@ def _polar(axes: Axes, title: str, limit_mm: float, middle: str) -> None:
 
 
 def _circle_line(
-    axes: Axes, off_mm: float, centre_mm: tuple[float, float], limit_mm: float, **look: object
+    axes: Axes, circle: Circle, mean_mm: float, limit_mm: float, **look: object
 ) -> None:
     """Draw a circle that is eccentric by a little: enlarged it is a limacon."""
-    phi = 2 * np.pi * _TURN
-    from_middle = off_mm + centre_mm[0] * np.cos(phi) + centre_mm[1] * np.sin(phi)
+    phi, off_mm = 2 * np.pi * _TURN, circle.radius_mm - mean_mm
+    from_middle = off_mm + circle.x_mm * np.cos(phi) + circle.y_mm * np.sin(phi)
     _ring(axes, _TURN, 1 + _ROOM * from_middle / limit_mm, **look)
 
 
@@ -99,7 +99,7 @@ def _draw_whole(axes: Axes, sheet: SectionSheet) -> None:
     _polar(axes, "section as it is", limit_mm, middle)
     _profile(axes, found.drawn_mm - circle.radius_mm, limit_mm, **_DRAWN_STYLE)
     _profile(axes, off_mm, limit_mm, color=style.RED, lw=1.0)
-    _circle_line(axes, 0.0, (circle.x_mm, circle.y_mm), limit_mm, **_CIRCLE_STYLE)
+    _circle_line(axes, circle, circle.radius_mm, limit_mm, **_CIRCLE_STYLE)
 
 
 def _draw_off(axes: Axes, sheet: SectionSheet, upr: int, along: str) -> None:
@@ -119,12 +119,10 @@ def _draw_off(axes: Axes, sheet: SectionSheet, upr: int, along: str) -> None:
     _ring(axes, _TURN, 1.0, **(_DRAWN_STYLE | {"lw": 1.6}))
     _profile(axes, raw_mm, limit_mm, **_RAW_STYLE)
     _profile(axes, filtered_mm, limit_mm, color=style.RED, lw=1.2)
-    centre = (circle.x_mm, circle.y_mm)
-    _circle_line(axes, circle.radius_mm - mean_mm, centre, limit_mm, **_CIRCLE_STYLE)
+    _circle_line(axes, circle, mean_mm, limit_mm, **_CIRCLE_STYLE)
     for side in (-0.5, 0.5):
-        off_mm = zone.circle.radius_mm - mean_mm + side * zone.width_mm
-        centre = (zone.circle.x_mm, zone.circle.y_mm)
-        _circle_line(axes, off_mm, centre, limit_mm, **_ZONE_STYLE)
+        edge = zone.circle._replace(radius_mm=zone.circle.radius_mm + side * zone.width_mm)
+        _circle_line(axes, edge, mean_mm, limit_mm, **_ZONE_STYLE)
 
 
 def floor_um(waves: list[RoundWave]) -> float:

@@ -117,7 +117,7 @@ def verdict_of(outcome: AnyCut, out: Sequence[str] = (), undecided: Sequence[str
         sentence = f"{found.capitalize()}, but not every lobe or zone was gauged."
         return Verdict("poor", "not gauged", sentence)
     if outcome.drawn is not None:
-        return _decided(outcome, out, undecided)
+        return _decided(form, outcome.drawn.expanded(WHOLE, form["max"]), out, undecided)
     if out:
         shown = f"but the measurement sheets show out of tolerance: {_named(out)}"
         return Verdict("poor", "out of tolerance", f"{within}, {shown}.")
@@ -133,10 +133,10 @@ def certified_facts(outcome: AnyCut) -> Json | None:
     return {"forecast": drawn.folder, "parts": drawn.n_parts, "form_error_u_um": expanded}
 
 
-def _decided(outcome: AnyCut, out: Sequence[str], undecided: Sequence[str]) -> Verdict:
-    """Return the verdict of a whole cut by ISO 14253-1, on machines as a forecast has drawn."""
-    form, facts = outcome.summary["form_error_um"], certified_facts(outcome)
-    expanded = None if facts is None else facts["form_error_u_um"]
+def _decided(
+    form: Json, expanded: float | None, out: Sequence[str], undecided: Sequence[str]
+) -> Verdict:
+    """Return the verdict of a whole cut by ISO 14253-1, by the uncertainty of its form error."""
     verdicts = {decision(form["max"], expanded, form["tolerance"])}
     verdicts |= ({FAIL} if out else set()) | ({NOT_DECIDED} if undecided else set())
     title = next(verdict for verdict in (FAIL, NOT_DECIDED, PASS) if verdict in verdicts)

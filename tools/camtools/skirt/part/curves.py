@@ -25,11 +25,11 @@ ovality. An arc bulges towards larger values when its radius is above 0.
 """
 
 from collections.abc import Sequence
-from math import atan, degrees, hypot, inf, isinf, sqrt
+from math import atan, copysign, degrees, hypot, inf, isinf, sqrt
 from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
-from pydantic import Discriminator, Field, field_validator, model_validator
+from pydantic import AfterValidator, Discriminator, Field, model_validator
 from scipy.interpolate import (
     Akima1DInterpolator,
     CubicHermiteSpline,
@@ -108,12 +108,10 @@ LAW_OR_POINTS = Discriminator(_law_or_points)  # members have these tags: findin
 class _Law(TomlTable):
     """What both formulas have: the range in which they hold and the height of the peak."""
 
-    range_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=2)] = Field(
-        description="heights between which the formula holds"
-    )
+    range_mm: Annotated[
+        list[HeightMm], Field(min_length=2, max_length=2), AfterValidator(rising)
+    ] = Field(description="heights between which the formula holds")
     peak_height_mm: HeightMm = Field(description="h0")
-
-    _check_range = field_validator("range_mm")(rising)
 
     @property
     def height_mm(self) -> list[float]:
@@ -254,8 +252,7 @@ class Piece(NamedTuple):
         """Return height and value of an arc's centre [mm], MATHS.md (70)."""
         dz, dv = self.chord
         length = hypot(dz, dv)
-        away = sqrt(max(0.0, self.radius_mm**2 - length**2 / 4)) / length
-        away = away if self.radius_mm > 0 else -away
+        away = copysign(sqrt(max(0.0, self.radius_mm**2 - length**2 / 4)) / length, self.radius_mm)
         return self.from_mm + dz / 2 + dv * away, self.from_value_mm + dv / 2 - dz * away
 
     def slope(self, z_mm: float) -> float:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
-from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
+from pydantic import AfterValidator, Field, ValidationError, ValidationInfo, model_validator
 
 from camtools.base.errors import CamtoolsError
 from camtools.part.model import FilePath, TomlTable, beside_the_part, remedy_for, wrong
@@ -18,6 +18,7 @@ from camtools.table.points import MM_PER_INCH
 
 DiameterMm = Annotated[float, Field(ge=2 * MIN_RADIUS_MM, le=2 * MAX_RADIUS_MM)]
 ColumnNumber = Annotated[int, Field(ge=1)]
+PartsFile = Annotated[FilePath, AfterValidator(beside_the_part)]
 Unit = Literal["mm", "inch"]
 _NEEDS = {
     **dict.fromkeys(("values", "columns", "nominal_mm"), ("csv",)),
@@ -40,7 +41,7 @@ class CurveFile(TomlTable):
     VALUE: ClassVar[str]  # its list in the part file
     KINDS: ClassVar[dict[str, Quantity]]  # what its values may be
 
-    csv: FilePath | None = Field(
+    csv: PartsFile | None = Field(
         None,
         description="instead of the lists: [a table](PISTONS.md#from-csv-and-dxf); path relative "
         "to the part file",
@@ -50,8 +51,6 @@ class CurveFile(TomlTable):
         None, description="of `csv`: numbers of height and value; without it by the header, or 1, 2"
     )
     unit: Unit | None = Field(None, description="of `csv`, where its header names none; usually mm")
-
-    _beside_the_part = field_validator("csv")(beside_the_part)
 
     @model_validator(mode="after")
     def _check_together(self) -> Self:
@@ -104,7 +103,7 @@ class ProfileFile(CurveFile):
         None, description="of `csv`, where its header does not name them; drops are of the radius"
     )
     nominal_mm: DiameterMm | None = Field(None, description="diameter from which drops count")
-    dxf: FilePath | None = Field(
+    dxf: PartsFile | None = Field(
         None, description="instead of the lists: lines and arcs of the half profile; path likewise"
     )
     layer: FilePath | None = Field(None, description="of `dxf`, where several have entities")
@@ -114,8 +113,6 @@ class ProfileFile(CurveFile):
         description="of `csv`, where its header names none, usually mm; of `dxf`, usually by "
         "$INSUNITS",
     )
-
-    _dxf_beside_the_part = field_validator("dxf")(beside_the_part)
 
     def given(self) -> Given:
         """See `CurveFile.given`; a contour gives its segments."""
