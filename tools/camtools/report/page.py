@@ -38,8 +38,9 @@ class Shown(NamedTuple):
     title: str
     text: str  # what to look for
     sentence: str  # what it shows
-    png: bytes | None
-    chart: Json | None  # of plotly.js, where there is no picture
+    png: bytes | None = None
+    chart: Json | None = None  # of plotly.js, where there is no picture
+    is_wide: bool = False  # beside no other chart of the board
 
 
 class Page(NamedTuple):
@@ -55,14 +56,6 @@ class Page(NamedTuple):
     hint: str = ""  # where errors of the map come from
     board: Board | None = None  # linked charts of the surface
     sheets: SheetPages | None = None  # what a roundness instrument would print
-
-
-class _Chart(NamedTuple):
-    id: str
-    title: str
-    text: str
-    sentence: str
-    is_wide: bool = False
 
 
 def data_uri(png: bytes) -> str:
@@ -83,7 +76,7 @@ def trace_text(outcome: AnyCut) -> str:
     )
 
 
-def _board_charts(board: Board, hint: str) -> list[_Chart]:
+def _board_charts(board: Board, hint: str) -> list[Shown]:
     """Return the charts of a board with their words."""
     bands = "errors and tolerance, the green band, "
     scale = f"The shape is as drawn; {bands}are enlarged as chosen above. "
@@ -94,12 +87,13 @@ def _board_charts(board: Board, hint: str) -> list[_Chart]:
     space = deviations if board.space > 1 else "As drawn; drag to turn it. "
     dotted = "Dotted: the tolerance; zoom out if it is not in view. "
     kept, height = "Kept sections stay visible. ", "the height at the chosen angle"
+    chosen = "Error of the chosen section."
     return [
-        _Chart("error-map", "Error map", _MAP_TEXT + hint, board.sentence, True),
-        _Chart("section", "Section", scale, f"The chosen section. {scale}{board.sentence}"),
-        _Chart("profile", "Profile", dotted, f"Radius and error over {height}."),
-        _Chart("unrolled", "Section unrolled", dotted + kept, "Error of the chosen section.", True),
-        _Chart("space", "In space", space, board.sentence, True),
+        Shown("error-map", "Error map", _MAP_TEXT + hint, board.sentence, is_wide=True),
+        Shown("section", "Section", scale, f"The chosen section. {scale}{board.sentence}"),
+        Shown("profile", "Profile", dotted, f"Radius and error over {height}."),
+        Shown("unrolled", "Section unrolled", dotted + kept, chosen, is_wide=True),
+        Shown("space", "In space", space, board.sentence, is_wide=True),
     ]
 
 

@@ -67,11 +67,6 @@ class FaultFacts(NamedTuple):
     remedy: str
 
 
-def share(needed: float, limit: float) -> str:
-    """Return needed as a percentage of limit."""
-    return f"{100 * needed / limit:.0f} %"
-
-
 def plain(text: str) -> str:
     """Return text with the few characters that not every terminal shows replaced."""
     for wide, ascii_text in (("µ", "u"), ("²", "2"), ("°", " deg"), ("±", "+-")):

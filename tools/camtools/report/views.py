@@ -31,11 +31,6 @@ CutT = TypeVar("CutT", bound=AnyCut)
 ShownT = TypeVar("ShownT", bound=AnyCut, contravariant=True)  # a view of every cut shows a skirt's
 
 
-def always(cut: AnyCut) -> bool:
-    """Return that a view applies to every cut."""
-    return True
-
-
 def has_surface(cut: AnyCut) -> bool:
     """Return whether points of the surface were gauged."""
     return bool(cut.surface.turn.size)
@@ -53,7 +48,7 @@ class View(NamedTuple, Generic[ShownT]):
     title: str
     text: str
     draw: Callable[[ShownT], Figure] | None  # nothing for a chart
-    when: Callable[[ShownT], bool] = always
+    when: Callable[[ShownT], bool] = lambda _: True
     chart: Callable[[ShownT], Json] | None = None  # of plotly.js
     sentence: Callable[[ShownT], str] | None = None  # what it shows, for readers who cannot see it
 

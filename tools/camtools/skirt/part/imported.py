@@ -77,14 +77,14 @@ class CurveFile(TomlTable):
     def given(self) -> Given:
         """Return what the file gives, or raise CamtoolsError with line and column."""
         path = Path(self.csv or "")
-        found = read_over_height(path, [(self._in_unit(HEIGHT),), self.quantities()], self.columns)
-        [quantity], nominal_mm = found.quantities, getattr(self, "nominal_mm", None)
-        if (quantity.name == "drop") != (nominal_mm is not None):
+        found = read_over_height(path, self._in_unit(HEIGHT), self.quantities(), self.columns)
+        nominal_mm = getattr(self, "nominal_mm", None)
+        if (found.name == "drop") != (nominal_mm is not None):
             problem, remedy = "is missing: the file gives drops", "add the diameter above them"
             if nominal_mm is not None:
-                problem, remedy = f"has no meaning: the file gives the {quantity.name}", "remove it"
+                problem, remedy = f"has no meaning: the file gives the {found.name}", "remove it"
             raise wrong("nominal", problem, remedy, field="nominal_mm", value=nominal_mm)
-        values = (nominal_mm or 0.0) + found.values_mm[0] * _LISTED.get(quantity.name, 1)
+        values = (nominal_mm or 0.0) + found.values_mm * _LISTED.get(found.name, 1)
         keys = {"height_mm": found.z_mm.tolist(), self.VALUE: values.tolist()}
         return Given(keys, f"{path.name}: {found.words}")
 

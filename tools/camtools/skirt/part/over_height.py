@@ -43,43 +43,42 @@ HEIGHT = Quantity("height", ("height", "z"), 1.0, (-MAX_HEIGHT_MM, MAX_HEIGHT_MM
 
 
 class OverHeight(NamedTuple):
-    """Columns of values over the height."""
+    """A quantity over the height, arrays of shape (n,)."""
 
-    z_mm: Floats  # (n,), rising
-    values_mm: Floats  # (columns, n)
-    quantities: tuple[Quantity, ...]  # of each of these columns
+    z_mm: Floats  # rising
+    values_mm: Floats
+    name: str  # of the quantity
     words: str  # how the text was understood
 
 
 def read_over_height(
-    path: Path, columns: Sequence[Sequence[Quantity]], places: Sequence[int] | None = None
+    path: Path, height: Quantity, kinds: Sequence[Quantity], places: Sequence[int] | None = None
 ) -> OverHeight:
-    """Return the columns of a file, first the height; each holds one of some quantities.
+    """Return two columns of a file: the height, and one of some kinds of quantities.
 
     `places` count the columns from 1; without them the header names columns in any order, or there
     are no others. Raises InputError with line and column: nothing states what a column holds; a
     number is missing or out of range; heights neither rise nor fall.
     """
     table = NumberTable(read_whole_table(path, _MAX_BYTES), path.name, MAX_POINTS)
-    names = {name for column in columns for kind in column for name in kind.names()}
+    names = {name for kind in (height, *kinds) for name in kind.names()}
     plain = (re.sub(r"[\W_]+", "_", name).strip("_") for name in table.names)
     table.names = [name if name in names else "" for name in plain]  # others are not quoted
-    if places is None and not table.names and table.n_columns == len(columns):
-        places = range(1, len(columns) + 1)
-    at: Sequence[int | None] = places or [None] * len(columns)
-    found = [_column(table, *pair) for pair in zip(columns, at, strict=True)]
+    if places is None and not table.names and table.n_columns == 2:
+        places = (1, 2)
+    at = places or (None, None)
+    found = [_column(table, [height], at[0]), _column(table, kinds, at[1])]
     values = np.round(table.values([column for column, _ in found]), _DIGITS)
     for row, (column, quantity) in zip(values, found, strict=True):
         _check_range(table, row, column, quantity)
     is_falling = _falls(table, values[0])
-    values = values[:, ::-1] if is_falling else values
+    z_mm, values_mm = values[:, ::-1] if is_falling else values
     words = [
-        f"{values.shape[1]} points at {values[0, 0]:g} .. {values[0, -1]:g} mm",
+        f"{z_mm.size} points at {z_mm[0]:g} .. {z_mm[-1]:g} mm",
         *(["listed downwards"] if is_falling else []),
         *(f"{quantity.name} in {_UNIT_OF[column.per_unit]}" for column, quantity in found),
     ]
-    quantities = tuple(quantity for _, quantity in found[1:])
-    return OverHeight(values[0], values[1:], quantities, ", ".join(words))
+    return OverHeight(z_mm, values_mm, found[1][1].name, ", ".join(words))
 
 
 def _column(
