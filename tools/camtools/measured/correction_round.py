@@ -6,6 +6,7 @@
 
 import json
 from collections.abc import Sequence
+from contextlib import suppress
 from math import isclose
 from pathlib import Path
 from typing import NamedTuple
@@ -60,15 +61,12 @@ def read_given(path: Path, option: str, most_bytes: int = _MAX_BYTES) -> bytes:
 
 
 def _report(path: Path) -> Json:
-    try:
-        report = json.loads(read_given(path, "--previous"))
-        is_report = {"part", "design", "table_crc32"} <= report.keys()
-    except (ValueError, AttributeError):
-        is_report = False
-    if not is_report:
+    found: object = None
+    with suppress(ValueError):
+        found = json.loads(read_given(path, "--previous"))
+    if not isinstance(found, dict) or not {"part", "design", "table_crc32"} <= found.keys():
         problem = "not a NAME.json of mktables"
         raise CamtoolsError([f"--previous {path}: {problem}; give that of the table that cut it"])
-    found: Json = report
     return found
 
 

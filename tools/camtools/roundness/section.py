@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import linprog
 
-from camtools.base.quantities import Bools, Floats, Ints
+from camtools.base.quantities import Bools, Floats, FloatsLike, Ints
 from camtools.base.solvers import unsolved
 
 _BLOCKS = 48
@@ -38,10 +38,10 @@ _STILL_MM = 1e-9  # of its square over the radius nothing is left
 _CHANGE_COST = 1e-6
 
 
-def solve(rows: Floats, least: Floats, cost: Floats, is_positive: Bools | None = None) -> Floats:
+def solve(rows: Floats, least: Floats, cost: Floats, lowest: FloatsLike = -np.inf) -> Floats:
     """Return the y that minimises cost y with rows y >= least, kept to 1e-13 of the largest bound.
 
-    No part of y is negative for which `is_positive` is true.
+    No part of y is below `lowest`.
 
     Few of some thousand rows decide, and HiGHS takes long for all: it is given the row with the
     largest bound of each block, and then the most violated ones, too, until there are none.
@@ -53,10 +53,8 @@ def solve(rows: Floats, least: Floats, cost: Floats, is_positive: Bools | None =
     def worst(short: Floats) -> Ints:
         return np.array([block[int(short[block].argmax())] for block in blocks])
 
-    used, lowest = worst(bounds), np.full(cost.size, -np.inf)
-    if is_positive is not None:
-        lowest[is_positive] = 0.0
-    ranges = np.column_stack([lowest, np.full(cost.size, np.inf)])
+    used, highest = worst(bounds), np.full(cost.size, np.inf)
+    ranges = np.column_stack(np.broadcast_arrays(lowest, highest))
     while True:
         limits = {"A_ub": -rows[used], "b_ub": -bounds[used], "bounds": ranges}
         y = linprog(cost, **limits, options=_OPTIONS).x
@@ -159,7 +157,7 @@ def _shortest(rows: Floats, least: Floats, cost: Floats) -> Floats:
     both = np.column_stack([rows, -rows[:, is_free]])
     is_positive = np.pad(is_free, (0, both.shape[1] - n), constant_values=True)
     costs = np.where(is_positive, _CHANGE_COST, np.resize(cost, is_positive.size))
-    y = solve(both, least, costs, is_positive)
+    y = solve(both, least, costs, np.where(is_positive, 0.0, -np.inf))
     y[:n][is_free] -= y[n:]
     return y[:n]
 
