@@ -111,13 +111,6 @@ def packed(values: Floats, kind: str) -> str:
     return b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")
 
 
-def _quantised(error_um: Floats) -> tuple[float, Floats]:
-    """Return the step [um] and multiples of it: the largest error is met exactly."""
-    step_um = float(np.nanmax(np.abs(error_um))) / _FULL or 1.0
-    steps = np.round(error_um / step_um)
-    return step_um, np.where(np.isnan(steps), _NOT_CUT, steps)
-
-
 def board_data(board: Board) -> Json:
     """Return the numbers of a board for the page.
 
@@ -126,7 +119,8 @@ def board_data(board: Board) -> Json:
     """
     cells = board.cells
     n_rows, n_columns = cells.error_um.shape
-    step_um, steps = _quantised(cells.error_um)
+    step_um = board.largest_um / _FULL or 1.0  # the largest error is met exactly
+    steps = np.nan_to_num(np.round(cells.error_um / step_um), nan=_NOT_CUT)
     inside = np.nan_to_num(cells.turn * n_columns - np.arange(n_columns), nan=0.5)
     factor, unit = length_unit(board.largest_um)
     return {

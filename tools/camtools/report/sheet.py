@@ -266,13 +266,10 @@ def ticks_per_turn(outcome: AnyCut) -> float:
     return float(summary["tick_hz"] * 60 / fastest_rpm)
 
 
-def _not_too_coarse(features: list[Feature]) -> list[Feature]:
-    """Return features without a good roundness: the waves between ticks are missing."""
-    good = (_ROUNDNESS_MZ, GOOD)
-    return [
-        entry._replace(verdict=TOO_COARSE) if (entry.name, entry.verdict) == good else entry
-        for entry in features
-    ]
+def _not_too_coarse(entry: Feature) -> Feature:
+    """Return a feature, but no good roundness: the waves between ticks are missing."""
+    is_good = (entry.name, entry.verdict) == (_ROUNDNESS_MZ, GOOD)
+    return entry._replace(verdict=TOO_COARSE) if is_good else entry
 
 
 def _head(outcome: AnyCut, upr: int) -> list[ReportRow]:
@@ -397,7 +394,7 @@ def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
             continue
         section = section_of(*found, upr)
         features = _section_features(section, measured.z_mm, subject, tolerance_um)
-        features = _not_too_coarse(features) if is_coarse else features
+        features = list(map(_not_too_coarse, features)) if is_coarse else features
         features += [_share(section)] if subject.windows else []
         sections.append(SectionSheet(name, measured.z_mm, section, features))
     judged = [line for line in gauged.lines if line.z_mm.size >= _LEAST_POINTS]

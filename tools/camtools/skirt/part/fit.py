@@ -158,11 +158,9 @@ def check_fit(
         context = {"field": "bore.temperature_c", "value": bore.temperature_c}
         problem = "has no effect without [piston.growth]: the skirt stays cold"
         raise wrong("cold", problem, "add that table, or remove the key", **context)
-    turned: dict[str, tuple[Growth | Coating | None, str]]
-    turned = {"growth": (growth, "cold"), "coating": (coating, "bare")}
-    for name, (table, state) in turned.items():
-        if shape == "points" and table is not None and table.drawn != state:
-            context = {"field": f"{name}.drawn", "value": table.drawn}
+    for name, table, state in (("growth", growth, "cold"), ("coating", coating, "bare")):
+        drawn = getattr(table, "drawn", state)
+        if shape == "points" and drawn != state:
             problem = 'has no meaning for shape = "points", which is turned as imported'
             remedy = f'set drawn = "{state}", or give the drawing by another shape'
-            raise wrong("imported", problem, remedy, **context)
+            raise wrong("imported", problem, remedy, field=f"{name}.drawn", value=drawn)
