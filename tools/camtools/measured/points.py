@@ -108,9 +108,7 @@ def widest_gap(turn: Floats) -> float:
 
 def _suffices(turn: Floats, order: int) -> bool:
     """Return whether points at these angles suffice to fit waves up to an order."""
-    if turn.size < _OVER * (2 * order + 1):
-        return False
-    return widest_gap(turn) * order <= _GAP_WAVES
+    return turn.size >= _OVER * (2 * order + 1) and widest_gap(turn) * order <= _GAP_WAVES
 
 
 def _traces(z_mm: Floats) -> list[Ints] | None:

@@ -4,6 +4,8 @@
 [[0.0, -3.0], [5.0, 1.0]]
 """
 
+from itertools import pairwise
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -37,12 +39,10 @@ def following_by_angle(trace: CutTrace) -> Floats:
 
 def state_spans(trace: CutTrace) -> list[tuple[float, float, int]]:
     """Return begin [s], end [s] and number of every stretch of one state."""
-    edges = np.flatnonzero(np.diff(trace.state)) + 1
-    begins = np.concatenate(([0], edges))
-    ends = np.concatenate((edges, [trace.t_s.size - 1]))
+    edges = (np.flatnonzero(np.diff(trace.state)) + 1).tolist()
     return [
         (float(trace.t_s[begin]), float(trace.t_s[end]), int(trace.state[begin]))
-        for begin, end in zip(begins, ends, strict=True)
+        for begin, end in pairwise([0, *edges, trace.t_s.size - 1])
         if end > begin
     ]
 
