@@ -68,11 +68,16 @@ def drawn_mm(phi: Floats) -> Floats:
     return np.asarray(A_MM - G_MM / 4 + G_MM / 4 * wave, dtype=np.float64)
 
 
-def section(number: int = 1, n: int = PLACES) -> GaugedSection:
-    """Return the made-up section, or a part of it."""
-    radius_mm = drawn_mm(PHI) + deviation_mm(PHI)
-    turn = PHI / (2 * np.pi)
-    return GaugedSection(number, 20.0, turn[:n], radius_mm[:n], deviation_mm(PHI)[:n])
+def section(
+    off_mm: Floats | None = None, gaps: Sequence[tuple[float, float]] = (), number: int = 1
+) -> GaugedSection:
+    """Return the made-up section, or one of another deviation, without some angles [deg]."""
+    off_mm = deviation_mm(PHI) if off_mm is None else off_mm
+    is_there = np.ones(PLACES, dtype=np.bool_)
+    for low_deg, high_deg in gaps:
+        is_there &= (np.radians(low_deg) > PHI) | (np.radians(high_deg) < PHI)
+    rows = np.array([PHI / (2 * np.pi), drawn_mm(PHI) + off_mm, off_mm])[:, is_there]
+    return GaugedSection(number, 20.0, *rows)
 
 
 def line(angle_deg: float, slope: float) -> GaugedLine:
@@ -99,12 +104,19 @@ LINES = tuple(line(deg, slope) for deg, slope in ((0, 1e-5), (90, 0), (180, 3e-5
 GAUGED = GaugedSections((section(),), LINES)
 
 
+def sheets_of(
+    gauged: GaugedSections = GAUGED, tolerance_um: float = 5.0, **subject: object
+) -> Sheets:
+    """Make the sheets of a made-up cut of an oval, of which something else may be known."""
+    found = make_sheets(cut_of(gauged, tolerance_um), OVAL._replace(**cast(Any, subject)))
+    assert found is not None
+    return found
+
+
 @pytest.fixture(scope="module")
 def sheets() -> Sheets:
     """Make the sheets of the made-up part."""
-    found = make_sheets(cut_of(GAUGED), OVAL)
-    assert found is not None
-    return found
+    return sheets_of()
 
 
 def by_name(features: list[Feature]) -> dict[str, Feature]:
@@ -112,9 +124,14 @@ def by_name(features: list[Feature]) -> dict[str, Feature]:
     return {one.name: one for one in features}
 
 
+def of_section(sheets: Sheets) -> dict[str, Feature]:
+    """Return the features of the only section by their names."""
+    return by_name(sheets.sections[0].features)
+
+
 def test_size_ovality_and_phase_are_the_known_ones(sheets: Sheets) -> None:
     """The second harmonics of drawing and deviation add as arrows; odd waves leave diameters be."""
-    found = by_name(sheets.sections[0].features)
+    found = of_section(sheets)
     arrow = G_MM / 4 * np.exp(2j * np.radians(PHASE_DEG))
     arrow += T[2] * OVAL_MM * np.exp(1j * OVAL_RAD)
     mean_mm = 2 * (A_MM - G_MM / 4 + MEAN_MM)
@@ -139,10 +156,8 @@ def test_size_ovality_and_phase_are_the_known_ones(sheets: Sheets) -> None:
 def test_roundness_of_the_deviation_is_the_known_one() -> None:
     """Five lobes alone, off centre: RONt is twice the amplitude behind the filter, LS and MZ."""
     off_mm = MEAN_MM + C_MM * np.cos(PHI - C_RAD) + FIVE_MM * np.cos(5 * PHI)
-    one = GaugedSection(1, 20.0, PHI / (2 * np.pi), drawn_mm(PHI) + off_mm, off_mm)
-    sheets = make_sheets(cut_of(GaugedSections((one,), ())), OVAL)
-    assert sheets is not None
-    found = by_name(sheets.sections[0].features)
+    sheets = sheets_of(GaugedSections((section(off_mm),)))
+    found = of_section(sheets)
     five_um = 1e3 * FIVE_MM * T[5]
     for name, um in (
         ("roundness of the deviation RONt, LS", 2 * five_um),
@@ -180,9 +195,7 @@ def test_form_is_judged_unfiltered_and_nothing_else_without_a_tolerance(sheets: 
     name = "form: largest deviation, unfiltered"
     worst_um = 1e3 * float(np.abs(deviation_mm(PHI)).max())
     for tolerance_um, verdict in ((worst_um + 1e-3, "good"), (worst_um - 1e-3, "out of tolerance")):
-        found = make_sheets(cut_of(GAUGED, tolerance_um), OVAL)
-        assert found is not None
-        form = by_name(found.sections[0].features)[name]
+        form = of_section(sheets_of(tolerance_um=tolerance_um))[name]
         assert form.actual == pytest.approx(worst_um, abs=1e-9)
         assert form.verdict == verdict
     features = [*sheets.sections[0].features, *sheets.tapers]
@@ -219,9 +232,7 @@ def test_stated_tolerance_decides_at_its_value(sheets: Sheets, key: str) -> None
     size = abs(off) * (1e3 if one.unit == "mm" else 1)
     for share, verdict in ((1.001, "good"), (0.999, "out of tolerance")):
         stated = ZonedTolerances.model_validate({key: share * size})
-        found = make_sheets(cut_of(GAUGED), OVAL._replace(tolerances=stated))
-        assert found is not None
-        judged = features(found)
+        judged = features(sheets_of(tolerances=stated))
         assert judged[name].verdict == verdict
         changed = {each for each in judged if judged[each].verdict != plain[each].verdict}
         assert changed <= {name, "short axis", "taper 90°/270° over 60 mm, off the drawing"}
@@ -240,15 +251,6 @@ def oval_at(phi_rad: Floats, z_mm: Floats) -> Floats:
     return drawn_mm(phi_rad) + 0 * z_mm
 
 
-def with_gap(off_mm: Floats, gaps: Sequence[tuple[float, float]] = ((80, 100),)) -> GaugedSection:
-    """Return a section without the places of some angles [deg]."""
-    is_there = np.ones(PLACES, dtype=np.bool_)
-    for low_deg, high_deg in gaps:
-        is_there &= (np.radians(low_deg) > PHI) | (np.radians(high_deg) < PHI)
-    radius_mm = (drawn_mm(PHI) + off_mm)[is_there]
-    return GaugedSection(1, 20.0, PHI[is_there] / (2 * np.pi), radius_mm, off_mm[is_there])
-
-
 def slot(from_deg: float, to_deg: float) -> Area:
     """Return a box around the height of the section, without a margin."""
     return Area((from_deg + to_deg) / 2, to_deg - from_deg, 10.0, 30.0, *(0.0, 0.0, 0.0))
@@ -256,21 +258,16 @@ def slot(from_deg: float, to_deg: float) -> Area:
 
 def test_window_is_left_out_of_circles_and_axes() -> None:
     """An eccentric circle keeps its centre; diameters need both their ends; the share is stated."""
-    off_mm = C_MM * np.cos(PHI - C_RAD)
-    subject = OVAL._replace(windows=(slot(80, 100),), drawn_mm=oval_at)
-    found = make_sheets(cut_of(GaugedSections((with_gap(off_mm),), ())), subject)
-    assert found is not None and found.missing == []
-    sheet = found.sections[0]
-    names = by_name(sheet.features)
-    assert names[
-        "share of the turn that was measured; axes in windows are left out"
-    ].actual == pytest.approx(100 * 340 / 360, abs=0.06)
-    centre = sheet.section.off.circle
+    gauged = GaugedSections((section(C_MM * np.cos(PHI - C_RAD), [(80, 100)]),))
+    found = sheets_of(gauged, windows=(slot(80, 100),), drawn_mm=oval_at)
+    assert found.missing == []
+    names, off = of_section(found), found.sections[0].section.off
+    share = names["share of the turn that was measured; axes in windows are left out"]
+    assert share.actual == pytest.approx(100 * 340 / 360, abs=0.06)
     bridge_mm = C_MM * (1 - np.cos(np.radians(10)))  # between a chord of 20 degrees and its arc
-    assert (
-        np.hypot(centre.x_mm - C_MM * np.cos(C_RAD), centre.y_mm - C_MM * np.sin(C_RAD)) < bridge_mm
-    )
-    assert sheet.section.off.total_mm < 2 * bridge_mm
+    centre_mm = off.circle.x_mm + 1j * off.circle.y_mm
+    assert abs(centre_mm - C_MM * np.exp(1j * C_RAD)) < bridge_mm
+    assert off.total_mm < 2 * bridge_mm
     # The short axis lies at 102 degrees, beside the window; that at 90 would end in it.
     assert names["short axis"].nominal == pytest.approx(2 * (A_MM - G_MM / 2), abs=1e-9)
     assert names["short axis"].deviation == pytest.approx(0, abs=1e-4)
@@ -290,9 +287,8 @@ def test_gap_without_a_window_is_no_section(
     windows: tuple[Area, ...], gaps: list[tuple[float, float]]
 ) -> None:
     """What is not cut all round but for windows, or has no diameter, is named, not judged."""
-    subject = OVAL._replace(windows=windows, drawn_mm=oval_at)
-    found = make_sheets(cut_of(GaugedSections((with_gap(0 * PHI, gaps),), LINES)), subject)
-    assert found is not None
+    gauged = GaugedSections((section(0 * PHI, gaps),), LINES)
+    found = sheets_of(gauged, windows=windows, drawn_mm=oval_at)
     assert (found.sections, found.missing) == ([], ["height 20 mm"])
 
 
@@ -303,12 +299,9 @@ def test_zone_states_its_own_tolerances() -> None:
         {"name": "high", "from_mm": 30, "to_mm": 60, "ovality_um": 9},
     ]
     stated = {"zone": zones, "ovality_um": 3, "roundness_um": 4}
-    tolerances = ZonedTolerances.model_validate(stated)
-    found = make_sheets(cut_of(GAUGED), OVAL._replace(tolerances=tolerances))
-    assert found is not None
-    sheet = found.sections[0]
-    names = by_name(sheet.features)
-    assert sheet.name == "height 20 mm, zone low"
+    found = sheets_of(tolerances=ZonedTolerances.model_validate(stated))
+    names = of_section(found)
+    assert found.sections[0].name == "height 20 mm, zone low"
     assert names["form: largest deviation, unfiltered"].tolerance == 7
     assert names["ovality: long less short axis"].tolerance == 3
     assert names["roundness of the deviation RONt, MZ"].tolerance == 4
@@ -321,14 +314,10 @@ def test_zone_states_its_own_tolerances() -> None:
 def test_run_out_is_seen_from_the_datum() -> None:
     """A perfect section 3 and 4 um beside the axis runs out by 2 x 5 um; the phase by the bore."""
     datum = Datum(offset_um=[3, 2], tilt_um_per_mm=[0, 0.1], bore_off_deg=1)
-    gauged = GaugedSections(
-        (GaugedSection(1, 20.0, PHI / (2 * np.pi), drawn_mm(PHI), 0 * PHI),), ()
-    )
+    gauged = GaugedSections((section(0 * PHI),))
     for most_um, verdict in ((10.01, "good"), (9.99, "out of tolerance")):
-        subject = OVAL._replace(datum=datum, tolerances=ZonedTolerances(runout_um=most_um))
-        found = make_sheets(cut_of(gauged), subject)
-        assert found is not None
-        names = by_name(found.sections[0].features)
+        stated = ZonedTolerances(runout_um=most_um)
+        names = of_section(sheets_of(gauged, datum=datum, tolerances=stated))
         assert names["run-out to the datum axis"].actual == pytest.approx(10, abs=1e-4)
         assert names["run-out to the datum axis"].verdict == verdict
         phase = names["phase of the long axis"]
@@ -338,21 +327,17 @@ def test_run_out_is_seen_from_the_datum() -> None:
 @pytest.mark.usefixtures("undrawn")
 def test_sections_without_roundness() -> None:
     """A part of a turn is named, not judged; a lobe has no axes; along the normal."""
-    found = make_sheets(cut_of(GaugedSections((section(), section(2, 3000)), ())), OVAL)
-    assert found is not None
-    assert ([one.name for one in found.sections], found.missing) == (
-        ["height 20 mm"],
-        ["height 20 mm"],
-    )
+    found = sheets_of(GaugedSections((section(), section(None, [(300, 360)], 2))))
+    assert [one.name for one in found.sections] == found.missing == ["height 20 mm"]
     assert make_sheets(cut_of(GaugedSections()), OVAL) is None
     lobe = Subject(False, False, "long and short axis: a lobe is no oval", ("lobe 0",))
-    found = make_sheets(cut_of(GaugedSections((section(),), ())), lobe)
-    assert found is not None
+    alone = GaugedSections((section(),))
+    found = sheets_of(alone, **lobe._asdict())
     assert found.sections[0].name == "lobe 0"
-    names = by_name(found.sections[0].features)
+    names = of_section(found)
     assert not any("axis" in name or "as it is" in name for name in names)
     assert {one.quantity for one in names.values()} == {"along the normal"}
-    pages = sheet_pages(cut_of(GaugedSections((section(),), ())), lobe)
+    pages = sheet_pages(cut_of(alone), lobe)
     assert pages is not None
     assert pages.left_out == lobe.left_out
 
@@ -367,11 +352,10 @@ def test_too_few_ticks_call_no_roundness_good(is_fastest_told: bool) -> None:
             cut.summary["feasibility"]["spindle_rpm"] = {"needed": 6000.0}
         else:
             cut.summary["cut"]["spindle_rpm"] = 6000.0
-        found = make_sheets(
-            cut, OVAL._replace(tolerances=ZonedTolerances(roundness_um=tolerance_um))
-        )
+        stated = ZonedTolerances(roundness_um=tolerance_um)
+        found = make_sheets(cut, OVAL._replace(tolerances=stated))
         assert found is not None
-        assert by_name(found.sections[0].features)[name].verdict == verdict
+        assert of_section(found)[name].verdict == verdict
         points = {row.name: row.value for row in found.head}["points"]
         few = "from 200 ticks per turn; fewer than 7 ticks per wave at 50 UPR"
         assert is_fastest_told or few in points  # at 20 kHz and 6000 r/min
@@ -388,10 +372,8 @@ def test_what_is_out_is_told_by_the_verdict_of_the_part() -> None:
     assert out_of_tolerance(pages.files["sheets.json"]) == pages.out
     assert out_of_tolerance(None) == []
     verdict = verdict_of(cut, pages.out)
-    assert (verdict_of(cut).kind, verdict.kind, verdict.title) == (
-        *("good", "poor"),
-        "out of tolerance",
-    )
+    assert (verdict_of(cut).kind, verdict.kind) == ("good", "poor")
+    assert verdict.title == "out of tolerance"
     assert pages.out[0] in verdict.sentence
 
 
@@ -412,7 +394,7 @@ def test_uncertainty_of_a_forecast_decides(
 ) -> None:
     """All parts of the forecast are off this one by U, half of them to either side."""
     largest_um = 1e3 * float(np.abs(deviation_mm(PHI)).max())
-    cut = cut_of(GaugedSections((section(),), ()), largest_um + room_um)
+    cut = cut_of(GaugedSections((section(),)), largest_um + room_um)
     cut.summary["form_error_um"]["max"] = largest_um
     name, signs = "form: largest deviation, unfiltered", np.resize([1.0, -1.0], 100)
     off = {WHOLE: whole_um, f"height 20 mm: {name} [µm]": section_um}
@@ -420,14 +402,12 @@ def test_uncertainty_of_a_forecast_decides(
     cut = replace(cut, drawn=DrawnParts(values, "there"))
     sheets, pages = make_sheets(cut, OVAL), sheet_pages(cut, OVAL)
     assert sheets is not None and pages is not None and pages.is_certified
-    found = by_name(sheets.sections[0].features)[name]
+    found = of_section(sheets)[name]
     assert found.expanded == (None if section_um is None else pytest.approx(section_um))
     assert found.verdict == verdict
     row = next(row for row in pages.views[0].rows if row[0] == name)
-    assert row[6:] == (
-        *(verdict, {"pass": "good", "fail": "poor"}.get(verdict, "none")),
-        "" if section_um is None else f"{section_um:.4f} µm",
-    )
+    kind = {"pass": "good", "fail": "poor"}.get(verdict, "none")
+    assert row[6:] == (verdict, kind, "" if section_um is None else f"{section_um:.4f} µm")
     assert out_of_tolerance(pages.files["sheets.json"], "not_decided") == pages.undecided
     told = verdict_of(cut, pages.out, pages.undecided)
     assert (told.title, told.kind) == (of_part, "good" if of_part == "pass" else "poor")
@@ -492,13 +472,10 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> RealCut:
 
 def of_trace(real: RealCut, z_mm: float) -> Floats:
     """Return the deviation all round at a height: one spline along all turns, then the height."""
-    error = CubicSpline(real.turn, real.error_mm)
-    height = CubicSpline(real.turn, real.z_mm)
     first, last = int(np.ceil(real.turn[0])), int(np.floor(real.turn[-1])) - 1
     turns = np.arange(first, last)[:, None] + PHI / (2 * np.pi)
-    heights, errors = height(turns), error(turns)
-    found = [np.interp(z_mm, heights[:, k], errors[:, k]) for k in range(PLACES)]
-    return np.array(found)
+    rows = (CubicSpline(real.turn, values)(turns).T for values in (real.z_mm, real.error_mm))
+    return np.array([np.interp(z_mm, *places) for places in zip(*rows, strict=True)])
 
 
 def test_sections_are_those_of_the_trace(real: RealCut) -> None:
@@ -513,13 +490,13 @@ def test_sections_are_those_of_the_trace(real: RealCut) -> None:
 
 def test_radius_is_that_of_the_drawing_and_the_deviation(real: RealCut, geometry: Geometry) -> None:
     """The radius less the deviation is the ellipse of the generator at that height."""
-    for one in real.gauged.sections:
-        drawn_mm = geometry.radius_mm(one.z_mm) - geometry.delta(PHI, one.z_mm).delta
+    places: list[tuple[GaugedSection | GaugedLine, Floats]] = [
+        *((one, PHI) for one in real.gauged.sections),
+        *((one, np.full(one.z_mm.size, np.radians(one.angle_deg))) for one in real.gauged.lines),
+    ]
+    for one, phi in places:
+        drawn_mm = geometry.radius_mm(one.z_mm) - geometry.delta(phi, one.z_mm).delta
         assert one.radius_mm - one.deviation_mm == pytest.approx(drawn_mm, abs=5e-9)
-    for line in real.gauged.lines:
-        at = np.full(line.z_mm.size, np.radians(line.angle_deg))
-        drawn_mm = geometry.radius_mm(line.z_mm) - geometry.delta(at, line.z_mm).delta
-        assert line.radius_mm - line.deviation_mm == pytest.approx(drawn_mm, abs=5e-9)
 
 
 def test_lines_are_those_of_the_trace(real: RealCut) -> None:
