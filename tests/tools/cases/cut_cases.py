@@ -16,7 +16,7 @@ from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.image import Table, pack
 from tests.tools.cases.camsim_cases import camsim, cut
-from tests.tools.cases.part_cases import ROOT, load_part
+from tests.tools.cases.part_cases import ROOT, load_part, parse_part
 
 PARTS = ROOT / "tools" / "parts"
 NM = 1e-6  # mm
@@ -55,6 +55,11 @@ def written(made: Made, folder: Path) -> Path:
     for name, data in made.files(with_plots=False).items():
         (folder / name).write_bytes(data)
     return folder / f"{made.table.part.part.name}.camtab"
+
+
+def written_skirt(text: str, folder: Path) -> Path:
+    """Write the files of the table of a part file's text into a folder; return the table."""
+    return written(made_skirt(parse_part(text.encode(), "part.toml", folder)), folder)
 
 
 def evaluated(folder: Path, table: Table, turn: Floats, z_mm: Floats) -> dict[str, Floats]:

@@ -234,6 +234,7 @@ clearance_deg = 10
 [machine.limits]
 u_speed_mm_s = 500
 """
+OVAL = PART.format(direction=1, feed_mm=0.1)
 # k1 is 1 % larger than 2 damping / natural frequency of the drive, 742 723 ns
 MACHINE = """\
 [machine]
@@ -250,13 +251,10 @@ k1_ns = 750150
 class Rounds:
     """A part that is cut, gauged and corrected again and again."""
 
-    def __init__(
-        self, folder: Path, direction: int = 1, machine: str = MACHINE, feed_mm: float = 0.1
-    ) -> None:
-        self.folder = folder
-        self.part = folder / "part.toml"
-        self.part.write_text(PART.format(direction=direction, feed_mm=feed_mm))
-        self.machine = folder / "machine.toml"
+    def __init__(self, folder: Path, part: str = OVAL, machine: str = MACHINE) -> None:
+        self.folder, self.words = folder, ["--tolerance-um", "50", "--no-learning"]
+        self.part, self.machine = folder / "part.toml", folder / "machine.toml"
+        self.part.write_text(part)
         self.machine.write_text(machine)
 
     def make(self, number: int, *words: str) -> None:
@@ -268,11 +266,26 @@ class Rounds:
     def cut(self, number: int) -> GaugedPoints:
         """Cut the part of a round; return its surface."""
         at = self.folder / str(number)
-        words = ["--machine", str(self.machine), "--tolerance-um", "50", "--no-learning"]
         files = ["--surface", str(at / "surface.csv"), "--summary", str(at / "summary.json")]
+        words = ["--machine", str(self.machine), *self.words]
         done = camsim("run", at / "oval.camtab", *words, *files)
         assert done.returncode == 0, done.stderr
         return parse_points((at / "surface.csv").read_text(), "surface.csv")
+
+    def play(self, n_rounds: int) -> list[GaugedPoints]:
+        """Make and cut the parts of some rounds; return their surfaces."""
+        found = []
+        for number in range(n_rounds):
+            self.make(number)
+            found.append(self.cut(number))
+        return found
+
+    def gauge(self, number: int, points: GaugedPoints, deviation_um: Floats) -> None:
+        """Replace the surface of a round by other deviations at these points."""
+        path = self.folder / str(number) / "surface.csv"
+        rows = np.column_stack([points.turn, points.z_mm, deviation_um])
+        header = "turn,height_mm,deviation_um"
+        np.savetxt(path, rows, delimiter=",", header=header, comments="")
 
     def summary_um(self, number: int, key: str = "form_error_um") -> float:
         """Return the largest error of a round, as camsim says it."""
@@ -297,11 +310,8 @@ def test_two_rounds_take_the_error_away(tmp_path: Path, capsys: pytest.CaptureFi
     A third one, which would do harm, is refused: nothing is left to correct. The best table is
     named with both numbers. So it is after a part that is twice as bad as the second one.
     """
-    rounds = Rounds(tmp_path, direction=-1, feed_mm=0.15)
-    found = []
-    for number in range(3):
-        rounds.make(number)
-        found.append(rounds.cut(number))
+    rounds = Rounds(tmp_path, PART.format(direction=-1, feed_mm=0.15))
+    found = rounds.play(3)
     first, last = rounds.summary_um(0), rounds.summary_um(2)
     assert first > 1.5
     assert last < 0.12
@@ -319,10 +329,7 @@ def test_two_rounds_take_the_error_away(tmp_path: Path, capsys: pytest.CaptureFi
         f"keep the table of round 2 (table_crc32 {checksum(tmp_path / '2')}), max {now_um:.4g} um"
     )
     assert f"{best}, rms " in line
-    rows = np.column_stack([found[0].turn, found[0].z_mm, found[0].deviation_um * 0.6])
-    header = "turn,height_mm,deviation_um"
-    path = tmp_path / "2" / "surface.csv"
-    np.savetxt(path, rows, delimiter=",", header=header, comments="")
+    rounds.gauge(2, found[0], found[0].deviation_um * 0.6)
     best = f"keep the table of round 1 (table_crc32 {checksum(tmp_path / '1')}), max "
     assert f"{best}{rounds.summary_um(1):.4f}"[:-2] in refused(rounds, 3, capsys, 2)
 
@@ -331,8 +338,7 @@ def test_two_rounds_take_the_error_away(tmp_path: Path, capsys: pytest.CaptureFi
 def test_expectation_comes_true(tmp_path: Path) -> None:
     """The next part's error is what the report of the round expects, to 10 %."""
     rounds = Rounds(tmp_path)
-    rounds.make(0)
-    rounds.cut(0)
+    rounds.play(1)
     rounds.make(1, "--gain", "1")
     rounds.cut(1)
     report = json.loads((tmp_path / "1" / "oval.json").read_text())
@@ -346,12 +352,9 @@ def test_expectation_comes_true(tmp_path: Path) -> None:
 def test_instrument_with_noise_does_not_make_it_worse(tmp_path: Path) -> None:
     """A good machine's part by an instrument with 0.2 um of noise: corrected by next to nothing."""
     rounds = Rounds(tmp_path, machine='[machine]\nname = "good"\n[encoder]\ncounts_per_turn=65536')
-    rounds.make(0)
-    good = rounds.cut(0)
+    [good] = rounds.play(1)
     noise = np.random.default_rng(8).normal(0, 0.2, good.turn.size)
-    rows = np.column_stack([good.turn, good.z_mm, good.deviation_um + noise])
-    path, header = tmp_path / "0" / "surface.csv", "turn,height_mm,deviation_um"
-    np.savetxt(path, rows, delimiter=",", header=header, comments="")
+    rounds.gauge(0, good, good.deviation_um + noise)
     rounds.make(1)
     rounds.cut(1)
     assert rounds.summary_um(1) < rounds.summary_um(0) + 0.02
@@ -383,16 +386,12 @@ def test_bending_tool_and_mode_behind_the_scale(tmp_path: Path) -> None:
     be worse than the one before.
     """
     rounds = Rounds(tmp_path, machine=BENDING)
-    found = []
-    for number in range(3):
-        rounds.make(number)
-        found.append(rounds.cut(number))
+    last = rounds.play(3)[-1]
     largest = [rounds.summary_um(number) for number in range(3)]
     assert largest[0] > 2
     assert largest[1] < 1.2
     for before, after in itertools.pairwise(largest):
         assert after < 1.005 * before, largest
-    last = found[2]
     inside = last.z_mm > 0.2  # two turns after the tool has entered the metal
     assert np.abs(last.deviation_um[inside]).max() < 0.1
     assert np.sqrt((last.deviation_um**2).mean()) < 0.06
@@ -437,8 +436,8 @@ def test_window_whose_edges_ring(tmp_path: Path, capsys: pytest.CaptureFixture[s
     Where the window ends, the tool enters the metal and rings: no waves of a section correct it.
     The edges used to be left out as dust, and the second round made 2.2 um out of 1.4 um.
     """
-    rounds, largest = Rounds(tmp_path, machine=BENDING), []
-    rounds.part.write_text(rounds.part.read_text().replace("[process]\n", WINDOW))
+    windowed = OVAL.replace("[process]\n", WINDOW)
+    rounds, largest = Rounds(tmp_path, windowed, BENDING), []
     for number in itertools.count():
         words = ["--measured", str(tmp_path / str(number - 1) / "surface.csv")] if number else []
         capsys.readouterr()

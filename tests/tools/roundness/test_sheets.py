@@ -490,13 +490,13 @@ def test_sections_are_those_of_the_trace(real: RealCut) -> None:
 
 def test_radius_is_that_of_the_drawing_and_the_deviation(real: RealCut, geometry: Geometry) -> None:
     """The radius less the deviation is the ellipse of the generator at that height."""
-    places: list[tuple[GaugedSection | GaugedLine, Floats]] = [
-        *((one, PHI) for one in real.gauged.sections),
-        *((one, np.full(one.z_mm.size, np.radians(one.angle_deg))) for one in real.gauged.lines),
-    ]
-    for one, phi in places:
-        drawn_mm = geometry.radius_mm(one.z_mm) - geometry.delta(phi, one.z_mm).delta
+    for one in real.gauged.sections:
+        drawn_mm = geometry.radius_mm(one.z_mm) - geometry.delta(PHI, one.z_mm).delta
         assert one.radius_mm - one.deviation_mm == pytest.approx(drawn_mm, abs=5e-9)
+    for line in real.gauged.lines:
+        at = np.full(line.z_mm.size, np.radians(line.angle_deg))
+        drawn_mm = geometry.radius_mm(line.z_mm) - geometry.delta(at, line.z_mm).delta
+        assert line.radius_mm - line.deviation_mm == pytest.approx(drawn_mm, abs=5e-9)
 
 
 def test_lines_are_those_of_the_trace(real: RealCut) -> None:

@@ -1,17 +1,17 @@
 """Parts that a chuck springs: what is gauged of them against the Fourier series of a ring."""
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from camtools.base.quantities import Floats
-from camtools.cli.mktables import main
-from tests.tools.cases.camsim_cases import camsim, cut, plain
+from tests.tools.cases.camsim_cases import cut, plain
+from tests.tools.cases.cut_cases import written_skirt
 from tests.tools.cases.part_cases import oval_text
+from tests.tools.measured.test_measured import Rounds
 
-ROUND = oval_text("cylinder", (10, 80), [0, 0], "feed_mm = 0.5\ndirection = -1")
+ROUND = oval_text("oval", (10, 80), [0, 0], "feed_mm = 0.5\ndirection = -1")
 HEIGHTS_MM = (3, 5, 7)
 
 
@@ -31,10 +31,7 @@ def sprung_um(deg: Floats, jaws: int, jaw_deg: float) -> Floats:
 @pytest.fixture(scope="module")
 def cylinder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the table of a round part, its report beside it."""
-    folder = tmp_path_factory.mktemp("cylinder")
-    (folder / "cylinder.toml").write_text(ROUND)
-    assert main([str(folder / "cylinder.toml"), "-o", str(folder)]) == 0
-    return folder / "cylinder.camtab"
+    return written_skirt(ROUND, tmp_path_factory.mktemp("cylinder"))
 
 
 def sections_um(table: Path, chuck: str, *words: str) -> tuple[Floats, Floats, float]:
@@ -78,23 +75,13 @@ def test_jaws_stay_where_the_phase_turns_the_part(cylinder: Path) -> None:
 
 
 @pytest.mark.long
-def test_two_rounds_cut_the_spring_out(cylinder: Path, tmp_path: Path) -> None:
+def test_two_rounds_cut_the_spring_out(tmp_path: Path) -> None:
     """A coarse cut: three lobes of 30 um are left at first, 1 um at most after two rounds."""
     keys = "jaw_deg = 20\nspring_um = 30\njaw_height_mm = 10\nround_height_mm = -5"
-    (tmp_path / "chuck.toml").write_text(f"[chuck]\n{keys}\n")
-    table, largest_um = cylinder, []
-    for number in range(3):
-        made = tmp_path / str(number)
-        if number:
-            words = ["--measured", str(tmp_path / f"{number - 1}.csv")]
-            words += ["--previous", str(table.with_suffix(".json"))]
-            assert main([str(cylinder.with_suffix(".toml")), "-o", str(made), *words]) == 0
-            table = made / "cylinder.camtab"
-        files = ["--surface", f"{number}.csv", "--summary", f"{number}.json"]
-        options = ["--machine", "chuck.toml", "--tolerance-um", "99", *files]
-        assert camsim("run", table, *options, cwd=tmp_path).returncode == 0
-        summary = json.loads((tmp_path / f"{number}.json").read_text())
-        largest_um.append(summary["form_error_um"]["max"])
+    rounds = Rounds(tmp_path, ROUND, f"[chuck]\n{keys}\n")
+    rounds.words.remove("--no-learning")
+    rounds.play(3)
+    largest_um = [rounds.summary_um(number) for number in range(3)]
     assert 14 < largest_um[0] < 17  # a ring's lobes are 53 % of the spring high, 47 % deep
     assert largest_um[1] < 0.4 * largest_um[0]
     assert largest_um[2] < 1.0

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from camtools.cli.mktables import main as mktables
 from tests.tools.cases.camsim_cases import ROOT, cut, refusal, while_in
-from tests.tools.cases.part_cases import TableOf
+from tests.tools.cases.cut_cases import written_skirt
+from tests.tools.cases.part_cases import PERKINS, TableOf
 
 LEARN = ROOT / "tests" / "learn"
 MACHINES = LEARN / "machines"
@@ -165,11 +165,6 @@ def test_a_slow_cam_is_learned(table_of: TableOf, rpm: float, turns: int) -> Non
     assert learned["k1_ns"] == pytest.approx(-82_500, rel=0.05)  # 1.4 / w of 300 and 270 Hz
 
 
-def errors_of(table_of: TableOf, machine: str, feed: str) -> tuple[np.ndarray, dict[str, Any]]:
-    """Cut the Perkins skirt; see `errors_in`."""
-    return errors_in(table_of("perkins240"), machine, feed)
-
-
 def errors_in(table: Path, machine: str, feed: str) -> tuple[np.ndarray, dict[str, Any]]:
     """Cut a part; return height [mm] and error [um] of its surface, and the summary."""
     found = cut(table, "--feed", feed, "--tolerance-um=99", machine=machine)
@@ -183,22 +178,22 @@ def largest_um(rows: np.ndarray, low_mm: float, high_mm: float) -> float:
     return float(np.abs(rows[inside, 1]).max())
 
 
-def test_first_turns_are_as_good_as_the_middle(table_of: TableOf) -> None:
+def test_first_turns_are_as_good_as_the_middle(table: Path) -> None:
     """They had 0.6 um."""
-    rows, _ = errors_of(table_of, REAL.read_text(), "0.1")
+    rows, _ = errors_in(table, REAL.read_text(), "0.1")
     assert largest_um(rows, 0.0, 1.0) <= 0.3
 
 
-def test_last_turns_at_a_large_feed(table_of: TableOf) -> None:
+def test_last_turns_at_a_large_feed(table: Path) -> None:
     """They had 2.3 um. Most of what is left is the tool, which bends beyond the scale."""
-    rows, _ = errors_of(table_of, REAL.read_text(), "0.5")
+    rows, _ = errors_in(table, REAL.read_text(), "0.5")
     assert largest_um(rows, 57.5, 62.0) <= 0.5
     assert largest_um(rows, 0.5, 62.0) <= 0.75
 
 
-def test_spring_deflects_alike_by_the_mean(table_of: TableOf) -> None:
+def test_spring_deflects_alike_by_the_mean(table: Path) -> None:
     """A position drive is a spring: both coefficients are its share of the force."""
-    rows, summary = errors_of(table_of, of("chip"), "0.5")
+    rows, summary = errors_in(table, of("chip"), "0.5")
     assert largest_um(rows, 1.0, 62.0) <= 0.1
     learned = summary["learning"]
     expected = 700 * 0.3 / (1.5 * (2 * np.pi * 300) ** 2 * 1e-9)
@@ -222,12 +217,8 @@ both_sides = true
 @pytest.fixture(scope="module")
 def windowed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the table of a Perkins skirt with two windows on the short axis, 25 mm high."""
-    folder = tmp_path_factory.mktemp("windows")
-    text = (ROOT / "tools" / "parts" / "perkins240.toml").read_text()
-    part = folder / "part.toml"
-    part.write_text(text.replace("[process]\n", WINDOWS))
-    assert mktables([str(part), "-o", str(folder / "made")]) == 0
-    return folder / "made" / "perkins240.camtab"
+    text = PERKINS.read_text().replace("[process]\n", WINDOWS)
+    return written_skirt(text, tmp_path_factory.mktemp("windows"))
 
 
 @pytest.mark.parametrize(("name", "most_um"), [("chip", 0.05), ("real", 0.31)])
@@ -243,26 +234,12 @@ def test_windows_do_not_harm_the_rest(windowed: Path, name: str, most_um: float)
 
 def test_window_that_leaves_nothing(tmp_path: Path) -> None:
     """A window all around the part: nothing is gauged, and the message names the key."""
-    text = (ROOT / "tools" / "parts" / "perkins240.toml").read_text()
     box = WINDOWS.replace("= 40", "= 360").replace("10", "-9").replace("35", "99")
-    part = tmp_path / "part.toml"
-    part.write_text(text.replace("[process]\n", box.replace("both_sides = true\n", "")))
-    assert mktables([str(part), "-o", str(tmp_path / "made")]) == 0
-    line = cut(tmp_path / "made" / "perkins240.camtab", "--feed", 2, status=1).message
+    box = box.replace("both_sides = true\n", "")
+    table = written_skirt(PERKINS.read_text().replace("[process]\n", box), tmp_path)
+    line = cut(table, "--feed", 2, status=1).message
     assert "not gauged: nothing was cut to full depth" in line
     assert "check [[piston.window]] of the part file" in line and "stop" not in line
-
-
-def test_windows_hold_no_metal(table_of: TableOf, windowed: Path) -> None:
-    """Two windows of 40 degrees and 25 of 62 mm, at the short axis, where the cut is deepest."""
-    tables = (table_of("perkins240"), windowed)
-    cuts = [errors_in(table, of("chip"), "0.5")[1] for table in tables]
-    removed, windowed_removed = (found["cut"]["removed_mm3"] for found in cuts)
-    depth_mm, radius_mm = 0.21, 45.9  # mean of the windows
-    missing_mm3 = 2 * np.radians(40) * radius_mm * 25 * depth_mm
-    assert removed - windowed_removed == pytest.approx(missing_mm3, rel=0.1)
-    volumes = [found["removal"]["volume_mm3"] for found in cuts]
-    assert volumes[0] - volumes[1] == pytest.approx(missing_mm3, rel=0.1)
 
 
 def test_what_is_learned_survives_windows_at_a_large_feed(windowed: Path) -> None:

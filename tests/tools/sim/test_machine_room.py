@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camtools.cli.mktables import main as mktables
 from camtools.part.common import FeedLaw
 from camtools.sim.results import CUTTING
 from tests.tools.cases.camsim_cases import cut as played
 from tests.tools.cases.camsim_cases import refusal, while_in
+from tests.tools.cases.cut_cases import written_skirt
 
 MACHINES = Path(__file__).parents[3] / "host_sim" / "machines"
 PART = """
 [part]
-name = "{name}"
+name = "oval"
 kind = "piston"
 source = "invented"
 [piston.profile]
@@ -33,17 +33,16 @@ spindle_rpm = 600
 feed_mm = 0.5
 {process}
 [machine.limits]
-u_stroke_mm = {stroke}
+u_stroke_mm = 0.8
 """
 GOUGE_UM = 0.5  # the form error of the machine, on both sides of the drawing
 
 
-def table_of(folder: Path, name: str, process: str, stroke_mm: float = 0.8) -> Path:
-    """Make the table of an oval of 0.45 mm of travel."""
-    toml = folder / f"{name}.toml"
-    toml.write_text(PART.format(name=name, process=process, stroke=stroke_mm))
-    assert mktables([str(toml), "-o", str(folder)]) == 0
-    return folder / f"{name}.camtab"
+def table_of(folder: Path, process: str, old: str = "", new: str = "") -> Path:
+    """Make the table of an oval of 0.45 mm of travel, in whose part file something is replaced."""
+    text = PART.format(process=process)
+    assert old in text
+    return written_skirt(text.replace(old, new, 1), folder)
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +58,7 @@ def machine(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def mean(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Make the table whose U swings about its mean."""
-    return table_of(tmp_path_factory.mktemp("mean"), "mean", 'u_zero = "mean"')
+    return table_of(tmp_path_factory.mktemp("mean"), 'u_zero = "mean"')
 
 
 def cut(table: Path, *words: str | Path) -> dict[str, Any]:
@@ -99,7 +98,7 @@ def test_tool_is_never_in_the_part(mean: Path, machine: Path, n_stops: int) -> N
 def test_tool_runs_in_and_out_through_the_air(tmp_path: Path, machine: Path) -> None:
     """The part is gauged from end to end and only there, the first turns included."""
     run = 'u_zero = "mean"\nrun_in_mm = 3\nrun_out_mm = 2'
-    table = table_of(tmp_path, "run", run)
+    table = table_of(tmp_path, run)
     found = played(table, "--no-learning", "--machine", machine)
     summary, heights = found.summary, found.surface["z_mm"]
     assert summary["is_good"]
@@ -107,7 +106,7 @@ def test_tool_runs_in_and_out_through_the_air(tmp_path: Path, machine: Path) -> 
     assert summary["cut"]["gouge_um"] < GOUGE_UM
     assert 0 <= heights.min() < 0.06
     assert 29.94 < heights.max() <= 30
-    design = json.loads((tmp_path / "run.json").read_text())["design"]
+    design = json.loads(table.with_suffix(".json").read_text())["design"]
     assert design["gauge_mm"] == [0, 30]
     # 35 mm at 0.5 mm and the two halves of the feed ramps
     assert summary["cut"]["planned_turns"] == pytest.approx(72)
@@ -120,7 +119,7 @@ def test_tool_runs_in_and_out_through_the_air(tmp_path: Path, machine: Path) -> 
 def test_ring_helix_has_rings_in_the_air(tmp_path: Path, machine: Path) -> None:
     """Rings stand every feed from the start of the run-in on, so the first on the part is whole."""
     run = 'u_zero = "mean"\nrun_in_mm = 1\nrun_out_mm = 1\npath = "ring-helix"'
-    table = table_of(tmp_path, "rings", run)
+    table = table_of(tmp_path, run)
     summary = cut(table, "--machine", machine)
     assert summary["is_good"]
     assert summary["cut"]["planned_turns"] == 2 * 64 + 1
@@ -134,7 +133,7 @@ def test_all_passes_are_cut_and_gauged_in_one_run(tmp_path: Path, machine: Path)
         "[[process.pass]]\nallowance_um = 250\nfeed_mm = 1.0\nspindle_rpm = 500\n"
         "[[process.pass]]\nallowance_um = 30\n[[process.pass]]\nallowance_um = 0"
     )
-    table = table_of(tmp_path, "passes", words)
+    table = table_of(tmp_path, words)
     summary = cut(table, "--machine", machine)
     assert (summary["end"], summary["is_good"]) == ("done", True)
     passes = summary["passes"]
@@ -167,12 +166,9 @@ def test_all_passes_are_cut_and_gauged_in_one_run(tmp_path: Path, machine: Path)
 def test_next_pass_of_a_cone_begins_without_touching_it(tmp_path: Path, machine: Path) -> None:
     """The second pass returns from the thin end to the thick one: X leaves the cone before Z."""
     words = "[[process.pass]]\nallowance_um = 30\n[[process.pass]]\nallowance_um = 0"
-    toml = tmp_path / "cone.toml"
-    text = PART.format(name="cone", process=f'u_zero = "mean"\n{words}', stroke=0.8)
-    cone = "diameter_mm = [66, 64, 62, 60]"
-    toml.write_text(text.replace("diameter_mm = [60.0, 60.05, 60.04, 59.98]", cone))
-    assert mktables([str(toml), "-o", str(tmp_path)]) == 0
-    summary = cut(tmp_path / "cone.camtab", "--machine", machine)
+    cone = ("[60.0, 60.05, 60.04, 59.98]", "[66, 64, 62, 60]")
+    table = table_of(tmp_path, f'u_zero = "mean"\n{words}', *cone)
+    summary = cut(table, "--machine", machine)
     assert summary["end"] == "done"
     assert summary["cut"]["gouge_um"] < 2 * GOUGE_UM
     assert len(summary["passes"]) == 2
@@ -182,12 +178,9 @@ def test_next_pass_of_a_cone_begins_without_touching_it(tmp_path: Path, machine:
 def test_feed_follows_its_law_over_the_height(tmp_path: Path, machine: Path) -> None:
     """Z per turn in the trace is the feed at that height, within what the law changes in a turn."""
     law = "[process.feed_law]\nheight_mm = [0, 10, 30]\nfeed_mm = [0.2, 0.6, 0.3]"
-    toml, process = tmp_path / "law.toml", f'u_zero = "mean"\n{law}'
-    text = PART.format(name="law", process=process, stroke=0.8).replace("feed_mm = 0.5\n", "", 1)
-    toml.write_text(text)
-    assert mktables([str(toml), "-o", str(tmp_path)]) == 0
+    table = table_of(tmp_path, f'u_zero = "mean"\n{law}', "feed_mm = 0.5\n")
     words = ("--no-learning", "--machine", machine, "--rpm", 2400)
-    found = played(tmp_path / "law.camtab", *words, tables=["trace"])
+    found = played(table, *words, tables=["trace"])
     assert found.summary["is_good"]
     turn, z = (while_in(found.trace, "cutting")[name] for name in ("turn", "z_mm"))
     whole = np.unwrap(turn, period=1.0)

@@ -17,6 +17,7 @@ from camtools.report.text import verdict_of
 from camtools.sim.results import AnyCut
 from camtools.skirt.tool.texture import feed_for_roughness_mm, roughness_um, scallop_um
 from tests.tools.cases.camsim_cases import cut
+from tests.tools.cases.cut_cases import written_skirt
 from tests.tools.cases.part_cases import oval_text, parse_part, refused
 from tests.tools.cases.report_cases import made_up_summary
 
@@ -41,12 +42,9 @@ def text_of(more: str, feed_mm: float = 0.5, nose_mm: float = 0.0) -> str:
     return oval_text("piston", (40, 92), [0.2, 0.3], process, tool + more)
 
 
-def made(folder: Path, more: str, *words: str) -> Path:
+def made(folder: Path, more: str) -> Path:
     """Return the table of a part with more tables."""
-    part = folder / "part.toml"
-    part.write_text(text_of(more))
-    assert mktables([str(part), "-o", str(folder / "made"), *words]) == 0
-    return folder / "made" / "piston.camtab"
+    return written_skirt(text_of(more), folder)
 
 
 def zone(name: str, from_mm: float, to_mm: float, more: str = "") -> str:
@@ -65,16 +63,22 @@ def test_bore_is_not_gauged(tmp_path: Path) -> None:
         assert 8.5 < off_mm.min() < 8.5 + 0.5
 
 
-def test_material_beside_the_bore_is_removed(tmp_path: Path) -> None:
-    """The metal that is missing is that of two bores: their area on the surface times the depth."""
-    for name in "plain", "bored":
-        (tmp_path / name).mkdir()
-    tables = made(tmp_path / "plain", ""), made(tmp_path / "bored", BORE)
-    removed = [cut(table, "--feed", 0.1).summary["cut"]["removed_mm3"] for table in tables]
-    depth_mm = (
-        0.1 + 0.12
-    )  # at the short axis; of the bore's height and angles on average a little less
-    assert removed[0] - removed[1] == pytest.approx(2 * np.pi * 8**2 * depth_mm, rel=0.05)
+@pytest.mark.parametrize(
+    ("windows", "area_mm2", "depth_mm"),
+    [
+        (BORE, 2 * np.pi * 8**2, 0.1 + 0.12),  # at the short axis, on average a little less
+        (BOX, np.radians(30) * 46 * 4, 0.1),  # at the long axis, a little more
+    ],
+)
+def test_windows_hold_no_metal(
+    tmp_path: Path, windows: str, area_mm2: float, depth_mm: float
+) -> None:
+    """What is missing is their area on the surface times the depth, for gauge and force alike."""
+    tables = made(tmp_path, ""), made(tmp_path / "windows", windows)
+    plain, other = (cut(table, "--feed", 0.1).summary for table in tables)
+    missing_mm3 = pytest.approx(area_mm2 * depth_mm, rel=0.05)
+    assert plain["cut"]["removed_mm3"] - other["cut"]["removed_mm3"] == missing_mm3
+    assert plain["removal"]["volume_mm3"] - other["removal"]["volume_mm3"] == missing_mm3
 
 
 @pytest.mark.parametrize(
@@ -137,16 +141,16 @@ def test_points_in_a_window_do_not_correct(tmp_path: Path) -> None:
     r_mm, phi = 46.0, 2 * np.pi * turn
     is_in = np.hypot(r_mm * np.cos(phi) + 1.0, z_mm - 20) < 7
     corrections: list[Any] = []
-    for name, dive_um in (("plain", 0.0), ("diving", -300.0)):
-        made(tmp_path, BORE)
-        rows = zip(turn, z_mm, off_um + np.where(is_in, dive_um, 0.0), strict=True)
-        text = "turn,z_mm,deviation_um\n" + "".join(f"{t},{z},{e}\n" for t, z, e in rows)
-        gauged = tmp_path / f"{name}.csv"
-        gauged.write_text(text)
-        words = ("--measured", str(gauged), "--previous", str(tmp_path / "made" / "piston.json"))
-        out = tmp_path / name
-        assert mktables([str(tmp_path / "part.toml"), "-o", str(out), *words]) == 0
-        corrections.append(json.loads((out / "piston.json").read_text())["correction"]["waves"])
+    part, gauged = tmp_path / "part.toml", tmp_path / "gauged.csv"
+    part.write_text(text_of(BORE))
+    previous = str(made(tmp_path, BORE).with_suffix(".json"))
+    for dive_um in (0.0, -300.0):
+        rows = np.column_stack([turn, z_mm, off_um + np.where(is_in, dive_um, 0.0)])
+        np.savetxt(gauged, rows, delimiter=",", header="turn,z_mm,deviation_um", comments="")
+        words = ("--measured", str(gauged), "--previous", previous)
+        assert mktables([str(part), "-o", str(tmp_path / "out"), *words]) == 0
+        report = json.loads((tmp_path / "out" / "piston.json").read_text())
+        corrections.append(report["correction"]["waves"])
     assert corrections[0] == corrections[1] and corrections[0]
 
 
