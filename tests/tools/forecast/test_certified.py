@@ -11,11 +11,8 @@ import scipy
 from camtools.base.quantities import Floats
 from camtools.cli.forecast import main
 from camtools.cli.run import main as run
-from camtools.sim.machine_file import read_machine
-from tests.tools.cases.camsim_cases import cut
-from tests.tools.cases.cut_cases import made_of, written
 from tests.tools.cases.part_cases import PERKINS
-from tests.tools.forecast.test_forecast import machine
+from tests.tools.forecast.test_forecast import cuts_of
 
 MACHINES, DRAWN = 200, 256
 CUT = (str(PERKINS), "--feed", "0.5")
@@ -24,13 +21,9 @@ SECTION = re.compile(r"height (\S+) mm: form: largest deviation, unfiltered \[µ
 
 def largest_um(folder: Path, heights_mm: list[str]) -> Floats:
     """Return the largest deviation of each section on each machine, shape (machines, heights)."""
-    made, rng = made_of("perkins240"), np.random.default_rng(43)
-    table, found = written(made, folder), []
-    own = read_machine(made.kind.machine(made.table.part), "own")
-    for seed in range(1, MACHINES + 1):
-        words = (*CUT[1:], "--sections-mm", ",".join(heights_mm), "--seed", seed)
-        drawn = machine(own, rng)
-        rows = cut(table, *words, machine=drawn, tables=("sections",), status=None).sections
+    words, found = (*CUT[1:], "--sections-mm", ",".join(heights_mm)), []
+    for one in cuts_of(folder, MACHINES, 43, *words, tables=("sections",)):
+        rows = one.sections
         whole = [rows["deviation_nm"][rows["section"] == at + 1] for at in range(len(heights_mm))]
         found.append([1e-3 * np.abs(nm).max() if nm.size == 3600 else np.inf for nm in whole])
     return np.array(found)

@@ -5,6 +5,7 @@ import os
 import pickle
 import signal
 import subprocess
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +13,12 @@ import pyarrow.parquet as pq
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.quantities import Floats
 from camtools.cli.forecast import main
 from camtools.forecast import cuts
 from camtools.forecast.cuts import CutOutcome, Store, cut_all, cut_batch
 from camtools.forecast.job import ForecastPlan, plan_of
 from camtools.sim.machine_file import Tree, emit_machine, mistaken, read_machine
-from camtools.sim.simulate import simulate
+from camtools.sim.simulate import Result, simulate
 from checks.patience import until
 from tests.tools.cases.background import python
 from tests.tools.cases.camsim_cases import cut
@@ -267,15 +267,15 @@ def machine(own: Tree, rng: np.random.Generator) -> str:
     return emit_machine(mistaken(own, truth))
 
 
-def errors_um(folder: Path) -> Floats:
-    """Cut on independent machines; return their form errors."""
-    table = written(made_of("perkins240"), folder)
-    rng, found = np.random.default_rng(31), []
-    own = read_machine(plan(1).machine.text, "own")
-    for _ in range(MACHINES):
-        one = cut(table, "--turns-limit", TURNS, machine=machine(own, rng), status=None)
-        found.append(one.form_error_um)
-    return np.array(found)
+def cuts_of(
+    folder: Path, n: int, seed: int, *words: str | float, tables: Sequence[str] = ()
+) -> Iterator[Result]:
+    """Cut the Perkins skirt on independent machines, each with a seed of its own."""
+    made, rng = made_of("perkins240"), np.random.default_rng(seed)
+    table, own = written(made, folder), read_machine(made.kind.machine(made.table.part), "own")
+    for number in range(1, n + 1):
+        drawn = machine(own, rng)
+        yield cut(table, *words, "--seed", number, machine=drawn, tables=tables, status=None)
 
 
 @pytest.mark.long
@@ -289,6 +289,6 @@ def test_independent_machines_are_as_forecast(tmp_path: Path) -> None:
     assert main([str(PERKINS), *words]) == 0
     about = json.loads((tmp_path / "o" / "forecast.json").read_text())
     median, ninety, *_ = about["form_error_um"]
-    found = errors_um(tmp_path)
+    found = [one.form_error_um for one in cuts_of(tmp_path, MACHINES, 31, "--turns-limit", TURNS)]
     assert np.median(found) == pytest.approx(median["value_um"], rel=0.15)
-    assert 49 <= np.count_nonzero(found <= ninety["value_um"]) <= 64
+    assert 49 <= np.count_nonzero(np.array(found) <= ninety["value_um"]) <= 64
