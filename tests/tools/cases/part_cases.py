@@ -5,7 +5,9 @@ import subprocess
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 from camtools.base.errors import CamtoolsError
 from camtools.pipeline.load import load_for, parse_for
@@ -33,6 +35,13 @@ def load_part(path: Path) -> SkirtPart:
 def parse_part(data: bytes, file: str, folder: Path = Path()) -> SkirtPart:
     """Return the skirt that the bytes of a part file describe."""
     return parse_for("analyse", SkirtPart, data, file, folder)
+
+
+def points_text(header: str, *columns: ArrayLike) -> str:
+    """Return a file of points: columns, or what they are broadcast to, with all their digits."""
+    cells = np.stack([one.ravel() for one in np.broadcast_arrays(*columns)], axis=1)
+    rows = [",".join(map(repr, row)) for row in cells.astype(np.float64).tolist()]
+    return "\n".join([header, *rows, ""])
 
 
 POINTS_PART = """\

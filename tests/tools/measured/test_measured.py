@@ -21,6 +21,7 @@ from camtools.measured.points import GaugedPoints, parse_points
 from camtools.measured.surface import fit_surface
 from tests.tools.cases.camsim_cases import camsim
 from tests.tools.cases.gauged_cases import ENDS, amplitudes_um, error_um, gauged, helix, traces
+from tests.tools.cases.part_cases import points_text
 
 
 @pytest.mark.parametrize(
@@ -282,10 +283,9 @@ class Rounds:
 
     def gauge(self, number: int, points: GaugedPoints, deviation_um: Floats) -> None:
         """Replace the surface of a round by other deviations at these points."""
-        path = self.folder / str(number) / "surface.csv"
-        rows = np.column_stack([points.turn, points.z_mm, deviation_um])
         header = "turn,height_mm,deviation_um"
-        np.savetxt(path, rows, delimiter=",", header=header, comments="")
+        text = points_text(header, points.turn, points.z_mm, deviation_um)
+        (self.folder / str(number) / "surface.csv").write_text(text)
 
     def summary_um(self, number: int, key: str = "form_error_um") -> float:
         """Return the largest error of a round, as camsim says it."""

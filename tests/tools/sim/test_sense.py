@@ -20,6 +20,7 @@ from tests.tools.cases.camsim_cases import ROOT, cut, form_um, plain
 from tests.tools.cases.cut_cases import file_evaluated
 from tests.tools.cases.lobe_tables import POLY345
 from tests.tools.cases.ngc_cases import moves
+from tests.tools.cases.part_cases import points_text
 
 SENSES = (1, -1)
 RADIUS_MM, LAST_MM = 45.0, 12.0
@@ -62,9 +63,8 @@ def reduction_mm(deg: Floats, derivative: int = 0) -> Floats:
 def made(folder: Path, text: str, name: str) -> Path:
     """Return the table of a part file's text, beside a scan of the marked oval."""
     deg = np.arange(0, 360, 1.5)
-    points = zip(deg.tolist(), (1e3 * reduction_mm(deg)).tolist(), strict=True)
-    rows = [f"{angle!r},0,{um!r}" for angle, um in points]
-    (folder / "mark.csv").write_text("\n".join(["angle_deg,z_mm,reduction_um", *rows]) + "\n")
+    scan = points_text("angle_deg,z_mm,reduction_um", deg, 0, 1e3 * reduction_mm(deg))
+    (folder / "mark.csv").write_text(scan)
     (folder / f"{name}.toml").write_text(text)
     assert mktables([str(folder / f"{name}.toml"), "-o", str(folder)]) == 0
     return folder / f"{name}.camtab"

@@ -18,7 +18,7 @@ from camtools.sim.results import AnyCut
 from camtools.skirt.tool.texture import feed_for_roughness_mm, roughness_um, scallop_um
 from tests.tools.cases.camsim_cases import cut
 from tests.tools.cases.cut_cases import written_skirt
-from tests.tools.cases.part_cases import oval_text, parse_part, refused
+from tests.tools.cases.part_cases import oval_text, parse_part, points_text, refused
 from tests.tools.cases.report_cases import made_up_summary
 
 BORE = """\
@@ -145,8 +145,8 @@ def test_points_in_a_window_do_not_correct(tmp_path: Path) -> None:
     part.write_text(text_of(BORE))
     previous = str(made(tmp_path, BORE).with_suffix(".json"))
     for dive_um in (0.0, -300.0):
-        rows = np.column_stack([turn, z_mm, off_um + np.where(is_in, dive_um, 0.0)])
-        np.savetxt(gauged, rows, delimiter=",", header="turn,z_mm,deviation_um", comments="")
+        dived_um = off_um + np.where(is_in, dive_um, 0.0)
+        gauged.write_text(points_text("turn,z_mm,deviation_um", turn, z_mm, dived_um))
         words = ("--measured", str(gauged), "--previous", previous)
         assert mktables([str(part), "-o", str(tmp_path / "out"), *words]) == 0
         report = json.loads((tmp_path / "out" / "piston.json").read_text())

@@ -8,7 +8,7 @@ import pytest
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
-from tests.tools.cases.part_cases import points_part, refused
+from tests.tools.cases.part_cases import points_part, points_text, refused
 
 A_MM, B_MM, OFF_MM = 40.0, 39.8, 0.05
 PHI = np.radians(np.arange(0.0, 360.0, 0.7))
@@ -33,8 +33,7 @@ def ellipse_mm(phi: Floats) -> Floats:
 
 def text_of(points: Floats, header: str = "x_mm,y_mm") -> str:
     """Return a file of points."""
-    rows = [",".join(repr(cell) for cell in row) for row in points.tolist()]
-    return "\n".join([header, *rows, ""])
+    return points_text(header, *points.T)
 
 
 FORMS = {

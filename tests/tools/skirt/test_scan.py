@@ -28,21 +28,17 @@ from camtools.skirt.table.generate import generate
 from camtools.table.points import parse_points
 from tests.tools.cases.camsim_cases import cut, form_um, plain
 from tests.tools.cases.cut_cases import PARTS, made_skirt, written
-from tests.tools.cases.part_cases import changed, load_part, points_part, refused
+from tests.tools.cases.part_cases import changed, load_part, points_part, points_text, refused
 
 MEASURED = PARTS / "scan90.toml"
-ANGLES = range(0, 360, 10)
 SINGLE = "single_height = true"
 
 
 def csv_of(heights: tuple[float, ...] = (0.0,), first: str = HEADER) -> str:
     """Return a good scan: an oval of 0.1 mm with three waves, deeper with height."""
-    rows = [
-        f"{a},{z},{50 * (1 - np.cos(np.radians(2 * a))) + 5 * np.sin(np.radians(3 * a)) + z:.4f}"
-        for z in heights
-        for a in ANGLES
-    ]
-    return "\n".join([first, *rows]) + "\n"
+    deg, z_mm = np.arange(0, 360, 10), np.array(heights)[:, None]
+    um = 50 * (1 - np.cos(np.radians(2 * deg))) + 5 * np.sin(np.radians(3 * deg)) + z_mm
+    return points_text(first, deg, z_mm, um)
 
 
 def geometry_of(folder: Path, scan: str, more: str = "") -> Geometry:
@@ -157,7 +153,7 @@ BAD = {
         "a radius of 105 mm, the profile has 44.96",
     ),
     "twice": (GOOD + "10,0,1\n", "this point appears twice"),
-    "few": (HEADER + "\n" + "".join(f"{a},0,1\n" for a in range(0, 330, 30)), "has 11 angles"),
+    "few": (points_text(HEADER, np.arange(0, 330, 30), 0, 1), "has 11 angles"),
     "cover": (csv_of((0.0, 50.0)), "heights 0 .. 50 mm do not cover the profile's"),
 }
 
@@ -189,20 +185,6 @@ def reduction_mm(deg: Floats, z_mm: Floats) -> Floats:
     return np.asarray(oval + 0.01 * np.sin(3 * phi + 0.4) * (1 - share) + 0.004 * np.cos(phi - 1))
 
 
-def rows_of(own_angles: Callable[[int], Floats]) -> list[tuple[float, float, float]]:
-    """Return angle, height and reduction [mm] of all points."""
-    return [
-        (deg, z_mm, float(reduction_mm(np.array(deg), np.array(z_mm))))
-        for i, z_mm in enumerate(HEIGHTS_MM)
-        for deg in own_angles(i).tolist()
-    ]
-
-
-def every_5_deg(_: int) -> Floats:
-    """Return the same angles for every height."""
-    return np.arange(0.0, 360, 5)
-
-
 def own(i: int) -> Floats:
     """Return angles that differ in number and place from height to height, uneven ones too."""
     n = (72, 80, 97, 120)[i]
@@ -215,17 +197,14 @@ def points_of(folder: Path, text: str, more: str = "", direction: int = 1) -> Ge
     return make_geometry(points_part(folder, text, more, direction=direction))
 
 
-def text_of(header: str, line: str, factor: float, above: float = 0) -> str:
-    """Return the points in a format: `line` has places for angle, height and value."""
-    rows = [line.format(a, z, above + factor * mm) for a, z, mm in rows_of(every_5_deg)]
-    return "\n".join([header, *rows]) + "\n"
-
-
+EVERY_5_DEG, RISING_MM = np.arange(0.0, 360, 5), np.array(HEIGHTS_MM)[:, None]
+EVEN_MM = reduction_mm(EVERY_5_DEG, RISING_MM)
 FORMATS = {
-    "um": text_of("angle_deg,z_mm,reduction_um", "{:.1f},{:.1f},{:.9f}", 1000),
-    "mm": text_of("angle_deg, z_mm, reduction_mm", "{:.1f}, {:.1f}, {:.12f}", 1),
-    "radius": text_of("angle_deg,z_mm,radius_mm", "{:.1f},{:.1f},{:.12f}", -1, above=RADIUS_MM),
+    "um": points_text(HEADER, EVERY_5_DEG, RISING_MM, 1000 * EVEN_MM),
+    "mm": points_text("angle_deg,z_mm,reduction_mm", EVERY_5_DEG, RISING_MM, EVEN_MM),
+    "radius": points_text("angle_deg,z_mm,radius_mm", EVERY_5_DEG, RISING_MM, RADIUS_MM - EVEN_MM),
 }
+FORMATS["mm"] = FORMATS["mm"].replace(",", ", ")
 
 
 @pytest.mark.parametrize("name", list(FORMATS))
@@ -235,9 +214,8 @@ def test_every_format_gives_the_same_section(tmp_path: Path, name: str) -> None:
     Radii, as a measuring machine gives them, are taken off the profile.
     """
     geometry = points_of(tmp_path, FORMATS[name])
-    deg, z_mm = np.arange(0.0, 360, 5), np.array(HEIGHTS_MM)[:, None]
-    got = geometry.delta(np.radians(deg), z_mm).delta
-    np.testing.assert_allclose(got, reduction_mm(deg, z_mm), atol=1e-11)
+    got = geometry.delta(np.radians(EVERY_5_DEG), RISING_MM).delta
+    np.testing.assert_allclose(got, EVEN_MM, atol=1e-11)
     assert geometry.joined_um == 0
 
 
@@ -258,8 +236,9 @@ def test_a_closed_turn_is_the_same_section(tmp_path: Path) -> None:
 
 def mm_text(own_angles: Callable[[int], Floats]) -> str:
     """Return points at some angles of each height, with all their digits."""
-    rows = [f"{a!r},{z!r},{mm!r}\n" for a, z, mm in rows_of(own_angles)]
-    return "angle_deg,z_mm,reduction_mm\n" + "".join(rows)
+    angles = [own_angles(i) for i in range(len(HEIGHTS_MM))]
+    deg, z_mm = np.concatenate(angles), np.repeat(HEIGHTS_MM, [one.size for one in angles])
+    return points_text("angle_deg,z_mm,reduction_mm", deg, z_mm, reduction_mm(deg, z_mm))
 
 
 @pytest.mark.parametrize("more", ["", "harmonics = 3"])
@@ -269,9 +248,9 @@ def test_heights_may_have_angles_of_their_own(tmp_path: Path, more: str) -> None
     assert 0 < geometry.joined_um < 1e-3
     assert geometry.off_points_um is not None
     assert geometry.off_points_um < 2e-3
-    deg, z_mm = np.linspace(0, 360, 1441), np.array(HEIGHTS_MM)[:, None]
-    got = geometry.delta(np.radians(deg), z_mm).delta
-    assert 1e3 * np.abs(got - reduction_mm(deg, z_mm)).max() < 5e-3
+    deg = np.linspace(0, 360, 1441)
+    got = geometry.delta(np.radians(deg), RISING_MM).delta
+    assert 1e3 * np.abs(got - reduction_mm(deg, RISING_MM)).max() < 5e-3
 
 
 def test_cut_from_uneven_points_is_the_formula(tmp_path: Path) -> None:
@@ -287,15 +266,10 @@ def test_noise_at_angles_of_its_own_is_refused(tmp_path: Path) -> None:
     """No common angles follow points that lie closer than the samples are."""
     noise = np.random.default_rng(1).normal(0, 2, (2, 20))
     angles = [np.append(0.01 * np.arange(6), 25.0 * np.arange(1, 15)), 18.0 * np.arange(20)]
-    rows = [
-        f"{a!r},{z},{um!r}"
-        for z, deg, ums in zip((0, 24), angles, noise.tolist(), strict=True)
-        for a, um in zip(deg.tolist(), ums, strict=True)
-    ]
-    with pytest.raises(CamtoolsError, match="heights have different angles") as info:
-        text = "\n".join(["angle_deg,z_mm,reduction_um", *rows, ""])
-        points_of(tmp_path, text)
-    assert "; measure all heights at the same angles" in info.value.lines[0]
+    text = points_text(HEADER, np.stack(angles), [[0], [24]], noise)
+    line = refused(lambda: points_of(tmp_path, text))
+    assert "heights have different angles" in line
+    assert "; measure all heights at the same angles" in line
 
 
 def test_gaps_without_points(tmp_path: Path) -> None:
@@ -311,7 +285,7 @@ def test_gaps_without_points(tmp_path: Path) -> None:
     assert abs(float(found[0]) - float(reduction_mm(np.array(45.0), np.array(8.0)))) < 3e-4
 
 
-def oval_um(deg: Floats, z_mm: float) -> Floats:
+def oval_um(deg: Floats, z_mm: Floats | float) -> Floats:
     """Return an oval of 100 um at height 0 and 150 um at 30."""
     return np.asarray((50 + z_mm / 1.2) * (1 - np.cos(np.radians(2 * deg))))
 
@@ -324,12 +298,8 @@ def oval_part(
     folder: Path, values_um: dict[float, Floats], more: str = "", height_mm: str = "[0, 30]"
 ) -> SkirtPart:
     """Return a part of 80 mm with a point every 3 degrees at these heights."""
-    rows = [
-        f"{deg:g},{z_mm!r},{um:.6f}\n"
-        for z_mm, values in values_um.items()
-        for deg, um in zip(EVERY_3_DEG, values, strict=True)
-    ]
-    return points_part(folder, "angle_deg,z_mm,reduction_um\n" + "".join(rows), more, height_mm)
+    z_mm, um = np.array(list(values_um))[:, None], np.stack(list(values_um.values()))
+    return points_part(folder, points_text(HEADER, EVERY_3_DEG, z_mm, um), more, height_mm)
 
 
 @pytest.mark.parametrize(
@@ -339,23 +309,15 @@ def test_heights_of_a_machine_that_does_not_hold_them_are_named(
     off_um: tuple[int, ...], names: str, tmp_path: Path
 ) -> None:
     """Points of a section with micrometres between them would be sections of their own."""
-    rows = [
-        (deg, z_mm + off_um[i % len(off_um)] / 1000, um)
-        for z_mm in TENS_MM
-        for i, (deg, um) in enumerate(zip(EVERY_3_DEG, oval_um(EVERY_3_DEG, z_mm), strict=True))
-    ]
-    polar = "".join(f"{deg:g},{z_mm:g},{um:.3f}\n" for deg, z_mm, um in rows)
-    drawn = "".join(
-        f"{40 * np.cos(np.radians(deg)):.6f},{40 * np.sin(np.radians(deg)):.6f},{z_mm:g}\n"
-        for deg, z_mm, _ in rows
-    )
-    for header, points in ((HEADER, polar), ("x_mm,y_mm,z_mm", drawn)):
-        with pytest.raises(CamtoolsError) as info:
-            points_of(tmp_path, f"{header}\n{points}")
-        [line] = info.value.lines
+    z_mm = np.array(TENS_MM)[:, None]
+    um, z_mm = oval_um(EVERY_3_DEG, z_mm), z_mm + np.resize(off_um, EVERY_3_DEG.size) / 1000
+    x_mm, y_mm = (40 * of(np.radians(EVERY_3_DEG)) for of in (np.cos, np.sin))
+    polar = points_text(HEADER, EVERY_3_DEG, z_mm, um)
+    for text in (polar, points_text("x_mm,y_mm,z_mm", x_mm, y_mm, z_mm)):
+        line = refused(lambda: points_of(tmp_path, text))  # noqa: B023
         assert f"z_mm: the heights {names} mm are less than 0.01 mm apart; give all points" in line
     with pytest.raises(CamtoolsError, match=f"the heights {names} mm are less"):
-        parse_points(f"X_deg,z_mm,y_um\n{polar}", "a.csv")
+        parse_points(polar.replace(HEADER, "X_deg,z_mm,y_um"), "a.csv")
 
 
 def off_at_45(off_um: float = 525.0) -> dict[float, Floats]:
@@ -381,7 +343,8 @@ def test_a_point_off_its_neighbours_is_named(tmp_path: Path) -> None:
     assert first == f"piston.section.csv: {OFF}; measure this point again, or remove its line"
     assert second.startswith("tool.clearance_deg: the heel of 7 degrees rubs")
     assert str(info.value) == f"{first}\n{second}"
-    without = (tmp_path / "points.csv").read_text().replace("\n45,10.0,-466.666667", "")
+    wrong = f"\n45.0,10.0,{off_at_45(-525)[10.0][15]}"
+    without = (tmp_path / "points.csv").read_text().replace(wrong, "")
     assert "caution" not in made_skirt(written_scan(tmp_path, without)).text()
 
 
@@ -452,13 +415,10 @@ def scan_part(
     folder: Path, n: int, z_mm: list[float], noise_um: float, **keys: object
 ) -> SkirtPart:
     """Return a part of n noisy points at each height."""
-    noise = np.random.default_rng(7)
-    lines = ["angle_deg,z_mm,reduction_um"]
-    deg = 360 * np.arange(n) / n
-    for z in z_mm:
-        um = true_um(np.radians(deg), np.full(n, z)) + noise_um * noise.standard_normal(n)
-        lines += [f"{a:.6f},{z},{value:.4f}" for a, value in zip(deg, um, strict=True)]
-    (folder / "long.csv").write_text("\n".join(lines) + "\n")
+    deg, heights_mm = 360 * np.arange(n) / n, np.array(z_mm)[:, None]
+    noise = noise_um * np.random.default_rng(7).standard_normal((len(z_mm), n))
+    um = true_um(np.radians(deg), heights_mm) + noise
+    (folder / "long.csv").write_text(points_text(HEADER, deg, heights_mm, um))
     section = {"shape": "table", "csv": str(folder / "long.csv")} | keys
     return changed(load_part(MEASURED), {"piston.section": section})
 
@@ -492,10 +452,9 @@ def test_long_scan_of_one_height_is_read_and_gauged(tmp_path: Path) -> None:
 
 def test_a_jump_between_heights_is_refused(tmp_path: Path) -> None:
     """A spline over the height would leave both heights' points by more than 1 um."""
-    rows = ["angle_deg,z_mm,reduction_um"]
-    for z, um in ((0, 0.0), (15, 0.0), (20, 60.0), (40, 60.0), (60, 60.0)):
-        rows += [f"{deg},{z},{um}" for deg in range(0, 360, 15)]
-    (tmp_path / "jump.csv").write_text("\n".join(rows) + "\n")
+    z_mm = np.array([[0], [15], [20], [40], [60]])
+    text = points_text(HEADER, np.arange(0, 360, 15), z_mm, np.where(z_mm < 20, 0.0, 60.0))
+    (tmp_path / "jump.csv").write_text(text)
     section = {"shape": "table", "csv": str(tmp_path / "jump.csv")}
     part = changed(load_part(MEASURED), {"piston.section": section})
     with pytest.raises(GeometryError, match=r"the section at 0 degrees goes .* um beyond both"):

@@ -24,7 +24,7 @@ from camtools.table.image import pack
 from tests.tools.cases.camsim_cases import cut, form_um
 from tests.tools.cases.command_cases import job_of
 from tests.tools.cases.cut_cases import PARTS, made_skirt, skirt_of, written
-from tests.tools.cases.part_cases import PERKINS, changed, load_part, refused
+from tests.tools.cases.part_cases import PERKINS, changed, load_part, points_text, refused
 
 NM = 1e6
 
@@ -286,11 +286,8 @@ def hexagon(across_mm: float, corner_mm: float) -> Floats:
 def scanned(radius_mm: Floats, folder: Path, **tables: object) -> SkirtPart:
     """Return a part whose sections are these polar radii, at every half degree."""
     largest = float(radius_mm.max())
-    rows = [
-        f"{angle:g},0,{(largest - one) * 1000:.9g}"
-        for angle, one in zip(ANGLES_DEG, radius_mm, strict=True)
-    ]
-    (folder / "scan.csv").write_text("angle_deg,z_mm,reduction_um\n" + "\n".join(rows) + "\n")
+    text = points_text("angle_deg,z_mm,reduction_um", ANGLES_DEG, 0, (largest - radius_mm) * 1000)
+    (folder / "scan.csv").write_text(text)
     profile = {"height_mm": [0, 20], "diameter_mm": [2 * largest, 2 * largest]}
     section = {"shape": "table", "csv": str(folder / "scan.csv"), "single_height": True}
     piston = {"profile": profile, "section": section}
