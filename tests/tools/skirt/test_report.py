@@ -81,22 +81,25 @@ FAULTY = {
 }
 
 
+def made_up_outcome(generated: GeneratedSkirt, even: Even | None = None) -> SkirtOutcome:
+    """Return a good cut of a part, beside uniform turning where its removal rate is even."""
+    geometry = generated.geometry
+    surface, trace = made_up_surface(geometry), made_up_trace(geometry)
+    return SkirtOutcome(generated, made_up_summary(), surface, trace, even=even)
+
+
 @pytest.fixture(scope="module")
 def good(generated: GeneratedSkirt) -> SkirtOutcome:
     """Return a cut without anything wrong."""
-    geometry = generated.geometry
     variants = (CutVariant("complete", 0.04, 0.02), CutVariant("without <lead>", 4.0, 2.0))
-    trace = made_up_trace(geometry)
-    surface = made_up_surface(geometry)
-    return SkirtOutcome(generated, made_up_summary(), surface, trace, variants=variants)
+    return replace(made_up_outcome(generated), variants=variants)
 
 
 @pytest.fixture(scope="module")
 def faulty(generated: GeneratedSkirt) -> SkirtOutcome:
     """Return a cut that an emergency stop ended."""
-    trace = made_up_trace(generated.geometry, fault_at=6000)
-    surface = made_up_surface(generated.geometry)
-    return SkirtOutcome(generated, made_up_summary(**FAULTY), surface, trace)
+    trace, summary = made_up_trace(generated.geometry, fault_at=6000), made_up_summary(**FAULTY)
+    return replace(made_up_outcome(generated), summary=summary, trace=trace)
 
 
 def test_files_are_read_by_the_names_of_their_columns(tmp_path: Path) -> None:
@@ -208,9 +211,8 @@ def test_cut_without_surface_and_trace_still_reports(faulty: SkirtOutcome) -> No
     nothing = {"max": None, "rms": None, "tolerance": 5.0}
     summary = faulty.summary | {"form_error_um": nothing, "following_error_um": nothing}
     surface = GaugedSurface(*np.empty((4, 0)))
-    files = make_report(
-        REPORT, SkirtOutcome(faulty.generated, summary, surface, CutTrace(*np.empty((10, 0))))
-    )
+    trace = CutTrace(*np.empty((10, 0)))
+    files = make_report(REPORT, SkirtOutcome(faulty.generated, summary, surface, trace))
     assert sorted(files) == ["report.html"]
     assert b"nothing was cut to full depth" in files["report.html"]
 
@@ -228,8 +230,7 @@ def test_cut_without_surface_and_trace_still_reports(faulty: SkirtOutcome) -> No
 )
 def test_verdict(good: SkirtOutcome, changes: dict[str, Any], kind: str, title: str) -> None:
     """The headline says what the summary says."""
-    summary = made_up_summary(**changes)
-    verdict = verdict_of(SkirtOutcome(good.generated, summary, good.surface, good.trace))
+    verdict = verdict_of(replace(good, summary=made_up_summary(**changes)))
     assert (verdict.kind, verdict.title) == (kind, title)
 
 
@@ -245,10 +246,8 @@ def test_text_of_a_good_cut(good: SkirtOutcome) -> None:
     assert all(line.isascii() for line in lines)
     assert len(lines) == len(rows_of(REPORT, good)) + 6
     assert plain("µ²°±").isascii()
-    whole = trace_text(good)
-    part = trace_text(SkirtOutcome(good.generated, good.summary, good.surface, good.trace, False))
-    assert "holds all" in whole
-    assert "first 0.5 s only" in part
+    assert "holds all" in trace_text(good)
+    assert "first 0.5 s only" in trace_text(replace(good, is_trace_complete=False))
 
 
 def test_every_fault_of_the_firmware_has_its_facts() -> None:
@@ -362,21 +361,13 @@ def test_ripple_is_that_of_each_turn() -> None:
     assert abs(float(near.z_mm.mean()) - 27.0) <= 0.5
 
 
-def made_up_outcome(modulated: GeneratedSkirt, even: Even) -> SkirtOutcome:
-    """Return a good cut with an even removal rate, beside uniform turning."""
-    geometry = modulated.geometry
-    one = {"needed": 499.0, "limit": 500.0, "margin": 1.0}
-    summary = made_up_summary()
-    summary["feasibility"]["spindle_acceleration_rad_s2"] = one
-    surface, trace = made_up_surface(geometry), made_up_trace(geometry)
-    return SkirtOutcome(modulated, summary, surface, trace, even=even)
-
-
 @pytest.mark.long
 @pytest.mark.usefixtures("undrawn")
 def test_equal_volume_part_shows_both_ways_of_turning(modulated: GeneratedSkirt) -> None:
     """Two pictures, the rows of ripple and force, the spindle's margin."""
     outcome = made_up_outcome(modulated, made_up_even(0.04, 0.66))
+    one = {"needed": 499.0, "limit": 500.0, "margin": 1.0}
+    outcome.summary["feasibility"]["spindle_acceleration_rad_s2"] = one
     files = make_report(REPORT, outcome)
     assert {"cut_even.png", "cut_ripple.png"} <= files.keys()
     rows = {row.name: row.value for row in rows_of(REPORT, outcome)}
@@ -400,10 +391,7 @@ def test_ripple_that_is_unknown_or_does_not_apply(
     told = "unknown: no whole turn at full feed was cut"
     assert rows["ripple of the removal rate"] == told
     assert "ripple of the chip force" not in rows
-    geometry = generated.geometry
-    outcome = SkirtOutcome(
-        generated, made_up_summary(), made_up_surface(geometry), made_up_trace(geometry)
-    )
+    outcome = made_up_outcome(generated)
     assert not [row for row in rows_of(REPORT, outcome) if "ripple" in row.name]
     assert "spindle acceleration" not in {margin.name for margin in margins_of(outcome)}
 
