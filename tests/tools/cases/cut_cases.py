@@ -59,7 +59,7 @@ def written(made: Made, folder: Path) -> Path:
 
 def written_skirt(text: str, folder: Path) -> Path:
     """Write the files of the table of a part file's text into a folder; return the table."""
-    return written(made_skirt(parse_part(text.encode(), "part.toml", folder)), folder)
+    return written(made_skirt(parse_part(text, folder=folder)), folder)
 
 
 def evaluated(folder: Path, table: Table, turn: Floats, z_mm: Floats) -> dict[str, Floats]:

@@ -32,8 +32,9 @@ def load_part(path: Path) -> SkirtPart:
     return load_for("analyse", SkirtPart, path)
 
 
-def parse_part(data: bytes, file: str, folder: Path = Path()) -> SkirtPart:
-    """Return the skirt that the bytes of a part file describe."""
+def parse_part(text: str | bytes, file: str = "part.toml", folder: Path = Path()) -> SkirtPart:
+    """Return the skirt that a part file describes."""
+    data = text.encode() if isinstance(text, str) else text
     return parse_for("analyse", SkirtPart, data, file, folder)
 
 

@@ -26,6 +26,7 @@ from camtools.table.image import Table, pack, unpack
 from tests.tools.cases.camsim_cases import ROOT, camsim, columns_of
 from tests.tools.cases.cut_cases import PARTS, made_of, skirt_of, written
 from tests.tools.cases.lobe_cases import MACHINE, cam
+from tests.tools.cases.part_cases import refused
 from tests.tools.cases.prototypes import declared_in, named
 
 SHAFT = (PARTS / "camshaft.toml").read_text()
@@ -48,10 +49,7 @@ def made(text: str) -> GeneratedLobes:
 
 def refusal(text: str) -> str:
     """Return the only line that refuses a part."""
-    with pytest.raises(CamtoolsError) as info:
-        made(text)
-    [line] = info.value.lines
-    return line
+    return refused(lambda: made(text))
 
 
 def told(line: str, before: str) -> float:

@@ -102,7 +102,7 @@ def test_spacing_of_the_tracks() -> None:
 def with_process(text: str) -> SkirtPart:
     """Return the Perkins part with more lines in [process]."""
     good = PERKINS.read_text()
-    return parse_part(good.replace("[process]", f"[process]\n{text}").encode(), "p.toml")
+    return parse_part(good.replace("[process]", f"[process]\n{text}"))
 
 
 def test_comparison_of_paths() -> None:

@@ -183,14 +183,14 @@ HIGH = "height_mm = [0, 9]\nlower_um = [6, 7]\nupper_um = [9, 9]\n"
 )  # fmt: skip
 def test_wrong_areas_are_refused(more: str, line: str) -> None:
     """Each with its place and a remedy."""
-    assert line in refused(lambda: parse_part(text_of(more).encode(), "part.toml"))
+    assert line in refused(lambda: parse_part(text_of(more)))
 
 
 def test_areas_with_a_common_edge_do_not_overlap() -> None:
     """Two sides at the same height are two zones, whatever the rounding of their angles."""
     sides = ZONE + "angle_deg = 10.1\nwidth_deg = 20.2\n"
     sides += zone("other", 0, 20, "angle_deg = 30.3\nwidth_deg = 20.2")
-    assert len(parse_part(text_of(sides).encode(), "part.toml").tolerances.zones) == 2
+    assert len(parse_part(text_of(sides)).tolerances.zones) == 2
 
 
 @pytest.mark.parametrize(("feed_mm", "nose_mm"), [(0.05, 0.4), (0.2, 0.8), (0.5, 3.0)])

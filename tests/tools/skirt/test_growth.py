@@ -39,7 +39,7 @@ def ring_text(more: str, oval: float = 0.0) -> str:
 
 def ring(more: str, oval: float = 0.0) -> SkirtPart:
     """Return a cylinder of 92 mm, or an oval one, with tables."""
-    return parse_part(ring_text(more, oval).encode(), "ring.toml")
+    return parse_part(ring_text(more, oval), "ring.toml")
 
 
 def test_table_and_gauge_have_the_cold_shape(tmp_path: Path) -> None:
@@ -234,5 +234,5 @@ def test_imported_points_are_turned_as_they_are(table: str, state: str) -> None:
     head, _, tail = ring_text(table).partition("[piston.ovality]")
     points = COSINE.replace("cosine", "points") + 'csv = "a.csv"\n'
     text = head + points + tail.partition(COSINE)[2]
-    line = refused(lambda: parse_part(text.encode(), "ring.toml"))
+    line = refused(lambda: parse_part(text, "ring.toml"))
     assert ".drawn" in line and f'set drawn = "{state}"' in line

@@ -130,9 +130,9 @@ def test_a_hollow_that_is_too_narrow_is_refused_with_the_largest_nose() -> None:
     """What the message calls the largest radius does, a hundredth more does not."""
     heights = [2.0 * i for i in range(31)]
     drawing = make_geometry(part_of(heights, [80 - 2 / (1 + ((z - 30) / 4) ** 2) for z in heights]))
-    with pytest.raises(CamtoolsError, match="100 mm does not fit into the hollow of ") as refused:
-        tip_of(drawing, 100.0)
-    largest_mm = float(str(refused.value).split("give at most ")[1].split(" mm")[0])
+    line = refused(lambda: tip_of(drawing, 100.0))
+    assert "100 mm does not fit into the hollow of " in line
+    largest_mm = float(line.split("give at most ")[1].split(" mm")[0])
     tip_of(drawing, largest_mm)
     with pytest.raises(CamtoolsError):
         tip_of(drawing, 1.01 * largest_mm)
@@ -142,9 +142,8 @@ def test_a_crease_is_refused_by_what_it_keeps() -> None:
     """A polygon of the ovality may leave 0.1 um between two of its sides, not more."""
     ovality = {"height_mm": [0, 30, 62], "ovality_mm": [0.1, 4.0, 0.1]}
     drawing = make_geometry(changed(example_part(), {"piston.ovality": ovality}))
-    with pytest.raises(CamtoolsError, match=r"fit into the crease of 7\.2") as refused:
-        tip_of(drawing, 0.8)
-    line = str(refused.value)
+    line = refused(lambda: tip_of(drawing, 0.8))
+    assert "fit into the crease of 7.2" in line
     assert "at 90 degrees, height 30 mm; give at most 0.05" in line
     largest_mm = float(line.split("give at most ")[1].split(" mm")[0])
     half = (np.arctan(1.95 / 30 + 0.0015) + np.arctan(1.95 / 32 - 0.0015)) / 2
