@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camtools.cli.mktables import main as mktables
 from tests.tools.cases.camsim_cases import cut, refusal, while_in
+from tests.tools.cases.cut_cases import written_skirt
 
 OVAL = """\
 [part]
@@ -42,10 +42,7 @@ QUICK = ("--feed", "1", "--turns-limit", "4")
 @pytest.fixture(scope="session")
 def oval(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Make the table of an oval of the same ovality everywhere."""
-    folder = tmp_path_factory.mktemp("oval")
-    (folder / "oval.toml").write_text(OVAL)
-    assert mktables([str(folder / "oval.toml"), "-o", str(folder)]) == 0
-    return folder / "oval.camtab"
+    return written_skirt(OVAL, tmp_path_factory.mktemp("oval"))
 
 
 def machine(tick_hz: int, counts: int, more: str = "") -> str:

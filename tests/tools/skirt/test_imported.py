@@ -21,11 +21,8 @@ OVALITY: Table = {"height_mm": [-10.0, 100.0], "ovality_mm": [0.1, 0.2]}
 
 def piston(folder: Path, profile: Table, ovality: Table = OVALITY) -> tuple[Piston, Profile]:
     """Return the piston with these tables of a part file, and its profile."""
-    tree, context = (
-        {"profile": profile, "ovality": ovality},
-        {"folder": folder, "is_confined": True},
-    )
-    found = validated(Piston, tree, "p.toml", context)
+    tree = {"profile": profile, "ovality": ovality}
+    found = validated(Piston, tree, "p.toml", {"folder": folder, "is_confined": True})
     assert isinstance(found.profile, Profile)
     return found, found.profile
 

@@ -318,19 +318,19 @@ def test_ovality_is_smoothed_and_never_below_zero() -> None:
 
 
 def part_text(profile: dict[str, Any]) -> str:
-    """Return the Perkins skirt with another profile over its heights."""
+    """Return the Perkins skirt with another profile over its heights, good to 5 um."""
     before, _, rest = PERKINS.read_text().partition("[piston.profile]")
     after = rest[rest.index("[piston.ovality]") :]
     rows = "".join(f"{key} = {value}\n" for key, value in profile.items())
-    return f"{before}[piston.profile]\n{rows}\n{after}"
+    text = f"{before}[piston.profile]\n{rows}\n{after}"
+    return text.replace("form_error_um = 0.2", "form_error_um = 5")
 
 
 @pytest.mark.usefixtures("undrawn")
 def test_residuals_are_reported() -> None:
     """JSON, text and picture of the table."""
     profile = listed(smooth_um=0.5)
-    text = part_text(profile).replace("form_error_um = 0.2", "form_error_um = 5")
-    made = made_skirt(parse_part(text), 20.0)
+    made = made_skirt(parse_part(part_text(profile)), 20.0)
     pictures = [name for name in made.files(with_plots=True) if name.endswith("_smoothing.png")]
     assert len(pictures) == 1
     found = made.kind.summary(made.table)["smoothing"]["profile"]
@@ -349,8 +349,7 @@ def test_residuals_are_reported() -> None:
 @pytest.mark.usefixtures("undrawn")
 def test_report_of_a_cut_has_residuals(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The tolerance is what smoothing leaves of it."""
-    text = part_text(listed(smooth_um=0.5)).replace("form_error_um = 0.2", "form_error_um = 5")
-    (tmp_path / "p.toml").write_text(text)
+    (tmp_path / "p.toml").write_text(part_text(listed(smooth_um=0.5)))
     words = [str(tmp_path / "p.toml"), "--feed", "2", "-o", str(tmp_path / "out")]
     assert run(words) in (0, 1)
     share = "against the smoothed drawing (4.75 um left: smoothing takes 0.25 um"
