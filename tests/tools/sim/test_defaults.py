@@ -7,34 +7,11 @@ import pytest
 
 from tests.tools.cases.camsim_cases import cut, refusal, while_in
 from tests.tools.cases.cut_cases import written_skirt
+from tests.tools.cases.part_cases import oval_text
 
-OVAL = """\
-[part]
-name = "oval"
-kind = "piston"
-source = "made for this test"
-[piston.profile]
-height_mm = [0, 30]
-diameter_mm = [90, 90]
-[piston.ovality]
-height_mm = [0, 30]
-ovality_mm = [0.3, 0.3]
-interpolation = "linear"
-[piston.section]
-shape = "ellipse"
-[process]
-spindle_rpm = 3000
-feed_mm = 0.1
-depth_mm = 0.1
-direction = 1
-u_zero = "mean"
-form_error_um = 1
-[machine.limits]
-u_stroke_mm = 0.8
-u_speed_mm_s = 400
-u_acceleration_mm_s2 = 250000
-spindle_rpm = 3000
-"""
+PROCESS = 'feed_mm = 0.1\nu_zero = "mean"\nform_error_um = 1'
+STROKE = "[machine.limits]\nu_stroke_mm = 0.8\n"
+OVAL = oval_text("oval", (30, 90), [0.3, 0.3], PROCESS, STROKE).replace("= 1500", "= 3000")
 OVALITY_UM = 300.0
 QUICK = ("--feed", "1", "--turns-limit", "4")
 
