@@ -21,7 +21,7 @@ from camtools.sim.machine_file import Tree, emit_machine, mistaken, read_machine
 from camtools.sim.simulate import Result, simulate
 from checks.patience import until
 from tests.tools.cases.background import python
-from tests.tools.cases.camsim_cases import cut
+from tests.tools.cases.camsim_cases import cut, form_um
 from tests.tools.cases.cut_cases import made_of, written
 from tests.tools.cases.part_cases import PERKINS, environment
 
@@ -289,6 +289,7 @@ def test_independent_machines_are_as_forecast(tmp_path: Path) -> None:
     assert main([str(PERKINS), *words]) == 0
     about = json.loads((tmp_path / "o" / "forecast.json").read_text())
     median, ninety, *_ = about["form_error_um"]
-    found = [one.form_error_um for one in cuts_of(tmp_path, MACHINES, 31, "--turns-limit", TURNS)]
+    cuts = cuts_of(tmp_path, MACHINES, 31, "--turns-limit", TURNS)
+    found = np.array([form_um(one) for one in cuts])
     assert np.median(found) == pytest.approx(median["value_um"], rel=0.15)
-    assert 49 <= np.count_nonzero(np.array(found) <= ninety["value_um"]) <= 64
+    assert 49 <= np.count_nonzero(found <= ninety["value_um"]) <= 64

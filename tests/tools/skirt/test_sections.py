@@ -269,7 +269,10 @@ def twist_mm(deg: Floats, z_mm: Floats, law: Formula = power) -> Floats:
     return np.asarray(radius(z_mm) - (1 - share) * here - share * other)
 
 
-FORMULAS = {  # what the table plays, the drawing, the upper end
+Radius = Callable[[Floats, Floats], Floats]
+FORMULAS: dict[
+    str, tuple[Radius, Radius, float]
+] = {  # what the table plays, the drawing, the upper end
     "thrust90": (thrust_mm, thrust_mm, 56.0),
     "twist80": (twist_mm, partial(twist_mm, law=power_of_sine), 50.0),
 }
