@@ -74,7 +74,7 @@ DEFAULT = Believed(20_000.0, 742_723, 281_448, 100_000, 0, 10, 1_200_000, 400_00
 def within(excitation: Excitation, believed: Believed) -> bool:
     """Return whether a wave keeps to stroke, speed and acceleration."""
     peaks = excitation.wave.peaks
-    far_nm = abs(excitation.place_nm) + peaks.travel_mm * 1e6
+    far_nm = abs(excitation.play.place_nm) + peaks.travel_mm * 1e6
     return (
         far_nm <= believed.u_stroke_nm / 2
         and peaks.speed_mm_s * 1e3 <= believed.u_speed_um_per_s

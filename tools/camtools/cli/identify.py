@@ -149,11 +149,11 @@ def _files(
 
 
 def _played(excitation: Excitation) -> str:
-    wave = excitation.wave
+    wave, play = excitation
     peaks = wave.peaks
     return (
         f"excited: {wave.rms_nm * 1e-3:.3g} um rms on {wave.carrier_nm * 1e-3:.3g} um at 20 Hz, "
-        f"about {excitation.place_nm * 1e-3:.3g} um, {excitation.n_periods} periods; up to "
+        f"about {play.place_nm * 1e-3:.3g} um, {play.n_periods} periods; up to "
         f"{peaks.speed_mm_s:.3g} mm/s and {peaks.acceleration_mm_s2 * 1e-3:.3g} m/s2"
     )
 
@@ -183,10 +183,8 @@ def _fitted(u: U, arguments: Options, part: _Part | None) -> _Found:
     motion, name = (part.motion, part.name) if part is not None else (None, "")
     lines += report(found, believed, motion, name, is_good=is_good)
     lines = [plain(line) for line in lines]
-    sys.stdout.write("\n".join(lines) + "\n")
-    sys.stdout.flush()
-    settings = believed.settings(chosen(found, motion))
-    return _Found(found, believed, lines, is_good, settings)
+    print(*lines, sep="\n", flush=True)
+    return _Found(found, believed, lines, is_good, believed.settings(chosen(found, motion)))
 
 
 def _is_good(
@@ -222,8 +220,7 @@ def _status(fit: _Found, arguments: Options, applied: str) -> int:
         sys.stdout.write(f"applied: {applied}\n")
     if not fit.is_good:
         what = "nothing was applied" if arguments.apply else "the fit is not good enough to apply"
-        first = fit.found.problems()[0]
-        sys.stderr.write(f"identify: {what}: {first}\n")
+        sys.stderr.write(f"identify: {what}: {fit.found.problems()[0]}\n")
     return 0 if fit.is_good else NOT_GOOD
 
 
@@ -232,8 +229,7 @@ def _connect(arguments: Options) -> int:
     with connected_u(arguments.u) as (u, node):
         fit = _fitted(u, arguments, part)
         if arguments.output is not None:
-            name = f"node{node}"
-            files = _files(name, fit.found, fit.believed, fit.lines, part)
+            files = _files(f"node{node}", fit.found, fit.believed, fit.lines, part)
             write_all(arguments.output, files)
         if arguments.apply and fit.is_good:
             u.apply(fit.settings)

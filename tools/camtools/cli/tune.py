@@ -93,12 +93,8 @@ class Options:
         is_excited = self.bus or self.machine is not None
         if not is_excited and self.drive is None and self.record is None:
             raise UsageError("no drive: give DRIVE.toml, --record FILE.csv, --machine M or --bus")
-        given = (
-            ("--apply", self.apply),
-            ("--highest-hz", self.highest_hz),
-            ("--pulse", self.pulse),
-        )
-        for name, value in given:
+        given = {"--apply": self.apply, "--highest-hz": self.highest_hz, "--pulse": self.pulse}
+        for name, value in given.items():
             if value and not is_excited:
                 raise UsageError(f"{name}: needs a controller: add --bus, or --machine M")
         if self.pulse is not None:
@@ -146,8 +142,7 @@ def _tuned(subject: Subject, arguments: Options) -> dict[str, int]:
     settings = settings_of(proposal.values, subject.drive, subject.is_measured)
     if arguments.out is not None:
         _write(arguments.out, subject, proposal, settings)
-    sys.stdout.write("\n".join(proposal.lines) + "\n")
-    sys.stdout.flush()
+    print(*proposal.lines, sep="\n", flush=True)
     return settings
 
 
@@ -202,8 +197,7 @@ def _connected(arguments: Options) -> int:
 def _pushed(u: U, pulse_n: float) -> dict[str, int]:
     """Push U and show the result; return the parameters to be set, none if U is reversed."""
     found = excited.measure_pulse(u, pulse_n)
-    sys.stdout.write("\n".join(excited.pulse_lines(found)) + "\n")
-    sys.stdout.flush()
+    print(*excited.pulse_lines(found), sep="\n", flush=True)
     return excited.pulse_settings(found) if found.sign > 0 else {}
 
 

@@ -12,6 +12,7 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import reduce
 from typing import Self
 
 import numpy as np
@@ -78,18 +79,13 @@ PARAMETERS = tuple(field.name for field in fields(Believed)[1:])
 _TABLE = re.compile(r"^\s*\[([^\[\]]+)\]\s*(#.*)?$")
 
 
-def _name_of(line: str) -> str | None:
-    found = _TABLE.match(line)
-    return re.sub(r"\s", "", found[1]) if found else None
-
-
 def with_keys(text: str, table: str, keys: Mapping[str, float]) -> str:
     """Return a machine file with new values in one table, or refuse a table in a line."""
     lines, inside, at = [], False, None
     for line in text.splitlines():
-        name = _name_of(line)
-        if name is not None:
-            inside = name == table
+        found = _TABLE.match(line)
+        name = re.sub(r"\s", "", found[1]) if found else None
+        inside = name == table if found else inside
         key = line.split("=", 1)[0].strip() if "=" in line else ""
         if inside and key in keys:
             continue
@@ -106,20 +102,12 @@ def with_keys(text: str, table: str, keys: Mapping[str, float]) -> str:
     return changed
 
 
-def _inner(tree: dict[str, object], table: str) -> dict[str, object]:
-    for word in table.split("."):
-        found = tree.setdefault(word, {})
-        assert isinstance(found, dict)
-        tree = found
-    return tree
-
-
 def _check(text: str, changed: str, table: str, keys: Mapping[str, float]) -> None:
     try:
         wanted, found = tomllib.loads(text), tomllib.loads(changed)
-        _inner(wanted, table).update(keys)
+        reduce(lambda tree, word: tree.setdefault(word, {}), table.split("."), wanted).update(keys)
         is_good = wanted == found
-    except (tomllib.TOMLDecodeError, AssertionError):
+    except (tomllib.TOMLDecodeError, AttributeError):  # the latter: a key is no table
         is_good = False
     if not is_good:
         remedy = f"write it as [{table}] with one key a line"

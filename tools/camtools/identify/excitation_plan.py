@@ -2,12 +2,11 @@
 
 >>> believed = Believed(20_000.0, 742_723, 281_448, 100_000, 0, 10, 1_200_000, 400_000, 250_000)
 >>> excitation = plan(believed, Wishes())
->>> excitation.wave.rms_nm, excitation.place_nm
+>>> excitation.wave.rms_nm, excitation.play.place_nm
 (25000.0, -219736)
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -56,19 +55,11 @@ class Play(NamedTuple):
     place_nm: int  # of U about which it is played
 
 
-@dataclass(frozen=True, eq=False)
-class Excitation:
-    """A wave, and how it is played."""
+class Excitation(NamedTuple):
+    """A wave, and how it is played: as far out of the work as the stroke allows."""
 
     wave: Wave
-    place_nm: int  # of U about which it is played: as far out of the work as the stroke allows
-    n_periods: int  # at full amplitude
-    fade_ticks: int  # over which it rises before the periods, and falls after them
-
-    @property
-    def play(self) -> Play:
-        """How U plays it."""
-        return Play(self.wave.u_nm, "nm", self.n_periods, self.fade_ticks, self.place_nm)
+    play: Play
 
 
 def _limits(believed: Believed) -> Floats:
@@ -119,12 +110,9 @@ def plan(believed: Believed, wishes: Wishes) -> Excitation:
         wave = multisine(grid, rms_nm, carrier_nm)
         _check(wave, believed)
     room_nm = believed.u_stroke_nm * _OF_LIMITS[0] / 2 - wave.peaks.travel_mm * 1e6
-    return Excitation(
-        wave=wave,
-        place_nm=-int(max(0.0, room_nm)),
-        n_periods=wishes.n_periods,
-        fade_ticks=max(16, min(65535, round(believed.tick_hz * _FADE_S))),
-    )
+    fade_ticks, place_nm = round(believed.tick_hz * _FADE_S), -int(max(0.0, room_nm))
+    fade_ticks = max(16, min(65535, fade_ticks))
+    return Excitation(wave, Play(wave.u_nm, "nm", wishes.n_periods, fade_ticks, place_nm))
 
 
 SIGNALS = ("u_command_nm", "u_actual_nm")

@@ -326,18 +326,15 @@ def fit_mode(spectra: Spectra, plain: DriveFit, near: ModeFit | None = None) -> 
         return None
     residual = _Residual(spectra, plain)
     start = (plain if near is None else near).values / residual.scale
-    still = residual(
-        np.concatenate([plain.values / residual.scale, [np.log(1000.0), -3.0, 0.0, 0.0]])
-    )
+    no_mode = [np.log(1000.0), -3.0, 0.0, 0.0]
+    still = residual(np.append(plain.values / residual.scale, no_mode))
     low = [-np.inf] * 4 + [np.log(_LOWEST_HZ), np.log(1e-3), -4.0, -2.0]
     high = [np.inf] * 4 + [np.log(_HIGHEST_HZ), np.log(_MOST_DAMPING), 4.0, 2.0]
-    best = None
+    tried = []
     for begin in _begins(start, near):
         begin = np.clip(begin, np.array(low) + 1e-9, np.array(high) - 1e-9)
-        found = least_squares(residual, begin, bounds=(low, high), max_nfev=_FIRST_STEPS)
-        if best is None or found.cost < best.cost:
-            best = found
-    assert best is not None
+        tried.append(least_squares(residual, begin, bounds=(low, high), max_nfev=_FIRST_STEPS))
+    best = min(tried, key=lambda found: found.cost)
     best = least_squares(residual, best.x, bounds=(low, high), xtol=1e-12, ftol=1e-12)
     if not best.success:
         return None

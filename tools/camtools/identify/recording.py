@@ -193,10 +193,8 @@ def record_of(
         problem = f"{gaps.size} {many}, the first after tick {int(tick[gaps[0]])}"
         raise CamtoolsError([f"record: {problem}; {_AGAIN}"])
     n_periods = tick.size // grid.n_ticks
-    if n_periods < N_DROPPED + MIN_PERIODS:
-        problem = (
-            f"{tick.size} ticks are {n_periods} periods, a fit needs {N_DROPPED + MIN_PERIODS}"
-        )
+    if n_periods < (least := N_DROPPED + MIN_PERIODS):
+        problem = f"{tick.size} ticks are {n_periods} periods, a fit needs {least}"
         raise CamtoolsError([f"record: {problem}; {_AGAIN}"])
     n = n_periods * grid.n_ticks
     u, y = (np.asarray(row[-n:], np.float64).reshape(n_periods, -1) for row in (u_nm, y_nm))

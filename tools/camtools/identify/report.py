@@ -8,7 +8,7 @@ The latter is MATHS.md (156).
 (314, 197)
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -199,11 +199,6 @@ def _mode_lines(found: Identified) -> Iterator[str]:
         )
 
 
-def set_lines(settings: Mapping[str, int]) -> list[str]:
-    """Return lines for a shell that set parameters of a controller."""
-    return [with_names(f"tools/camctl set {name} {value}") for name, value in settings.items()]
-
-
 def _part_lines(
     found: Identified, believed: Believed, motion: ToolMotion, name: str
 ) -> Iterator[str]:
@@ -268,7 +263,8 @@ def report(
     lines += [f"{what}: {problem}" for problem in found.problems()]
     if is_good:
         values = chosen(found, motion)
-        lines += ["", *set_lines(believed.settings(values))]
+        settings = believed.settings(values)
+        lines += ["", *(with_names(f"tools/camctl set {key} {n}") for key, n in settings.items())]
         keys = believed.machine_keys(values)
         lines += ["", "[believed.u]", *(f"{name} = {value:.10g}" for name, value in keys.items())]
     if motion is not None:

@@ -73,9 +73,9 @@ def recorded(u: U, name: str, highest_hz: float = HIGHEST_HZ) -> Recorded:
         problem = "servo_crossover_hz = 0: U takes positions, or its loop is not set"
         remedy = "use tools/identify, or set a weak loop first (hal/RETROFIT.md)"
         raise CamtoolsError([f"{name}: {problem}; {remedy}"])
-    outside = plan(believed, Wishes(highest_hz=highest_hz, least_ticks=_LEAST_TICKS))
-    excitation = replace(outside, place_nm=outside.place_nm // 2)  # a weak loop overshoots
-    _, set_q6, actual_nm, force_q6 = u.played(excitation.play, _SIGNALS)
+    outside = plan(believed, Wishes(highest_hz=highest_hz, least_ticks=_LEAST_TICKS)).play
+    play = outside._replace(place_nm=outside.place_nm // 2)  # a weak loop overshoots
+    _, set_q6, actual_nm, force_q6 = u.played(play, _SIGNALS)
     if not force_q6.any():
         problem = "no force was recorded, so its U takes positions"
         raise CamtoolsError([f"{name}: {problem}; use tools/identify"])
@@ -181,10 +181,8 @@ def measure_pulse(u: U, force_n: float) -> Pulse:
 
 def pulse_lines(found: Pulse) -> Iterator[str]:
     """Yield the report."""
-    direction = (
-        "up" if found.sign > 0 else "DOWN: swap the motor's wires, or the sense of the scale"
-    )
-    yield f"a positive force moves the scale {direction}"
+    down = "DOWN: swap the motor's wires, or the sense of the scale"
+    yield f"a positive force moves the scale {'up' if found.sign > 0 else down}"
     yield f"mass {found.mass_kg:.4g} kg, the directions differ by {2 * found.mass_sigma_kg:.2g} kg"
     yield f"friction {max(0.0, found.friction_n):.3g} N"
 

@@ -158,11 +158,7 @@ def _culprit(judged: Judgement, is_proposal: bool) -> str:
 
 def refusal(judged: Judgement, *, is_proposal: bool) -> str:
     """Return why a loop, proposed as best or given, is refused and what to do; "" if it is not."""
-    poor = [
-        (mass, reached)
-        for mass, reached in zip(MASSES, judged.at, strict=True)
-        if not reached.is_enough
-    ]
+    poor = [pair for pair in zip(MASSES, judged.at, strict=True) if not pair[1].is_enough]
     if not poor:
         return ""
     mass, at = min(poor, key=lambda pair: (pair[1].is_stable, pair[1].gain_db, pair[1].phase_deg))

@@ -119,12 +119,6 @@ class _Residual:
         return stacked((push * compliance(plant, hz) - spectra.y / _NM) / self.noise)
 
 
-def _starts(plain: Floats) -> Iterator[Floats]:
-    for hz in _STARTS_HZ:
-        for share in (-0.2, 0.2):
-            yield np.concatenate([plain[:DELAY], _START_LATE, [hz / 1000.0, 0.04, share]])
-
-
 def _solve(residual: _Residual, begin: Floats, most: int | None = None) -> tuple[Floats, float]:
     begin = np.clip(begin, _LOW[: begin.size] + 1e-9, _HIGH[: begin.size])
     bounds = (_LOW[: begin.size], _HIGH[: begin.size])
@@ -137,7 +131,9 @@ def _solve(residual: _Residual, begin: Floats, most: int | None = None) -> tuple
 def _best(residual: _Residual) -> Floats:
     """Return the constants, with a mode where that is clearly better."""
     plain, cost = _solve(residual, np.array([1.0, 0.1, 0.1, 0.01, *_START_LATE]))
-    tried = [_solve(residual, start, 30) for start in _starts(plain)]
+    begin = [*plain[:DELAY], *_START_LATE]
+    modes = [[hz / 1000.0, 0.04, share] for hz in _STARTS_HZ for share in (-0.2, 0.2)]
+    tried = [_solve(residual, np.array(begin + mode), 30) for mode in modes]
     mode, mode_cost = _solve(residual, min(tried, key=lambda solution: solution[1])[0])
     return mode if mode_cost < _LEAST_GAIN * cost else plain
 

@@ -35,11 +35,6 @@ def _decibels(axes: Axes, hz: Reals, values: Complexes, mass: float) -> None:
     axes.plot(hz, 20 * np.log10(np.abs(values)), color=_COLOURS[mass], label=label)
 
 
-def _frequencies(axes: Axes, hz: Reals, name: str) -> None:
-    style.log_axis(axes, "x", _LOWEST_HZ, float(hz[-1]))
-    axes.set(xlabel="frequency, Hz", ylabel=name)
-
-
 def _nyquist(axes: Axes) -> None:
     """Draw the unit circle and what the margins keep clear."""
     turn = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
@@ -102,7 +97,8 @@ def loop_png(judged: Judgement, title: str, measured: OpenLoop | None = None) ->
         for axes, name in zip(panels, (*names, "dynamic stiffness, N/um"), strict=True):
             axes.grid(color="#dddddd", linewidth=0.6)
             if name:
-                _frequencies(axes, hz, name)
+                style.log_axis(axes, "x", _LOWEST_HZ, float(hz[-1]))
+                axes.set(xlabel="frequency, Hz", ylabel=name)
         panels[0].set_ylim(_LEVELS_DB)
         panels[0].axhline(0, color=style.GREY, lw=0.8)
         panels[1].set(ylim=(-540, 0), yticks=range(-540, 1, 90))
