@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from typing import Annotated
 
@@ -92,7 +91,7 @@ def _skirt_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
     first = low if wishes.from_mm is None else wishes.from_mm
     last = high if wishes.to_mm is None else wishes.to_mm
     for option, value in (("--from-mm", first), ("--to-mm", last)):
-        if not (isfinite(value) and low <= value <= high):
+        if not low <= value <= high:
             problem = f"{option} {value:g}: must be a height of the part"
             raise CamtoolsError([f"{problem}; give {low:g} .. {high:g} mm"])
     if last - first < MIN_STEP_MM:

@@ -213,14 +213,9 @@ def all_round(law: LiftLaw, base_mm: float, roller_mm: float, *, is_flat: bool =
 def shape_of(law: LiftLaw, base_mm: float, roller_mm: float, *, is_flat: bool = False) -> Shape:
     """Return the extremes of a lobe that its follower does not undercut; radii in mm."""
     touch = all_round(law, base_mm, roller_mm, is_flat=is_flat)
-    sharpest, hollowest = int(touch.curvature.argmax()), int(touch.curvature.argmin())
-    swing = int(np.abs(touch.gamma).argmax())
-    least = touch.curvature[hollowest]
-    return Shape(
-        1 / float(touch.curvature[sharpest]),
-        float(-1 / least) if least < 0 else float("inf"),
-        abs(float(np.degrees(touch.gamma[swing]))),
-    )
+    least, most = float(touch.curvature.min()), float(touch.curvature.max())
+    hollow_mm = -1 / least if least < 0 else float("inf")
+    return Shape(1 / most, hollow_mm, float(np.degrees(np.abs(touch.gamma).max())))
 
 
 def check_follower(touch: Contact, field: str, *, is_flat: bool = False) -> None:

@@ -229,17 +229,13 @@ def band_for(points: PointedTurn, *, of_jerk: bool = False) -> Smoothing | None:
     What it needs lowers the peak of the acceleration, or that of the jerk: a list of many points
     has noise in that which no rounding of its lifts shows.
     """
-
-    def peak(curve: BSpline) -> float:
-        peaks = peaks_of(curve)
-        return peaks.jerk if of_jerk else peaks.acceleration
+    name = "jerk" if of_jerk else "acceleration"
 
     def peaks(smoothing: Smoothing) -> tuple[float, float]:
-        return peak(smoothing.before), peak(smoothing.after)
+        before, after = peaks_of(smoothing.before), peaks_of(smoothing.after)
+        return getattr(before, name), getattr(after, name)
 
-    def smooth(band_um: float) -> Smoothing:
-        return smooth_list(points.x_deg, points.y_mm, band_um)
-
+    smooth = partial(smooth_list, points.x_deg, points.y_mm)
     return first_enough(bands_of(points, of_jerk=of_jerk), smooth, peaks)
 
 

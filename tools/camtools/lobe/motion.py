@@ -110,9 +110,7 @@ def smoothing_of(law: LiftLaw) -> Json:
 def smoothing_takes_um(laws: list[LiftLaw]) -> float:
     """Return how far smoothing moves the lift of any lobe at most."""
     smoothings = (law.smoothing for law in laws if isinstance(law, Listed))
-    return max(
-        (smoothing.largest_um for smoothing in smoothings if smoothing is not None), default=0.0
-    )
+    return max((found.largest_um for found in smoothings if found is not None), default=0.0)
 
 
 def noise_hint(laws: list[LiftLaw], form_error_um: float) -> str:
@@ -188,15 +186,12 @@ def make_lobes(part: LobePart) -> list[ShaftLobe]:
         field = f"cam.lobe.{i}"
         z_mm, phase_rad = (lobe.z_mm[0], lobe.z_mm[1]), float(np.radians(lobe.phase_deg))
         alike = lobe.model_dump_json(exclude={"z_mm", "phase_deg"})
-        if alike in profiles:
-            lobes.append(replace(profiles[alike], z_mm=z_mm, phase_rad=phase_rad))
-            continue
-        try:
-            made = _shaped(part, lobe, field)
-        except GeometryError as error:
-            raise _with_band(error, part, lobe, field) from None
-        profiles[alike] = replace(made, profile=len(profiles))
-        lobes.append(profiles[alike])
+        if alike not in profiles:
+            try:
+                profiles[alike] = replace(_shaped(part, lobe, field), profile=len(profiles))
+            except GeometryError as error:
+                raise _with_band(error, part, lobe, field) from None
+        lobes.append(replace(profiles[alike], z_mm=z_mm, phase_rad=phase_rad))
     return lobes
 
 

@@ -46,11 +46,6 @@ def is_step(step_deg: float) -> bool:
     return step_deg >= MIN_STEP_DEG - SAME_DEG
 
 
-def fits_turn(span_deg: float) -> bool:
-    """Return whether points of this span close a turn, or leave a step of it."""
-    return is_turn(span_deg) or is_step(360 - span_deg)
-
-
 CRANK_HINT = {1: ', or set degrees_of = "crank"', 2: ""}  # by turns of the list's angle
 _TURNS = {"cam": 1, "crank": 2}  # of the list's angle for one turn of the cam
 _LONG = Field(min_length=MIN_POINTS, max_length=10_000)
@@ -187,13 +182,14 @@ class Lobe(TomlTable):
                 least_deg = turns * MIN_STEP_DEG
                 problem = f"angles must rise by at least {least_deg} degrees, but {behind:g} "
                 raise wrong("rising", problem + f"follows {before:g}", "sort the points")
-        if value and not fits_turn((value[-1] - value[0]) / turns):
+        span = value[-1] - value[0] if value else 360.0 * turns
+        if not is_turn(span / turns) and not is_step(360 - span / turns):
             problem = (
-                f"the points span {value[-1] - value[0]:.9g} degrees, neither a turn of the cam "
-                f"({360 * turns}) nor {turns * MIN_STEP_DEG} degrees less"
+                f"the points span {span:.9g} degrees, neither a turn of the cam ({360 * turns}) "
+                f"nor {turns * MIN_STEP_DEG} degrees less"
             )
-            is_longer = value[-1] - value[0] > 360 * turns
-            raise wrong("turn", problem, "list one turn" + CRANK_HINT[turns] * is_longer)
+            hint = CRANK_HINT[turns] if span > 360 * turns else ""
+            raise wrong("turn", problem, f"list one turn{hint}")
         return value
 
     _beside_the_part = field_validator("csv")(beside_the_part)
@@ -208,9 +204,8 @@ class Lobe(TomlTable):
             raise wrong("flanks", problem, "give either of them", **context)
         if len(given) == 1:
             [name] = flanks.keys() - given
-            raise wrong(
-                "fall", f"is missing, but {given[0]} needs it", "add it", field=name, value=None
-            )
+            problem = f"is missing, but {given[0]} needs it"
+            raise wrong("fall", problem, "add it", field=name, value=None)
         if given and sum(self.angles_deg) > 360 + SAME_DEG:
             problem = f"rise, dwell and fall take {sum(self.angles_deg):g} degrees"
             context = {"field": "rise_deg", "value": self.rise_deg}

@@ -12,6 +12,7 @@ b'PNG'
 """
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -102,14 +103,8 @@ def _followers(axes: Axes, lobe: ShaftLobe, *, is_turned: bool) -> None:
             out = centre + 3.6 * centre / abs(centre)
             label = f"{round(float(np.degrees(path.angle[i])), 1) + 0.0:.1f}°"
             paper = {"facecolor": "white", "lw": 0, "pad": 0.6}
-            axes.text(
-                *(out.real, out.imag, label),
-                fontsize=8,
-                ha="center",
-                va="center",
-                bbox=paper,
-                zorder=6,
-            )
+            look: dict[str, Any] = {"ha": "center", "va": "center", "bbox": paper, "zorder": 6}
+            axes.text(out.real, out.imag, label, fontsize=8, **look)
         axes.plot([contact.real], [contact.imag], "o", color=_NORMAL, ms=3.5, zorder=5)
 
 
@@ -119,12 +114,8 @@ def _reach(lobes: list[ShaftLobe]) -> float:
 
 
 def _square(axes: Axes, reach_mm: float, title: str) -> None:
-    axes.set_xlim(-reach_mm, reach_mm)
-    axes.set_ylim(-reach_mm, reach_mm)
-    axes.set_aspect("equal")
-    axes.set_xlabel("mm")
-    axes.set_ylabel("mm")
-    axes.set_title(title)
+    limits = (-reach_mm, reach_mm)
+    axes.set(xlim=limits, ylim=limits, aspect="equal", xlabel="mm", ylabel="mm", title=title)
 
 
 def _shaft(axes: Axes, result: GeneratedLobes) -> None:
@@ -188,9 +179,8 @@ def draw_motion(result: GeneratedLobes) -> Figure:
     angle = "pressure" if what == "turned" else "contact"
     names = ["lift, mm", f"{angle} angle, °", "radius of\ncurvature, mm"]
     panels = stacked(figure, [*names, "spindle, r/min", "surface speed,\nmm/s"])
-    panels[-1].set_xlabel("spindle angle, degrees")
-    panels[-1].set_xticks(range(-180, 181, 30))
-    panels[-1].set_xlim(-180, 180)
+    name, ticks = "spindle angle, degrees", range(-180, 181, 30)
+    panels[-1].set(xlabel=name, xticks=ticks, xlim=(-180, 180))
     degrees = np.linspace(-180, 180, _N_ANGLES)
     for pattern, lobe in enumerate(patterns_of(result.lobes)):
         phi = np.radians(degrees)

@@ -106,16 +106,6 @@ def _engage(job: ProgramJob, x_mm: float) -> list[str]:
     ]
 
 
-def _retract(job: ProgramJob) -> list[str]:
-    return [
-        f"G0 {length('X', job.clear_mm * job.x_factor)}",
-        "M65 P0 ; camturn: stop",
-        f"M66 P0 L4 Q{_WAIT_S}",
-        "G94 M5",
-        "M2",
-    ]
-
-
 def _notes(job: ProgramJob, found: Segments) -> list[str]:
     process = job.part.process
     notes = [
@@ -147,4 +137,5 @@ def _pieces(job: ProgramJob, found: Segments) -> Iterator[bytes]:
     lead = job.part.process.feed_mm * slant
     words = [("G33 X", LENGTH_DECIMALS), ("Z", LENGTH_DECIMALS), ("K", 9)]
     yield blocks(words, np.stack([x[1:], found.z_mm[1:], lead], axis=1))
-    yield lines(_retract(job))
+    clear = length("X", job.clear_mm * job.x_factor)
+    yield lines([f"G0 {clear}", "M65 P0 ; camturn: stop", f"M66 P0 L4 Q{_WAIT_S}", "G94 M5", "M2"])

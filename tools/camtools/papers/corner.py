@@ -196,10 +196,8 @@ def fig_8() -> Columns:
     drawn = UM_PER_MM * measured().reduction(np.radians(deg)).delta
     columns = {"angle_deg": (deg, 3), "drawn_reduction_um": (drawn, 3)}
     for name, record in zip(("before", "by_hand", "after"), records(), strict=True):
-        columns |= {
-            f"{name}_spline_um": (record.spline_um, 3),
-            f"{name}_cut_um": (record.off_um, 3),
-        }
+        columns[f"{name}_spline_um"] = (record.spline_um, 3)
+        columns[f"{name}_cut_um"] = (record.off_um, 3)
     return columns
 
 

@@ -263,10 +263,8 @@ def draw_follower(study: LobeStudy, i: int) -> Figure:
     shape = 1j * all_round.radius * np.exp(1j * all_round.alpha)
     axes.fill(shape.real, shape.imag, fc=PALE, ec=GREY, lw=1.5)
     circles = [(0j, study.lobe.base_mm, GREY), (p * out, touch.roller, ORANGE)]
-    for centre, radius, colour in [
-        *circles,
-        *([] if is_turned else [(tool, study.lobe.follower_mm, RED)]),
-    ]:
+    circles += [] if is_turned else [(tool, study.lobe.follower_mm, RED)]
+    for centre, radius, colour in circles:
         circle = centre + radius * np.exp(1j * turn)
         axes.plot(circle.real, circle.imag, color=colour, lw=1)
     for first, last, colour in lines:

@@ -141,9 +141,8 @@ def lobe_figures(part: LobePart, studies: list[LobeStudy]) -> dict[str, Any]:
             "largest_acceleration_mm_s2": float(np.abs(path.d2).max()) * omega**2,
         }
         if study.operation == "turning":
-            facts["largest_swing_speed_deg_s"] = (
-                float(np.degrees(np.abs(path.angle1).max())) * omega
-            )
+            per_rad = float(np.degrees(np.abs(path.angle1).max()))
+            facts["largest_swing_speed_deg_s"] = per_rad * omega
         else:
             facts["n_c_rpm"] = [float(all_round.n_c_rpm.min()), float(all_round.n_c_rpm.max())]
         found.append(facts)

@@ -82,6 +82,7 @@ def tables(found: Study) -> dict[str, Columns]:
         jerks = printed("S2", "table_1_mm_s3")
     tail = found.tail_jerk_mm_s3
     ratios = [a.acceleration_mm_s2 / b if b else None for a, b in zip(ours, peaks, strict=True)]
+    of_jerks = [a / b if b else None for a, b in zip(tail, jerks, strict=True)]
     return {
         "refit_comparison": {
             "variant": ([f'"{name}"' for name in VARIANTS], ""),
@@ -101,10 +102,7 @@ def tables(found: Study) -> dict[str, Columns]:
             "jerk_behind_corner_mm_s3": (tail, ".3e"),
             "deviation_um": ([fit.deviation_um for fit in paper], ".2f"),
             "paper_jerk_mm_s3": (jerks, ".3g"),
-            "ratio_to_paper": (
-                [a / b if b else None for a, b in zip(tail, jerks, strict=True)],
-                ".2f",
-            ),
+            "ratio_to_paper": (of_jerks, ".2f"),
             "mirror_peak_mm_s2": ([fit.acceleration_mm_s2 for fit in mirrored], ".0f"),
             "mirror_deviation_um": ([fit.deviation_um for fit in mirrored], ".2f"),
         },

@@ -10,7 +10,6 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from math import isfinite
 from typing import Annotated, Any
 
 import numpy as np
@@ -98,7 +97,7 @@ def check_wishes(wishes: Mapping[str, Any], ranges: Mapping[str, tuple[float, fl
     """
     for name, (low, high) in ranges.items():
         value, option = wishes[name], f"--{name.replace('_', '-')}"
-        if value is not None and not (isfinite(value) and low <= value <= high):
+        if value is not None and not low <= value <= high:
             raise CamtoolsError([f"{option} {value}: out of range; give {low:g} .. {high:g}"])
     step = wishes["step_deg"]
     if abs(90 / step - round(90 / step)) > 1e-9:
@@ -270,11 +269,8 @@ def table_files(study: Analysis) -> dict[str, str]:
 def figures(study: Analysis) -> dict[str, Any]:
     """Return the figures of an analysis; names carry their units."""
     cut, peaks, rates, wishes = study.cut, study.peaks, study.rates, study.wishes
-    omega, n, alpha = (
-        study.omega_rad_s,
-        study.parts.phi_rad.size,
-        study.part.machine.limits.alpha_rad_s2,
-    )
+    omega, n = study.omega_rad_s, study.parts.phi_rad.size
+    alpha = study.part.machine.limits.alpha_rad_s2
     waves_mm = study.waves_mm[1]
     return {
         "part": study.name,
@@ -369,9 +365,8 @@ def turn(study: Analysis) -> Columns:
     turned = np.r_[0.0, np.cumsum(steps)]  # of a uniform spindle in the same time
     uniform, depth_mm = cut.delta(turned), cut.depth_mm(phi)
     force = study.wishes.kc_n_mm2 * area * cut.pattern_rad / study.parts.phi_rad.size
-    power = (
-        study.force.specific_n_mm2(depth_mm, study.feed_mm) * study.feed_mm * area * omega / 1000
-    )
+    chip_n_mm = study.force.specific_n_mm2(depth_mm, study.feed_mm) * study.feed_mm
+    power = chip_n_mm * area * omega / 1000
     more = {
         "mean_rpm": np.full(deg.size, study.rpm),
         "time_ms": 1000 * turned / omega,

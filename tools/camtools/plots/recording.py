@@ -59,16 +59,11 @@ def _with_error(columns: Columns) -> dict[str, Floats]:
 
 def _in_mm(columns: Columns) -> dict[str, Floats]:
     """Return the columns with those of the long axes in mm."""
-
-    def is_long(name: str) -> bool:
-        return name.startswith(_LONG_AXES) and name.endswith("_um")
-
-    return {
-        f"{name.removesuffix('_um')}_mm" if is_long(name) else name: (
-            values / UM_PER_MM if is_long(name) else values
-        )
-        for name, values in columns.items()
-    }
+    found: dict[str, Floats] = {}
+    for name, values in columns.items():
+        is_long = name.startswith(_LONG_AXES) and name.endswith("_um")
+        found |= {f"{name[:-3]}_mm": values / UM_PER_MM} if is_long else {name: values}
+    return found
 
 
 def set_spans(values: Floats, bit: int) -> list[tuple[int, int]]:

@@ -124,9 +124,7 @@ def log_axis(axes: Axes, name: str, low: float, high: float) -> None:
 
 def angle_axis(axes: Axes, angle: str = "spindle angle from the long axis") -> None:
     """Make x an angle over one turn, in degrees."""
-    axes.set_xlim(0, 360)
-    axes.set_xticks(range(0, 361, 45))
-    axes.set_xlabel(f"{angle}, degrees")
+    axes.set(xlim=(0, 360), xticks=range(0, 361, 45), xlabel=f"{angle}, degrees")
 
 
 Drawers = Mapping[str, Callable[[], Figure]]
@@ -177,9 +175,7 @@ def space(figure: Figure, place: int, aspect: float) -> Axes3D:
     assert isinstance(axes, Axes3D)
     axes.set_box_aspect((1, 1, aspect), zoom=0.85)
     axes.view_init(elev=22, azim=-58)
-    axes.set_xlabel("x, mm")
-    axes.set_ylabel("y, mm")
-    axes.set_zlabel("height, mm")
+    axes.set(xlabel="x, mm", ylabel="y, mm", zlabel="height, mm")
     return axes
 
 

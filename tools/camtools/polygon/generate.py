@@ -81,14 +81,6 @@ _STEPS, _SAME, _ROUNDING = 60, 1e-8, 1e-9
 _SLIGHT = 1e-3
 
 
-def _ramp(x: Floats) -> Floats:
-    """Return the ramp and three derivatives by x, shape (4, n)."""
-    inside = np.clip(x, -1, 1)
-    found = np.stack([ramp(inside) for ramp in _RAMPS])
-    found[0] += np.maximum(x - 1, 0)
-    return found
-
-
 @dataclass(frozen=True, eq=False)
 class Blend:
     """A curve that goes over from one curve into another of the same radius at the joint."""
@@ -134,7 +126,9 @@ class Blend:
         """See `Curve.polar`."""
         y = np.asarray(np.mod(phi_rad - self.joint_rad + np.pi, 2 * np.pi) - np.pi)
         w = self.half_rad
-        p = _ramp(y / w) * w ** (1 - np.arange(4.0))[:, None]
+        p = np.stack([ramp(np.clip(y / w, -1, 1)) for ramp in _RAMPS])
+        p[0] += np.maximum(y / w - 1, 0)
+        p *= w ** (1 - np.arange(4.0))[:, None]
         g, before = self._quotient(y), self.before.polar(phi_rad)
         return Polar(
             before.r + p[0] * g[0],
@@ -459,10 +453,8 @@ def _advice(part: PolygonPart, drawing: Outline) -> list[str]:
     least = least_blend_um(drawing, allowed / omega**2 / _HINT_MARGIN / grown)
     if least is None:
         return ["polygon.blend_um: no blend helps, the outline itself is too sharp; turn slower"]
-    given = part.polygon.blend_um
-    return [
-        f"polygon.blend_um = {given:g}: at this speed {least * grown:.4g} would do; allow that much"
-    ]
+    problem = f"at this speed {least * grown:.4g} would do"
+    return [f"polygon.blend_um = {part.polygon.blend_um:g}: {problem}; allow that much"]
 
 
 def least_blend_um(drawing: Outline, most_mm: float) -> float | None:

@@ -29,18 +29,15 @@ class ExactPolygon(ExactGeometry):
 
     def __init__(self, drawn: Geometry, tip: Geometry, middle_mm: float) -> None:
         super().__init__(drawn, tip, middle_mm)
-        self._least = 1 - drawn.deepest_mm(drawn.z_first_mm) / float(
-            drawn.radius_mm(drawn.z_first_mm)
-        )
+        z_mm = drawn.z_first_mm
+        self._least = 1 - drawn.deepest_mm(z_mm) / float(drawn.radius_mm(z_mm))
 
     def profile(self) -> ProfileOver:
         """See `Exact.profile`: the circles around and inside the sections."""
         z_mm = np.array(self.heights_mm)
         outer = self._drawn.radius_mm(z_mm)
-        return ProfileOver(
-            z_mm,
-            (HeightCurve("outer circle", outer), HeightCurve("inner circle", outer * self._least)),
-        )
+        inner = HeightCurve("inner circle", outer * self._least)
+        return ProfileOver(z_mm, (HeightCurve("outer circle", outer), inner))
 
 
 class PolygonKind(Kind[PolygonPart, GeneratedPolygon, PolygonCut]):

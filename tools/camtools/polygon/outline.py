@@ -380,9 +380,8 @@ def p3g(mean_diameter_mm: float, eccentricity_mm: float, phase_rad: float) -> Ou
     if not flank.is_convex:
         most = mean_diameter_mm / (2 * (_SIDES_P3G**2 - 1))
         problem = f"{eccentricity_mm:g} makes loops at the corners"
-        raise GeometryError(
-            "polygon.eccentricity_mm", problem, f"give less than {most:.6g}, a 16th of the mean"
-        )
+        remedy = f"give less than {most:.6g}, a 16th of the mean"
+        raise GeometryError("polygon.eccentricity_mm", problem, remedy)
     return Outline((0.0,), (flank,), _SIDES_P3G)
 
 
@@ -476,12 +475,9 @@ def _check_steepness(corners: Floats, given: Floats) -> None:
     steep = np.arccos(np.minimum(1.0, distance / np.maximum(out, np.roll(out, -1))))
     i = int(steep.argmax())
     if steep[i] > _STEEPEST_RAD:
-        problem = (
-            f"the side that follows {given[i].tolist()} rises {np.degrees(steep[i]):.3g} degrees"
-        )
-        remedy = (
-            f"give sides that rise at most {np.degrees(_STEEPEST_RAD):g} degrees off the circle"
-        )
+        after, found_deg, most_deg = given[i].tolist(), *np.degrees([steep[i], _STEEPEST_RAD])
+        problem = f"the side that follows {after} rises {found_deg:.3g} degrees"
+        remedy = f"give sides that rise at most {most_deg:g} degrees off the circle"
         raise GeometryError("polygon.corners_mm", problem, remedy)
 
 

@@ -27,7 +27,7 @@ from camtools.plots.style import (
     titled_figure,
 )
 from camtools.polygon.generate import Blend, GeneratedPolygon
-from camtools.polygon.outline import measures_of
+from camtools.polygon.outline import measures_of, shifted
 from camtools.polygon.summary import ROWS, PolygonCut, angles_of, name_of
 from camtools.report import views
 from camtools.report.charts import ChartPanel, TurnOfU
@@ -49,13 +49,8 @@ def draw_section(made: GeneratedPolygon) -> Figure:
     circles = (("inner", measures.inner_circle_mm, ":"), ("outer", measures.outer_circle_mm, "--"))
     for name, diameter, style in circles:
         label = f"{name} circle, diameter {diameter:.6g} mm"
-        axes.plot(
-            *around(np.full(turn.size, diameter / 2), turn),
-            color=GREY,
-            lw=0.9,
-            ls=style,
-            label=label,
-        )
+        circle = around(np.full(turn.size, diameter / 2), turn)
+        axes.plot(*circle, color=GREY, lw=0.9, ls=style, label=label)
     x, y = (np.append(column, column[0]) for column in around(made.drawing.polar(phi).r, phi))
     # As axes.fill, which looks for the limits of so many corners by itself: they are set below.
     axes.add_artist(Polygon(np.column_stack((x, y)), color=PALE, alpha=0.5, lw=0))
@@ -71,9 +66,7 @@ def draw_section(made: GeneratedPolygon) -> Figure:
         x, y = where * np.cos(np.radians(degrees)), where * np.sin(np.radians(degrees))
         side = {0: "left", 180: "right"}.get(degrees, "center")
         axes.text(x, y, f"{degrees}°", ha=side, va="center", color=GREY, fontsize=9)
-    axes.set_aspect("equal")
-    axes.set_xlabel("mm, seen along Z from the headstock")
-    axes.set_ylabel("mm")
+    axes.set(aspect="equal", xlabel="mm, seen along Z from the headstock", ylabel="mm")
     axes.grid(alpha=0.2)
     figure.legend(loc="outside lower center", ncols=2, frameon=False)
     return figure
@@ -121,8 +114,8 @@ def paint_blend(panels: list[Axes], made: GeneratedPolygon, blend: Blend) -> Non
     for axes in panels:
         axes.axvline(float(np.degrees(blend.joint_rad)), color=GREY, lw=0.8, ls=":")
         axes.ticklabel_format(useOffset=False)
-    panels[1].set_xlabel("angle of the drawing, degrees; dotted: the joint")
-    panels[1].set_xlim(float(degrees[0]), float(degrees[-1]))
+    name = "angle of the drawing, degrees; dotted: the joint"
+    panels[1].set(xlabel=name, xlim=(float(degrees[0]), float(degrees[-1])))
 
 
 def draw_blend(made: GeneratedPolygon) -> Figure:
@@ -158,8 +151,7 @@ def draw_cut_blend(outcome: PolygonCut) -> Figure:
     figure = new_figure(10, 6.0)
     panels = stacked(figure, BLEND_NAMES)
     paint_blend(panels, made, blend)
-    off = 2 * np.pi * surface.turn - blend.joint_rad
-    off = np.mod(off + np.pi, 2 * np.pi) - np.pi
+    off = shifted(2 * np.pi * surface.turn, blend.joint_rad)
     near = np.flatnonzero(np.abs(off) < 2.2 * blend.half_rad)
     near = near[:: max(1, near.size // _MOST_MARKS)]
     degrees = np.degrees(blend.joint_rad + off[near])

@@ -165,11 +165,6 @@ def _form_text(cut: PolygonCut) -> str:
     return f"{error_pair(form)} (tolerance {length_text(form['tolerance'])})"
 
 
-def _control_text(cut: PolygonCut) -> str:
-    control = cut.summary.get("control_error_um")
-    return "" if control is None else error_pair(control)
-
-
 ROWS = (
     quantity(
         "section",
@@ -177,7 +172,10 @@ ROWS = (
     ),
     quantity("cut", _what_was_cut),
     quantity("form error", _form_text),
-    quantity("controller's own error", _control_text),
+    quantity(
+        "controller's own error",
+        lambda cut: error_pair(own) if (own := cut.summary.get("control_error_um")) else "",
+    ),
     pass_rows,
     quantity("blends", lambda cut: blend_text(_about(cut.generated))),
     FOLLOWING_ERROR,
