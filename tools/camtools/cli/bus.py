@@ -63,9 +63,8 @@ class Interface:
     def words(self) -> dict[str, Any]:
         """Return what the options give of the arguments of can.Bus."""
         asked = {name: getattr(self, name) for name in _NAMED}
-        return {name: value for name, value in asked.items() if value is not None} | dict(
-            self.option
-        )
+        asked |= self.option
+        return {name: value for name, value in asked.items() if value is not None}
 
 
 @dataclass(frozen=True)

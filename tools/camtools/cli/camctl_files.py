@@ -64,12 +64,6 @@ def _report(path: Path, recording: scope.Recording, say: Say) -> None:
     say(f"{path}: {n} rows of {len(recording.signals)} signals at {recording.tick_hz} Hz")
 
 
-def _csv(columns: dict[str, Any]) -> Iterator[bytes]:
-    yield (",".join(columns) + "\n").encode()
-    for row in zip(*(column.tolist() for column in columns.values()), strict=True):
-        yield (",".join(f"{value:.12g}" for value in row) + "\n").encode()
-
-
 def file_bytes(path: Path, recording: scope.Recording, *, is_raw: bool) -> bytes:
     """Return a recording in the format of its file's suffix.
 
@@ -80,7 +74,9 @@ def file_bytes(path: Path, recording: scope.Recording, *, is_raw: bool) -> bytes
     signals = raw if is_raw else physical(recording)
     columns: dict[str, Any] = {"t_s": recording.t_s, "tick": recording.tick} | signals
     if path.suffix == ".csv":
-        return b"".join(_csv(columns))
+        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+        lines = [",".join(columns), *(",".join(f"{value:.12g}" for value in row) for row in rows)]
+        return ("\n".join(lines) + "\n").encode()
     whole, broken = pa.int64(), pa.float64()
     kinds = [(name, whole if c.dtype.kind == "i" else broken) for name, c in columns.items()]
     about = {name: getattr(recording, name) for name in _ABOUT}
@@ -94,9 +90,8 @@ def write(
     """Write a recording and its pictures; each folder gets all of its files or none."""
     files = {path: file_bytes(path, recording, is_raw=is_raw), **pictures}
     for folder in {file.parent for file in files}:
-        write_all(
-            folder, {file.name: data for file, data in files.items() if file.parent == folder}
-        )
+        here = {file.name: data for file, data in files.items() if file.parent == folder}
+        write_all(folder, here)
     _report(path, recording, say)
     for picture in pictures:
         say(f"{picture}: drawn")

@@ -144,13 +144,14 @@ def parts(
     control.say(f"parts = {_parts(link)}" if number is None else operator.set_parts(link, number))
 
 
-def _to_its_end(link: Link, command: str, axis: str, **value: float) -> str:
-    """Return what an order came to; interrupted, the axis is at rest."""
+def _to_its_end(link: Link, command: str, axis: str, what: str, **value: float) -> str:
+    """Return the line of an order that is over; interrupted, the axis is at rest."""
     try:
-        return operator.carry_out(link, command, axis, **value)
+        end = operator.carry_out(link, command, axis, **value)
     except Interrupted:
         operator.rest(link, axis)
-        return "interrupted"
+        end = "interrupted"
+    return operator.end_text(link, axis, end, what)
 
 
 def jog_axis(
@@ -176,14 +177,11 @@ def jog_axis(
         raise CamtoolsError([f"jog {axis}: give either + or -, or --step MM"])
     if step is not None:
         if speed is not None or seconds is not None:
-            raise CamtoolsError(
-                [f"jog {axis}: a step has no --speed and no --seconds; leave them out"]
-            )
-        control.say(
-            operator.end_text(link, axis, _to_its_end(link, "step", axis, step=step), "jog")
-        )
+            problem = f"jog {axis}: a step has no --speed and no --seconds"
+            raise CamtoolsError([f"{problem}; leave them out"])
+        control.say(_to_its_end(link, "step", axis, "jog", step=step))
         return
-    mm_per_s = operator.usual_mm_per_s(link, axis) if speed is None else speed
+    mm_per_s = speed or min(1.0, operator.parameter(link, f"{axis}_jog_um_per_s") / 1000)
     end = "done"
     try:
         end = operator.jog(
@@ -196,10 +194,7 @@ def jog_axis(
 
 def home_axis(control: Control, axis: str) -> None:
     """Find the home of an axis and wait until it is found."""
-    link = control.link
-    control.say(
-        f"home {operator.end_text(link, axis, _to_its_end(link, 'home_axis', axis), 'home')}"
-    )
+    control.say(f"home {_to_its_end(control.link, 'home_axis', axis, 'home')}")
 
 
 def zero(
@@ -248,9 +243,8 @@ def tool(
         if offset is None:
             continue
         if not number:
-            raise CamtoolsError(
-                [f"tool: --{axis} {offset}: give the number of a tool, 1 .. {operator.N_TOOLS}"]
-            )
+            remedy = f"give the number of a tool, 1 .. {operator.N_TOOLS}"
+            raise CamtoolsError([f"tool: --{axis} {offset}: {remedy}"])
         operator.set_tool_offset(link, number, axis, offset)
     if number is not None:
         operator.set_tool(link, number)

@@ -95,9 +95,8 @@ def _pictures(wanted: Pictures, recording: recorder.Recording) -> dict[Path, byt
         made[wanted.plot] = time_picture(recording.t_s, columns, states, ", ".join(names), BITS)
     if wanted.over_angle:
         if _OF_ANGLE not in recording.signals:
-            raise CamtoolsError(
-                [f"--over-angle: {_OF_ANGLE} was not recorded; add it to --signals"]
-            )
+            problem = f"--over-angle: {_OF_ANGLE} was not recorded"
+            raise CamtoolsError([f"{problem}; add it to --signals"])
         made[wanted.over_angle] = angle_picture(columns)
     return made
 

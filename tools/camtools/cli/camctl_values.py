@@ -135,11 +135,10 @@ def save(control: Control, file: TomlFile) -> None:
     values = kept_values.get_all(link)
     s = link.listen().signals
     checksum = f"{kept_values.checksum(values):08x}"
-    if f"{int(s['params_checksum']):08x}" != checksum:
+    if (there := f"{int(s['params_checksum']):08x}") != checksum:
         raise Refused(
-            f"{path}: not written: the checksum of the controller, "
-            f"{int(s['params_checksum']):08x}, does not match its parameters, "
-            f"{checksum}; is its version different, or is somebody setting parameters?"
+            f"{path}: not written: the checksum of the controller, {there}, does not match its "
+            f"parameters, {checksum}; is its version different, or is somebody setting parameters?"
         )
     origin = f"version {s['params_version']:.0f}, checksum {checksum}"
     write_all(path.parent, {path.name: kept_values.text_of(values, origin).encode()})

@@ -92,25 +92,18 @@ def check_table(file: Path) -> None:
         raise _refusal(camsim, problem, "start tools/flash, which builds it") from error
     if done.returncode != 0:
         lines = done.stderr.replace(str(file.absolute()), str(file)).splitlines()
-        lines_shown = [line.removeprefix("camsim: ") for line in lines]
-        raise CamtoolsError(
-            lines_shown or [f"{file}: the check ended with status {done.returncode}"]
-        )
-
-
-def _st_flash(writes: Sequence[Write]) -> list[list[str]]:
-    lines = []
-    for write in writes:
-        reset = ["--reset"] if write is writes[-1] else []
-        place = [str(write.file), f"0x{write.address:08X}"]
-        lines.append(["st-flash", "--connect-under-reset", *reset, "write", *place])
-    return lines
+        ended = f"{file}: the check ended with status {done.returncode}"
+        raise CamtoolsError([line.removeprefix("camsim: ") for line in lines] or [ended])
 
 
 def command_lines(programmer: str, writes: Sequence[Write]) -> list[list[str]]:
     """Return commands, each as words, that write files in turn and start the firmware."""
     if programmer == "st-flash":
-        return _st_flash(writes)
+        resets: list[list[str]] = [[]] * (len(writes) - 1) + [["--reset"]]
+        return [
+            ["st-flash", "--connect-under-reset", *reset, "write", str(file), f"0x{address:08X}"]
+            for reset, (file, address) in zip(resets, writes, strict=True)
+        ]
     if programmer == "pyocd":
         words = ["pyocd", "flash", "--target", "stm32h743zitx", "--format", "bin", "--base-address"]
         return [[*words, f"0x{write.address:08X}", str(write.file)] for write in writes]
@@ -165,8 +158,7 @@ def flash(
     writes = _checked(table, firmware=firmware)
     chosen = _choose(programmer, is_dry=dry_run)
     for line in command_lines(chosen, writes):
-        sys.stdout.write(f"{shlex.join(line)}\n")
-        sys.stdout.flush()
+        print(shlex.join(line), flush=True)
         if not dry_run and (status := subprocess.run(line, check=False).returncode) != 0:
             problem = f"{chosen} ended with status {status}; the flash may be incomplete"
             sys.stderr.write(f"flash: {problem}\n")

@@ -75,11 +75,8 @@ class Options:
 
     def plan(self) -> ForecastPlan:
         """Return what is to be cut."""
-        words = [
-            *_positive("--rpm", self.rpm),
-            *_positive("--feed", self.feed),
-            *_positive("--turns", self.turns),
-        ]
+        words = [*_positive("--rpm", self.rpm), *_positive("--feed", self.feed)]
+        words += _positive("--turns", self.turns)
         for setting in self.set:
             words += ["--set", setting]
         _positive("--tolerance-um", self.tolerance_um)

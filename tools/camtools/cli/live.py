@@ -19,7 +19,6 @@ import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -57,7 +56,7 @@ Exit status: 0 ended by control-C or SIGTERM, 1 both processes died, 2 wrong usa
 
 def _speed_up(text: str) -> float:
     value = float(text)
-    if not (isfinite(value) and _LEAST_SPEED_UP <= value <= _MOST_SPEED_UP):
+    if not _LEAST_SPEED_UP <= value <= _MOST_SPEED_UP:
         limits = f"{_LEAST_SPEED_UP:g} .. {_MOST_SPEED_UP:g}"
         raise argparse.ArgumentTypeError(f"{text}: give {limits}")
     return value
@@ -104,8 +103,7 @@ class Options:
 
 
 def _say(text: str) -> None:
-    sys.stdout.write(with_names(f"live: {text}\n"))
-    sys.stdout.flush()
+    print(with_names(f"live: {text}"), flush=True)
 
 
 def _bus_of(given: Mapping[str, Any]) -> dict[str, Any]:
@@ -131,9 +129,8 @@ def _environment(bus: Mapping[str, Any]) -> str:
     named = {name: str(bus[name]) for name in ("interface", "channel", "bitrate") if name in bus}
     words = [f"CAN_{name.upper()}={shlex.quote(value)}" for name, value in named.items()]
     rest = {name: value for name, value in bus.items() if name not in named}
-    return " ".join(
-        ["export", *words, *([f"CAN_CONFIG={shlex.quote(json.dumps(rest))}"] if rest else [])]
-    )
+    words += [f"CAN_CONFIG={shlex.quote(json.dumps(rest))}"] if rest else []
+    return " ".join(["export", *words])
 
 
 class _Session:
@@ -207,13 +204,6 @@ def _tell(lathe: LiveLathe, arguments: Options, where: str) -> None:
     _say("type estop, drive, bus, lost-counts:5, .. for a fault, release to end it; control-C ends")
 
 
-def _end(pair: LivePair, bridge: Bridge) -> None:
-    bridge.stop()
-    pair.close()
-    bridge.close()
-    pair.close_pipes()
-
-
 def _begin(
     stack: ExitStack,
     opened: tuple[can.BusABC, str],
@@ -235,7 +225,8 @@ def _begin(
         stack.callback(pair.close)
         assert pair.controller.stdin is not None and pair.controller.stdout is not None
         bridge = Bridge(*opened, pair.controller.stdin.fileno(), pair.controller.stdout.fileno())
-        stack.callback(_end, pair, bridge)
+        for end in (pair.close_pipes, bridge.close, pair.close, bridge.stop):  # the last one first
+            stack.callback(end)
         session = _Session(pair, bridge)
         if not session.wait_for_start():
             raise CamtoolsError([f"{name}: the controller does not start; see the line above"])

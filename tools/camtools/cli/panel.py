@@ -12,7 +12,7 @@ import re
 import secrets
 import socket
 import sys
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -110,17 +110,8 @@ def _check_bus(options: Options) -> None:
         only_lathe(None)
 
 
-def _say(text: str) -> None:
-    sys.stdout.write(f"panel: {text}\n")
-    sys.stdout.flush()
-
-
 def panel(options: Options) -> int:
     """Show and command a controller in the browser; one visitor at a time commands."""
-
-    def open_link() -> Link:
-        return Link(*options.opened())
-
     token = token_of(options.token_file)
     _check_bus(options)
     with ExitStack() as stack:
@@ -130,16 +121,14 @@ def panel(options: Options) -> int:
         from camtools.panel.server import application, serve  # it takes a second
 
         commander = Commander(log)
-        service = ControllerService(open_link, commander, log)
+        service = ControllerService(lambda: Link(*options.opened()), commander, log)
         stack.callback(service.close)
         own = options.keep / "parts", options.keep / "runs"
         app = application(AppContext(service, commander, log, *own), token, options.proxy_host)
-        _say(f"http://{_LOOPBACK}:{sock.getsockname()[1]}/{token}/")
-        _say("control-C ends")
-        try:
+        print(f"panel: http://{_LOOPBACK}:{sock.getsockname()[1]}/{token}/")
+        print("panel: control-C ends", flush=True)
+        with suppress(Interrupted):
             serve(app, sock)
-        except Interrupted:
-            return 0
     return 0
 
 

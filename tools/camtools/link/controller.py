@@ -213,9 +213,8 @@ class Link:
     def send_command(self, command: str, *, parameter: int = 0, **value: float) -> None:
         """Send a command without waiting for its answer; arguments and errors as those of ask()."""
         stamp = self.rights.stamp(command)
-        self.send_frame(
-            messages.COMMAND.frame_id, messages.command_bytes(command, parameter, value, **stamp)
-        )
+        data = messages.command_bytes(command, parameter, value, **stamp)
+        self.send_frame(messages.COMMAND.frame_id, data)
 
     def ask(
         self, command: str, *, timeout_s: float = ANSWER_S, parameter: int = 0, **value: float
@@ -267,10 +266,8 @@ class Link:
         self.catch_up()
         if not self.wait_in_its_time(lambda: self.status.signals.keys() >= WANTED, ANSWER_S):
             is_heard = time.monotonic() - self.status.at_s < SILENT_S
-            lacks = _lacks(self.status.signals.keys())
-            raise (
-                Refused(f"{self.where}: {lacks}: {messages.OLDER}") if is_heard else self._silence()
-            )
+            older = f"{self.where}: {_lacks(self.status.signals.keys())}: {messages.OLDER}"
+            raise Refused(older) if is_heard else self._silence()
         return self.status
 
 

@@ -129,7 +129,6 @@ def excite(
     release(link)  # the black box has its memory back
     if recording.end != "state_left":
         why = "the memory is full" if recording.end == "full" else "ticks were lost"
-        raise Refused(
-            f"{link.where}: the recording is incomplete, {why}; give fewer signals or periods"
-        )
+        problem = f"the recording is incomplete, {why}"
+        raise Refused(f"{link.where}: {problem}; give fewer signals or periods")
     return recording

@@ -193,18 +193,15 @@ class Bridge:
         try:
             while not self._is_over:
                 frame = self._bus.recv(_WAIT_S)
-                if frame is not None and self._is_for_controller(frame):
+                if frame is None or frame.arbitration_id in self._own:
+                    continue
+                if not (frame.is_error_frame or frame.is_remote_frame or frame.is_extended_id):
                     os.write(self._to, packed(frame))
         except BrokenPipeError:
             return  # the controller has ended
         except (can.CanError, OSError) as error:
-            self.problem = (
-                f"the connection to the bus is lost: {error}; {remedy_for(error, self._where)}"
-            )
-
-    def _is_for_controller(self, frame: can.Message) -> bool:
-        is_foreign = frame.is_error_frame or frame.is_remote_frame or frame.is_extended_id
-        return not is_foreign and frame.arbitration_id not in self._own
+            remedy = remedy_for(error, self._where)
+            self.problem = f"the connection to the bus is lost: {error}; {remedy}"
 
     def _back(self) -> None:
         rest = b""

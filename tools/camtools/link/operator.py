@@ -134,7 +134,6 @@ def set_zero(link: Link, axis: str, mm: float) -> str:
 
 AXES = {"u": 0, "x": 1, "z": 2}
 REPEAT_S = 0.1  # an order holds for 250 ms
-USUAL_MM_PER_S = 1.0
 _BEGIN_S, _PAGES_S = 1.0, 1.0  # of the controller's own time
 _LONGEST_S = 3600.0
 END_TEXTS = {
@@ -154,11 +153,6 @@ END_TEXTS = {
 def place_mm(link: Link, axis: str) -> float:
     """Return where an axis is, in the machine's numbers."""
     return ask_done(link, "get_place", AXES[axis]).value
-
-
-def usual_mm_per_s(link: Link, axis: str) -> float:
-    """Return the default jog speed of an axis: 1 mm/s, or its limit if lower."""
-    return min(USUAL_MM_PER_S, parameter(link, f"{axis}_jog_um_per_s") / 1000)
 
 
 def end_text(link: Link, axis: str, end: str, what: str) -> str:
@@ -204,7 +198,7 @@ def carry_out(link: Link, command: str, axis: str, **value: float) -> str:
     command: step or home_axis; axis: u, x or z. Raises Refused: the controller refused it, or left
     the state manual.
     """
-    before = _orders(link)
+    before, order = _orders(link), f"{command.replace('_', ' ')} {axis}"
     with _braked(link):
         ask_done(link, command, AXES[axis], **value)
         begun_s, rows = time.monotonic(), link.status.n_rows
@@ -220,12 +214,8 @@ def carry_out(link: Link, command: str, axis: str, **value: float) -> str:
                 is_begun = True
                 link.status.signals.pop("hand_end", None)  # a page of before tells another order's
             if not is_begun and (link.status.n_rows - rows) * PERIOD_S > _BEGIN_S:
-                raise Refused(
-                    f"{command.replace('_', ' ')} {axis}: the order did not start; try again"
-                )
-    raise Refused(
-        f"{command.replace('_', ' ')} {axis}: not finished after {_LONGEST_S:.0f} s; stop the axis"
-    )
+                raise Refused(f"{order}: the order did not start; try again")
+    raise Refused(f"{order}: not finished after {_LONGEST_S:.0f} s; stop the axis")
 
 
 def _quick_end(link: Link) -> str:

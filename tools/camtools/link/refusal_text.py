@@ -184,12 +184,6 @@ def _cut_remedy(command: str, state: str) -> str:
     return "it is on hold already" if state == "holding" else "wait until it cuts"
 
 
-def state_of(link: Link) -> str:
-    """Return the state of a status message that is yet to come."""
-    link.await_anew("state", _STATE_S)
-    return link.status.state
-
-
 def _datum(link: Link, answer: Answer) -> str:
     """Return why a datum is out of range: it is what an axis' place makes of a value in range."""
     axis = answer.command.removeprefix("zero_")
@@ -207,10 +201,11 @@ def explain(link: Link, answer: Answer) -> str:
         holder = int(answer.value)
         if not holder:
             return "refused: nobody commands; take command first"
-        text = f"{sender_text(holder)} commands; wait until he gives it back, or take over"
-        return f"refused: {text}"
+        who = sender_text(holder)
+        return f"refused: {who} commands; wait until he gives it back, or take over"
     if answer.result == "state":
-        state = state_of(link)
+        link.await_anew("state", _STATE_S)
+        state = link.status.state
         return f"refused: state {state}; {state_remedy(answer.command, state)}"
     what = answer.result.replace("_", " ")
     if by_hand := _by_hand(answer):

@@ -20,7 +20,6 @@ sender, so it gives its orders in the same session. Another user, or another --s
 
 from __future__ import annotations
 
-import contextlib
 import getpass
 import json
 import os
@@ -197,7 +196,7 @@ class Rights:
     def release(self) -> None:
         """Give command back where this link took it; without heartbeats it is lost in any case."""
         if self.session and not self.is_joined:
-            with contextlib.suppress(Refused):
+            with suppress(Refused):
                 self._own("release_command")
             self._end()
 

@@ -40,6 +40,7 @@ DEFAULT_SIGNALS = ("u_set_q6", "u_command_nm", "u_actual_nm")
 MOST_REPEATS = 5
 ALIVE_S = 0.1  # well within the 500 ms after which the controller takes the tool for lost
 _UNSIGNED = ("first_tick", "n_lost", "signals", "number", "trigger_tick", "faults")
+_AS_THEY_ARE = ("tick_hz", "every", "first_tick", "n_lost", "n_before", "faults")
 _REMEDIES = {
     **{name: REMEDIES[name] for name in ("locked", "lock_none")},
     "command": OLDER,
@@ -211,15 +212,10 @@ def _recording(fields: dict[str, int], data: bytes) -> Recording:
     return Recording(
         signals=names,
         rows=np.frombuffer(data, "<i4").reshape(fields["n_rows"], len(names)),
-        tick_hz=fields["tick_hz"],
-        every=fields["every"],
-        first_tick=fields["first_tick"],
         end=ENDS[fields["end"]],
-        n_lost=fields["n_lost"],
         n_fall=fields["n_fall"] if is_excited else 0,
-        n_before=fields["n_before"],
         trigger_tick=fields["first_tick"] + since_first,
-        faults=fields["faults"],
+        **{name: fields[name] for name in _AS_THEY_ARE},
     )
 
 

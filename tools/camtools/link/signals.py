@@ -19,15 +19,14 @@ import re
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import Floats
 from camtools.link import scope
 from camtools.link.controller import Link
 from camtools.link.messages import FAULT_TEXTS, NAMES, NUMBERS
 from camtools.link.scope import Recording
 
-Floats = npt.NDArray[np.float64]
 FAULTS = tuple(FAULT_TEXTS)
 # Bits of hal.h by their numbers, hal_in_* and hal_out_*.
 _AT = (

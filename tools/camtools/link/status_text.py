@@ -30,7 +30,7 @@ from typing import NamedTuple
 
 from camtools.link.controller import Status
 from camtools.link.kept_values import learning_report
-from camtools.link.messages import FAULT_TEXTS, NAMES, NUMBERS
+from camtools.link.messages import FAULT_TEXTS, NAMES
 from camtools.link.refusal_text import FAULTS
 from camtools.link.rights import sender_text
 
@@ -136,9 +136,7 @@ def cut_progress(state: str, signals: Mapping[str, float]) -> CutProgress:
     return CutProgress(fraction, left_s, _text(state, signals, fraction, left_s))
 
 
-def _text(
-    state: str, signals: Mapping[str, float], fraction: float | None, left_s: float | None
-) -> str:
+def _text(state: str, signals: Signals, fraction: float | None, left_s: float | None) -> str:
     number, n_passes = int(signals.get("pass", 0)), int(signals.get("passes", 0))
     which = f"pass {number} of {n_passes}" if n_passes > 1 else ""
     time = duration_text(left_s) if left_s is not None else "unknown time"
@@ -184,13 +182,10 @@ _BARS = " ▁▂▃▄▅▆▇█"
 _BESIDE = 27  # columns of words, number and brackets beside a scale, and a free one at the margin
 _HOME, _BELOW, _RIGHT = "\x1b[H", "\x1b[J", "\x1b[K"
 _KEPT = {
-    NUMBERS["params_kept"][name]: text
-    for name, text in {
-        "none": "not kept: a restart uses the defaults",
-        "same": "kept",
-        "changed": "not kept: a restart uses other values; `params keep` keeps these",
-        "damaged": "not kept: the kept ones are damaged and a restart uses the defaults",
-    }.items()
+    "none": "not kept: a restart uses the defaults",
+    "same": "kept",
+    "changed": "not kept: a restart uses other values; `params keep` keeps these",
+    "damaged": "not kept: the kept ones are damaged and a restart uses the defaults",
 }
 _CELLS = {  # column of a record: signal and decimals
     "angle_deg": ("angle", 4),
@@ -329,7 +324,7 @@ def _steady_text(signals: Mapping[str, float]) -> str:
 
 def kept_text(signals: Mapping[str, float]) -> str:
     """Return whether the controller keeps its parameters over a restart."""
-    return _KEPT.get(int(signals["params_kept"]), "unknown")
+    return _KEPT.get(name_of(signals, "params_kept"), "unknown")
 
 
 def hands_report(status: Status) -> list[str]:

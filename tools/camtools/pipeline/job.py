@@ -245,8 +245,7 @@ def without_faults(words: Sequence[str]) -> list[str]:
 
 def say(text: str) -> None:
     """Report progress on standard error."""
-    sys.stderr.write(f"{shown_name('run')}: {text}\n")
-    sys.stderr.flush()
+    print(f"{shown_name('run')}: {text}", file=sys.stderr, flush=True)
 
 
 def write_files(folder: Path, files: dict[str, bytes]) -> None:

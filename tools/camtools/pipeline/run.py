@@ -71,11 +71,6 @@ def traced_turns(turns: float, speed_rpm: float) -> float | None:
     return min(_WINDOW_TURNS, MAX_TRACED_TICKS / 2 / ticks_per_turn)
 
 
-def overview_every(turns: float, speed_rpm: float) -> int:
-    """Return of how many ticks the overview of a long cut holds one."""
-    return int(turns * 60 / speed_rpm * _TICK_HZ / _OVERVIEW_TICKS) + 1
-
-
 class CutPlan(NamedTuple):
     """What a cut will take.
 
@@ -251,7 +246,8 @@ def _simulate(
 ) -> AnyCut:
     kind, part, name = made.kind, made.table.part, made.table.part.part.name
     machine, turns = f"{name}_machine.toml", turns_of(job, made)
-    window = traced_turns(turns, kind.mean_rpm(made.table, job.rpm))
+    rpm = kind.mean_rpm(made.table, job.rpm)
+    window = traced_turns(turns, rpm)
     files = made.files(with_plots=False)
     text = kind.machine(part).encode("ascii") if job.machine is None else job.machine
     write_files(folder, files | {machine: text})
@@ -260,7 +256,7 @@ def _simulate(
         *("--machine", machine, *kind.speed_words(job.rpm), *job.feed_words(), *job.extra),
         *job.tolerance(part.process.form_error_um, kind.taken_um(made.table)),
     ]
-    plain, every = without_faults(words), overview_every(turns, kind.mean_rpm(made.table, job.rpm))
+    plain, every = without_faults(words), int(turns * 60 / rpm * _TICK_HZ / _OVERVIEW_TICKS) + 1
     sections_mm = kind.sections_mm(made.table, job.feed or part.process.feed_mm)
     try:
         with chdir(folder):  # camsim names files as its words do
@@ -304,17 +300,15 @@ def _mismatch(job: RunJob, made: Made, folder: Path) -> Mismatch | None:
 def complete_summary(made: Made, outcome: AnyCut, off: Mismatch | None, total_s: float) -> Json:
     """Return camsim's summary with what else is known."""
     ticks = int(outcome.trace.t_s.size)
-    return (
-        outcome.summary
-        | made.kind.facts(made.table)
-        | {
-            "trace": {"file": TRACE, "ticks": ticks, "is_complete": outcome.is_trace_complete},
-            "comparison": [variant._asdict() for variant in outcome.variants],
-            "smoothing_takes_um": made.kind.taken_um(made.table),
-            "drive_off": None if off is None else off.facts(),
-            "run_wall_time_s": total_s,
-        }
-    )
+    return {
+        **outcome.summary,
+        **made.kind.facts(made.table),
+        "trace": {"file": TRACE, "ticks": ticks, "is_complete": outcome.is_trace_complete},
+        "comparison": [variant._asdict() for variant in outcome.variants],
+        "smoothing_takes_um": made.kind.taken_um(made.table),
+        "drive_off": None if off is None else off.facts(),
+        "run_wall_time_s": total_s,
+    }
 
 
 def run(
