@@ -179,13 +179,10 @@ _NAMES = {
 
 def verdict_words(verdict: dict[str, Any]) -> tuple[str, str]:
     """Return the verdict in a word, and the speed in a sentence."""
-    speed = (
-        f"at most {tenth_below(verdict['highest_rpm'])} r/min, limited by {verdict['decided_by']}"
-    )
-    if verdict["highest_rpm"] <= 0:
-        speed = f"at no speed, limited by {verdict['decided_by']}"
+    highest_rpm, decides = verdict["highest_rpm"], verdict["decided_by"]
+    speed = f"at most {tenth_below(highest_rpm)} r/min" if highest_rpm > 0 else "at no speed"
     word = "feasible" if verdict["is_feasible"] else "not feasible"
-    return word, f"{speed}; required {verdict['asked_rpm']:g} r/min"
+    return word, f"{speed}, limited by {decides}; required {verdict['asked_rpm']:g} r/min"
 
 
 def _digits(value: float) -> str:

@@ -195,10 +195,9 @@ class Engine:
         self._busy.append(worker)
         if self._is_closed:
             process.kill()
-        try:
+        answer: Answer | None = None
+        with suppress(TimeoutError):
             answer = await asyncio.wait_for(_heard(worker), self.limits.start_s)
-        except TimeoutError:
-            answer = None
         self._busy.remove(worker)
         if answer is None or self._is_closed:
             await _killed(process)

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from camtools.base.cache import Memory, recall, remembering
+from camtools.base.cache import Memory, file_state, recall, remembering
 from camtools.base.command import no_warnings
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import MM_PER_M, UM_PER_MM, Floats, omega_rad_s
@@ -198,7 +198,8 @@ def _preview(request: Shown) -> Iterator[Shown]:
         tree = read_tree(text.encode("utf-8", "replace")[:MAX_FILE_BYTES], FILE)
         yield {"stage": "form", "kind": kind_of(tree).name, "tree": tree}
         loaded = _loaded(text, folder)
-        key = loaded.kind.name, loaded.part.model_dump_json(), _state_of(tree, folder)
+        files = tuple(file_state(str(Path(folder, name))) for name in files_named(tree))
+        key = loaded.kind.name, loaded.part.model_dump_json(), files
         exact = loaded.kind.exact(loaded.part)
         limits = loaded.part.machine.limits
         asked_rpm = loaded.part.process.spindle_rpm
@@ -214,18 +215,6 @@ def _preview(request: Shown) -> Iterator[Shown]:
         yield _problems(judged.lines, text, "table") | verdict_of_table(judged, limits)
     except CamtoolsError as error:
         yield _problems(error.lines, text)
-
-
-def _state_of(tree: Shown, folder: str) -> tuple[object, ...]:
-    """Return what changes when the files that a part names do."""
-    found: list[object] = []
-    for name in files_named(tree):
-        try:
-            state = (Path(folder) / name).stat()
-            found.append((name, state.st_mtime_ns, state.st_size, state.st_ino))
-        except (OSError, ValueError):
-            found.append(name)
-    return tuple(found)
 
 
 def _edit(request: Shown) -> Iterator[Shown]:
@@ -246,8 +235,7 @@ def answers_to(request: Shown, memory: Memory) -> Iterator[Shown]:
 
 
 def _tell(answer: Shown) -> None:
-    sys.stdout.write(json.dumps(answer, default=str) + "\n")  # dates of TOML
-    sys.stdout.flush()
+    print(json.dumps(answer, default=str), flush=True)  # dates of TOML
 
 
 def _carry_out(request: Shown, memory: Memory) -> None:

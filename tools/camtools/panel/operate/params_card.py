@@ -82,12 +82,6 @@ class ParamsCard:
             press = partial(self._orders.give, "lock")
             self._orders.small_button("Lock", "do-lock", "lock", press)
 
-    def show_level(self, signals: Mapping[str, float]) -> None:
-        """Show whether limits and constants may be changed, and how they can be."""
-        text = f"The controller is {level_text(signals)}." if "level" in signals else ""
-        if self._level.text != text:
-            self._level.set_text(text)
-
     async def _edit(self, event: GenericEventArguments) -> None:
         row: dict[str, Any] = event.args[1]
         text = await self._asked(row)
@@ -162,8 +156,11 @@ class ParamsCard:
         if await confirmed("Defaults?", _DEFAULTS, "Defaults"):
             await self._orders.give("defaults", "defaults of all parameters")
 
-    def show(self, read: ParameterSet | None) -> None:
-        """Show the parameters when they were read anew."""
+    def show(self, signals: Mapping[str, float], read: ParameterSet | None) -> None:
+        """Show the parameters when they were read anew, and whether they may be changed."""
+        text = f"The controller is {level_text(signals)}." if "level" in signals else ""
+        if self._level.text != text:
+            self._level.set_text(text)
         if read is None:
             self._state.set_text("Reading the parameters ..")
         if read is None or read is self._read:

@@ -91,11 +91,10 @@ class CommandLog:
         if path is not None:
             try:
                 self._stream = _open(path)
-            except BlockingIOError as error:
-                problem = "another panel writes it; give another --log"
-                raise CamtoolsError([f"{path}: {problem}"]) from error
             except OSError as error:
-                raise CamtoolsError([f"{path}: {error.strerror}; give another --log"]) from error
+                is_taken = isinstance(error, BlockingIOError)
+                problem = "another panel writes it" if is_taken else error.strerror
+                raise CamtoolsError([f"{path}: {problem}; give another --log"]) from error
 
     def add(
         self, visitor: Visitor, order: str, arguments: Mapping[str, Any], outcome: Outcome

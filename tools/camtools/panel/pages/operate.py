@@ -165,8 +165,7 @@ class OperatePage:
         self._learning.show(snapshot, self._context.service.lessons())
         read = self._context.service.parameters()
         self._drive.show(snapshot, read)
-        self._params.show(read)
-        self._params.show_level(snapshot.signals)
+        self._params.show(snapshot.signals, read)
         self._log.show()
 
 

@@ -96,17 +96,13 @@ def settings_rows(runs: Sequence[Run]) -> list[tuple[str, list[str]]]:
         ("learning", [_learning(summary) for summary in summaries]),
         ("seed", [_text(summary.get("seed")) for summary in summaries]),
         ("table", [_text(summary.get("table_bytes")) + " bytes" for summary in summaries]),
-        ("CRC of the table", [_hex(summary.get("table_crc32")) for summary in summaries]),
+        ("CRC of the table", [_text(summary.get("table_crc32"), "08x") for summary in summaries]),
         ("verdict", [run.verdict or run.status for run in runs]),
     ]
 
 
-def _text(value: object) -> str:
-    return f"{value:g}" if isinstance(value, int | float) else "?"
-
-
-def _hex(value: object) -> str:
-    return f"{value:08x}" if isinstance(value, int) else "?"
+def _text(value: object, form: str = "g") -> str:
+    return f"{value:{form}}" if isinstance(value, int | float) else "?"
 
 
 def _learning(summary: Json) -> str:

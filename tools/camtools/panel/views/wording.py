@@ -18,6 +18,7 @@ from camtools.base.quantities import UM_PER_MM
 from camtools.link.messages import NUMBERS
 from camtools.link.rights import sender_text
 from camtools.link.signals import faults_in
+from camtools.link.status_text import duration_text
 from camtools.panel.orders.snapshot import Snapshot
 
 NOTHING = "\N{EN DASH}"
@@ -39,10 +40,7 @@ def clock(seconds: float | None) -> str:
     """Return a time as minutes and seconds, with hours where there are any."""
     if seconds is None or not isfinite(seconds):
         return NOTHING
-    whole = max(0, round(seconds))
-    minutes, s = divmod(whole, 60)
-    hours, m = divmod(minutes, 60)
-    return f"{hours}:{m:02d}:{s:02d}" if hours else f"{m}:{s:02d}"
+    return duration_text(max(0, round(seconds)))
 
 
 @dataclass(frozen=True)
