@@ -4,6 +4,7 @@ import os
 import subprocess
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ PERKINS = ROOT / "tools" / "parts" / "perkins240.toml"
 Command = Callable[..., subprocess.CompletedProcess[str]]
 Capture = pytest.CaptureFixture[str]
 TableOf = Callable[[str], Path]
+T = TypeVar("T")
 
 
 def environment() -> dict[str, str]:
@@ -112,11 +114,24 @@ def changed(part: SkirtPart, values: Mapping[str, object]) -> SkirtPart:
     return SkirtPart.model_validate(tree)
 
 
-def refused(work: Callable[[], object], error: type[CamtoolsError] = CamtoolsError) -> str:
-    """Return the only line with which a call is refused."""
+def sure(value: T | None) -> T:
+    """Return a value, which must be there."""
+    assert value is not None
+    return value
+
+
+def refused_lines(
+    work: Callable[[], object], error: type[CamtoolsError] = CamtoolsError
+) -> list[str]:
+    """Return the lines with which a call is refused."""
     with pytest.raises(error) as info:
         work()
-    [line] = info.value.lines
+    return info.value.lines
+
+
+def refused(work: Callable[[], object], error: type[CamtoolsError] = CamtoolsError) -> str:
+    """Return the only line with which a call is refused."""
+    [line] = refused_lines(work, error)
     return line
 
 

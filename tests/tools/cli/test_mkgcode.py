@@ -17,7 +17,7 @@ from tests.tools.cases.background import python
 from tests.tools.cases.command_cases import command
 from tests.tools.cases.linuxcnc import AXES, Interpreter
 from tests.tools.cases.ngc_cases import changed, moves
-from tests.tools.cases.part_cases import PERKINS, environment, load_part
+from tests.tools.cases.part_cases import PERKINS, environment, load_part, sure
 
 MKGCODE = "camtools.cli.mkgcode"
 EVEN = PERKINS.with_name("perkins240_equal_volume.toml")
@@ -43,8 +43,7 @@ def test_segments_keep_the_chord_error(tmp_path: Path, geometry: Geometry, chord
     dense = np.linspace(0, 62, 100_001)
     off_um = np.abs(np.interp(dense, z, x) - geometry.radius_mm(dense)).max() * 1000
     assert off_um <= chord_um
-    stated = re.search(r"; (\d+) segments, chord error ([0-9.]+) um", program.read_text())
-    assert stated is not None
+    stated = sure(re.search(r"; (\d+) segments, chord error ([0-9.]+) um", program.read_text()))
     assert int(stated[1]) == z.size - 1
     assert float(stated[2]) == pytest.approx(off_um, abs=2e-4)
     longest = np.sqrt(8 * chord_um / 1000 / np.abs(geometry.radius_mm(dense, 2)).min())
@@ -111,8 +110,7 @@ def test_full_program_is_the_geometry(tmp_path: Path, name: str, changes: dict[s
     modulated = part.process.mode == "equal-volume"
     path = path_of(part, first, last, 2.0 if modulated else 1.0)
     if path.kind == "stepped":  # the step's share of a turn depends on the fastest spindle: as told
-        told = re.search(r"steps of ([0-9.]+) turns", program.read_text())
-        assert told is not None
+        told = sure(re.search(r"steps of ([0-9.]+) turns", program.read_text()))
         assert path.step * (0.6 if modulated else 1) - 1e-8 <= float(told[1]) <= path.step + 1e-8
         per_s = part.process.spindle_rpm * 4 * part.process.parts / 60
         v_mm_s = np.sqrt(part.process.feed_mm * part.machine.limits.z_acceleration_mm_s2)

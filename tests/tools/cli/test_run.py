@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from camtools.base.errors import CamtoolsError
 from camtools.cli.run import main
 from camtools.part.common import MachineLimits
 from camtools.pipeline.job import without_faults
@@ -24,7 +23,7 @@ from camtools.sim.table_file import Numbers, ParquetFile
 from tests.tools.cases.camsim_cases import BUILD
 from tests.tools.cases.command_cases import command, job_of
 from tests.tools.cases.page_cases import PageReader, map_of
-from tests.tools.cases.part_cases import PERKINS, ROOT, Capture, Command, listing
+from tests.tools.cases.part_cases import PERKINS, ROOT, Capture, Command, listing, refused, sure
 
 DRAWN = (
     *("compare", "learning", "profiles", "sequence"),
@@ -185,9 +184,8 @@ def test_feed_beyond_the_part_is_refused_first(kind: str, tmp_path: Path, capfd:
     job_of().check_feed(part)
     for feed in ("8.000001", "20"):
         told = f"--feed {feed}: must be at most 8 mm, the height of the part; give at most --feed 8"
-        with pytest.raises(CamtoolsError) as info:
-            job_of("--feed", feed).check_feed(part)
-        assert info.value.lines == [told]
+        job = job_of("--feed", feed)
+        assert refused(lambda: job.check_feed(part)) == told  # noqa: B023
     assert main([str(path), "--feed", "20", "-o", str(tmp_path / "out")]) == 2
     assert capfd.readouterr().err == f"run: {told}\n"  # nothing of a table that is made
     assert listing(tmp_path) == ["low.toml"]
@@ -225,8 +223,7 @@ def test_comparison_tells_a_cut_that_ended_early() -> None:
     """A variant that faulted is named so, one that cut nothing is left out."""
     form = {"max": 3.0, "rms": 1.0}
     early = variant_of("x", {"end": "fault", "form_error_um": form})
-    assert early is not None
-    assert early.name == "x (ended early: fault)"
+    assert sure(early).name == "x (ended early: fault)"
     nothing = {"max": None, "rms": None}
     assert variant_of("x", {"end": "fault", "form_error_um": nothing}) is None
 

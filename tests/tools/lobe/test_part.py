@@ -15,7 +15,7 @@ from camtools.lobe.part import MAX_LOBES, LobePart
 from camtools.pipeline.load import load, parse, parse_for
 from camtools.skirt.part.part_file import SkirtPart
 from tests.tools.cases.lobe_cases import cam as cam_of
-from tests.tools.cases.part_cases import PERKINS, ROOT, parse_part
+from tests.tools.cases.part_cases import PERKINS, ROOT, parse_part, refused, refused_lines
 
 PARTS = ROOT / "tools" / "parts"
 GOOD = (PARTS / "cam-345.toml").read_text()
@@ -33,9 +33,7 @@ def with_law(text: str) -> str:
 
 def lines_of(text: str) -> list[str]:
     """Return the messages that a part file's text is refused with."""
-    with pytest.raises(CamtoolsError) as info:
-        parse(text.encode(), "c.toml")
-    return info.value.lines
+    return refused_lines(lambda: parse(text.encode(), "c.toml"))
 
 
 def test_cam_has_its_defaults() -> None:
@@ -51,12 +49,10 @@ def test_cam_has_its_defaults() -> None:
 def test_pistons_are_read_as_before() -> None:
     """A part file says itself what it is; what takes pistons only says so of a cam."""
     assert not isinstance(load(PERKINS).part, LobePart)
-    with pytest.raises(CamtoolsError) as info:
-        parse_for("trade", SkirtPart, GOOD.encode(), "c.toml")
-    assert info.value.lines == [
+    assert refused(lambda: parse_for("trade", SkirtPart, GOOD.encode(), "c.toml")) == (
         "c.toml: part.kind = 'cam': cams are for mktables, run, analyse and mkgcode; give the part "
         "file of a piston"
-    ]
+    )
     with pytest.raises(CamtoolsError, match=r"part\.kind = 'cam': is of the wrong kind"):
         parse_part(GOOD.encode(), "c.toml")
 
@@ -64,11 +60,9 @@ def test_pistons_are_read_as_before() -> None:
 @pytest.mark.parametrize("kind", ['"gear"', '["cam"]', "1", "{}"])
 def test_a_wrong_kind_is_all_that_is_told(kind: str) -> None:
     """Nobody knows which keys belong to it: the rest of a cam is no mistake in a piston."""
-    with pytest.raises(CamtoolsError) as info:
-        parse(GOOD.replace('kind = "cam"', f"kind = {kind}").encode(), "c.toml")
-    assert len(info.value.lines) == 1
-    assert info.value.lines[0].startswith("c.toml: part.kind = ")
-    assert info.value.lines[0].endswith("; use one of: 'piston', 'cam' or 'polygon'")
+    [line] = lines_of(GOOD.replace('kind = "cam"', f"kind = {kind}"))
+    assert line.startswith("c.toml: part.kind = ")
+    assert line.endswith("; use one of: 'piston', 'cam' or 'polygon'")
 
 
 FLANKS = """law = "cycloidal"
@@ -219,9 +213,7 @@ def test_spline_stays_between_the_given_lifts() -> None:
 
 def refused_lift(part: LobePart) -> str:
     """Return the message that refuses the lift of the first lobe."""
-    with pytest.raises(GeometryError) as info:
-        make_lift(part.cam, part.cam.lobe[0], LOBE)
-    return info.value.lines[0]
+    return refused(lambda: make_lift(part.cam, part.cam.lobe[0], LOBE), GeometryError)
 
 
 def test_points_come_from_a_file_too(tmp_path: Path) -> None:

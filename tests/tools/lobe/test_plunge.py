@@ -22,6 +22,7 @@ from camtools.table.image import pack, unpack
 from tests.tools.cases.camsim_cases import ROOT, camsim, cut, refusal, while_in
 from tests.tools.cases.cut_cases import made_of, written
 from tests.tools.cases.lobe_cases import MACHINE, cam, evaluate
+from tests.tools.cases.part_cases import sure
 
 TEXT = (ROOT / "tools" / "parts" / "camshaft-plunge.toml").read_text()
 # two narrow lobes at a high speed, so that a cut is short
@@ -60,8 +61,7 @@ def test_infeed_and_spark_out_are_exact_by_the_turn(tmp_path: Path) -> None:
     """Measured from the trace: Z stands, X falls by the infeed in each turn, then rests."""
     text = SHORT.replace("spindle_rpm = 90", "spindle_rpm = 90\ndirection = -1")
     made = generate_lobes(cam(text))
-    plan = made.plunge
-    assert plan is not None
+    plan = sure(made.plunge)
     summary, trace = run(tmp_path, made, 5.0)
     assert summary["end"] == "done"
     assert [one["samples"] for one in summary["cam"]["lobes"]] == [3600, 3600]
@@ -110,8 +110,7 @@ def test_bound_of_what_the_worn_wheel_leaves_holds() -> None:
 
 def test_eval_speaks_of_the_station(made: GeneratedLobes, tmp_path: Path) -> None:
     """X of a lobe rests on the drawing's base during the spark-out; u is the lift by then."""
-    plan = made.plunge
-    assert plan is not None
+    plan = sure(made.plunge)
     first = made.table.lobes[1].z_first_nm
     rests = plan.off_turns + plan.infeed_turns + 2
     s_mm = np.array([first + rests * plan.feed_nm, first]) / 1e6
@@ -163,8 +162,7 @@ def test_format_takes_stations_of_lobes_alone(made: GeneratedLobes, tmp_path: Pa
     """What the check of the generator and that of the firmware refuse; both take the table."""
     table = made.table
     assert unpack(pack(table)).has_stations
-    way = table.way
-    assert way is not None
+    way = sure(table.way)
     turned = way.knots.copy()
     turned[5:, 0, 0] -= 50_000
     back = with_bounds(replace(way, knots=turned))

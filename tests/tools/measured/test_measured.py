@@ -20,6 +20,7 @@ from camtools.measured.correction_step import best_round, round_text, take
 from camtools.measured.points import GaugedPoints, parse_points
 from camtools.measured.surface import fit_surface
 from tests.tools.cases.camsim_cases import camsim
+from tests.tools.cases.command_cases import complaint
 from tests.tools.cases.gauged_cases import ENDS, amplitudes_um, error_um, gauged, helix, traces
 from tests.tools.cases.part_cases import points_text, refused
 
@@ -293,8 +294,8 @@ def refused_round(
     """Return the line that refuses the next round by a surface; there is no new table."""
     capsys.readouterr()
     path, out = rounds.folder / str(surface) / "surface.csv", rounds.folder / str(number)
-    assert main([str(rounds.part), "-o", str(out), "--measured", str(path)]) == 2
-    [line] = capsys.readouterr().err.splitlines()
+    words = [str(rounds.part), "-o", str(out), "--measured", str(path)]
+    line = complaint(main, words, capsys)
     assert not out.exists()
     return line
 

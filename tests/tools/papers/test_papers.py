@@ -25,7 +25,7 @@ from camtools.papers.lobe import LobeWishes
 from camtools.pipeline.load import load
 from tests.tools.cases.cut_cases import PARTS, geometry_of_part
 from tests.tools.cases.lobe_tables import POLY345, POLY345_WHEEL
-from tests.tools.cases.part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT, sure
 
 PAGE = ROOT / "tools" / "docs" / "PAPERS.md"
 TABLE_2_DEG = (10, 20, 30, 40, 48)
@@ -243,8 +243,7 @@ def test_extremes_of_lobes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
 
 def study_of(part: str, height_mm: float, spindle_rpm: float) -> refit.Study:
     """Return the refits of a part of the repository."""
-    found = geometry_of_part(part).corner
-    assert found is not None
+    found = sure(geometry_of_part(part).corner)
     return refit.study(found.joint(height_mm), height_mm, spindle_rpm)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from camtools.base.quantities import Floats
-from tests.tools.cases.camsim_cases import cut, plain
+from tests.tools.cases.camsim_cases import cut, form_um, plain
 from tests.tools.cases.cut_cases import written_skirt
 from tests.tools.cases.part_cases import oval_text
 from tests.tools.measured.test_measured import Rounds
@@ -39,10 +39,9 @@ def sections_um(table: Path, chuck: str, *words: str) -> tuple[Floats, Floats, f
     heights = ",".join(map(str, HEIGHTS_MM))
     options = ("--sections", "s.csv", "--sections-mm", heights, "--tolerance-um", "99", *words)
     found = cut(table, *options, tables=("sections",), machine=f"[chuck]\n{chuck}\n")
-    assert found.form_error_um is not None
     section, turn, _, _, nm = plain(found.sections)
     rows = [nm[section == i + 1] / 1000 for i in range(len(HEIGHTS_MM))]
-    return 360 * turn[section == 1], np.array(rows), found.form_error_um
+    return 360 * turn[section == 1], np.array(rows), form_um(found)
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ from camtools.sim.drawn_parts import (
     refuse_zones,
 )
 from camtools.skirt.part.part_file import example_part
+from tests.tools.cases.part_cases import sure
 
 
 @pytest.mark.parametrize(("n", "place"), [(59, 1), (93, 2), (124, 3), (153, 4), (181, 5), (208, 6)])
@@ -34,8 +35,7 @@ def test_expanded_uncertainty_holds_the_parts() -> None:
     """At least 95 % of an exponential number are within value +- U, in 95 % of all forecasts."""
     rng, held, value = np.random.default_rng(3), 0, 0.4
     for _ in range(400):
-        expanded = drawn_parts(rng.exponential(size=80), [""] * 80).expanded(WHOLE, value)
-        assert expanded is not None
+        expanded = sure(drawn_parts(rng.exponential(size=80), [""] * 80).expanded(WHOLE, value))
         share = np.exp(-max(value - expanded, 0.0)) - np.exp(-value - expanded)
         held += int(share >= 0.95)
     assert held >= 0.95 * 400 - 3 * np.sqrt(400 * 0.95 * 0.05)

@@ -9,7 +9,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import omega_rad_s
 from camtools.pipeline.load import load, make
 from camtools.sim.drive_mismatch import mismatch
-from tests.tools.cases.part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT, sure
 
 
 def lag(hz: float, damping: float, delay_s: float, omega: float) -> complex:
@@ -36,9 +36,7 @@ def test_learning_takes_it_away(table: Path) -> None:
     """It is on where U is measured, as on a machine whose controller believes something."""
     found = mismatch(table, "", [], 2500.0)
     assert found.learns
-    assert found.with_um is not None
-    assert found.without_um is not None
-    assert found.with_um < 0.1 * found.without_um
+    assert sure(found.with_um) < 0.1 * sure(found.without_um)
     assert found.text().endswith(" with it")
 
 
@@ -56,9 +54,7 @@ def test_ripple_is_learned_on_a_flank_of_nine_mm_per_rad(tmp_path: Path) -> None
     machine = machine_of(ROOT / "tools" / "parts" / "p4c-35.toml", tmp_path)
     found = mismatch(tmp_path / "p4c-35.camtab", machine, [], 150.0)
     assert found.faults == ()
-    assert found.with_um is not None
-    assert found.without_um is not None
-    assert found.with_um < 12.1 < 20 < found.without_um  # 12 um are the blends
+    assert sure(found.with_um) < 12.1 < 20 < sure(found.without_um)  # 12 um are the blends
 
 
 def test_fault_is_named(table: Path) -> None:

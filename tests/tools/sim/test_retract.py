@@ -10,7 +10,7 @@ import pytest
 from camtools.sim.results import STATES
 from camtools.sim.simulate import simulate
 from tests.tools.cases.camsim_cases import ROOT
-from tests.tools.cases.part_cases import TableOf
+from tests.tools.cases.part_cases import TableOf, sure
 
 STEP_LIMIT_NM = 20_000  # 400 mm/s at 20 kHz
 RETRACT_NM = -500_000
@@ -86,7 +86,6 @@ def test_enable_drops_latest_in_the_approach(table: Path) -> None:
         for state, cases in stops.items()
     }
     manual = (ROOT / "firmware" / "FAULTS.md").read_text()
-    latest = re.search(r"\*\*(\d+) ms\*\* in `engaging`, against (\d+) ms", manual)
-    assert latest is not None
+    latest = sure(re.search(r"\*\*(\d+) ms\*\* in `engaging`, against (\d+) ms", manual))
     assert math.ceil(off_ms.pop("engaging")) == int(latest[1])
     assert math.ceil(max(off_ms.values())) == int(latest[2])

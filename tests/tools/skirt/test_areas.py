@@ -17,6 +17,7 @@ from camtools.report.text import verdict_of
 from camtools.sim.results import AnyCut
 from camtools.skirt.tool.texture import feed_for_roughness_mm, roughness_um, scallop_um
 from tests.tools.cases.camsim_cases import cut
+from tests.tools.cases.command_cases import complaint
 from tests.tools.cases.cut_cases import written_skirt
 from tests.tools.cases.part_cases import oval_text, parse_part, points_text, refused
 from tests.tools.cases.report_cases import made_up_summary
@@ -216,15 +217,15 @@ def test_feed_that_leaves_too_much_is_refused(
 
     3 um of scallop with a nose of 0.8 mm: 2 sqrt(2 r h - h^2); Ra of 2 um: f^2 / (18 sqrt(3) r).
     """
-    part, out = tmp_path / "part.toml", tmp_path / "made"
+    part = tmp_path / "part.toml"
+    words = [str(part), "-o", str(tmp_path / "made")]
     scallop_mm = 2 * np.sqrt(2 * 0.8 * 0.003 - 0.003**2)
     ra_mm = np.sqrt(0.002 * 18 * np.sqrt(3) * 0.8)
     part.write_text(text_of(ROUGH, 0.2, 0.8))
-    assert mktables([str(part), "-o", str(out)]) == 2
-    [line] = capsys.readouterr().err.splitlines()
+    line = complaint(mktables, words, capsys)
     assert "process.feed_mm = 0.2: leaves scallops of 6.27 um and Ra 1.6 um in zone skirt" in line
     assert f"feed at most {np.floor(scallop_mm * 1e4) / 1e4:g} mm there" in line
-    assert mktables([str(part), "-o", str(out), "--propose-feed"]) == 0
+    assert mktables([*words, "--propose-feed"]) == 0
     law = capsys.readouterr().out
     highest = [float(text) for text in law.splitlines()[2].split("[")[1][:-1].split(",")]
     assert min(highest) == pytest.approx(scallop_mm, abs=1e-4)
@@ -234,21 +235,20 @@ def test_feed_that_leaves_too_much_is_refused(
         feeds = ", ".join(f"{factor * feed:g}" for feed in highest)
         own = [*law.splitlines()[:2], f"feed_mm = [{feeds}]"]
         part.write_text(plain + "\n".join(own) + "\n")
-        assert mktables([str(part), "-o", str(out)]) == status
+        assert mktables(words) == status
     steep = "[process.feed_law]\nheight_mm = [0, 20, 40]\nfeed_mm = [0.05, 0.05, 1.9]\n"
     part.write_text(plain + steep)
-    assert mktables([str(part), "-o", str(out)]) == 2
-    assert (
-        "leaves metal between the tracks in the part, heights 20 .. 40" in capsys.readouterr().err
-    )
+    assert mktables(words) == 2
+    told = "leaves metal between the tracks in the part, heights 20 .. 40"
+    assert told in capsys.readouterr().err
     part.write_text(text_of("[tolerances]\nroughness_um = 2\n", 0.2, 0.8))
-    assert run([str(part), "-o", str(out), "--feed", "0.3"]) == 2
-    assert "--feed = 0.3: leaves scallops of 14.2 um" in capsys.readouterr().err
+    line = complaint(run, [*words, "--feed", "0.3"], capsys)
+    assert "--feed = 0.3: leaves scallops of 14.2 um" in line
     for zones in (zone("thin", 5, 5.02, "scallop_um = 0.05"), zone("all", 0, 40, "scallop_um = 3")):
         part.write_text(text_of("[tolerances]\nroughness_um = 2\n" + zones, 0.2, 0.8))
-        assert mktables([str(part), "-o", str(out), "--propose-feed"]) == 0
+        assert mktables([*words, "--propose-feed"]) == 0
         table, feed = capsys.readouterr().out.splitlines()
         assert (table, float(feed.split()[-1]) < 0.14) == ("[process]", True)
     part.write_text(text_of(ROUGH, 0.2))
-    assert mktables([str(part), "-o", str(out)]) == 2
-    assert "tool.nose_radius_mm: is missing: limits of scallop_um" in capsys.readouterr().err
+    line = complaint(mktables, words, capsys)
+    assert "tool.nose_radius_mm: is missing: limits of scallop_um" in line

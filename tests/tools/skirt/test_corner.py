@@ -21,7 +21,7 @@ from camtools.skirt.geometry.corner import (
 from camtools.skirt.geometry.sections import Joint, double_ellipse, ellipse
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from tests.tools.cases.cut_cases import geometry_of_part
-from tests.tools.cases.part_cases import parse_part, refused
+from tests.tools.cases.part_cases import parse_part, refused, sure
 
 JOINT_RAD = float(np.radians(48.0))
 DIAMETER_MM = 90.929096914
@@ -86,8 +86,7 @@ def test_both_branches_at_the_joint() -> None:
 @pytest.mark.long
 def test_large_bore_sections() -> None:
     """Sections of the 16V240ZJ-like part between and at its nodes."""
-    corner = geometry_of_part("16v240zj").corner
-    assert corner is not None
+    corner = sure(geometry_of_part("16v240zj").corner)
     for row in V240:
         z_mm = float(row.split()[0])
         joint = corner.joint(z_mm)
@@ -288,11 +287,9 @@ def arc_part(trim: str = "0.3", joint: str = "50", more: str = "", refit: str = 
 
 def difference_nm(geometry: Geometry, z_mm: float) -> float:
     """Return how far the surface is from the refit made for this very height."""
-    corner = geometry.corner
-    assert corner is not None
-    assert corner.recipe is not None
+    corner = sure(geometry.corner)
     phi = np.radians(np.linspace(0, 90, 1801))
-    exact = refit(corner.joint(z_mm), corner.recipe, corner.n_ellipse)
+    exact = refit(corner.joint(z_mm), sure(corner.recipe), corner.n_ellipse)
     return float(np.abs(exact(phi) - geometry.delta(phi, z_mm).delta).max()) * 1e6
 
 
@@ -372,8 +369,6 @@ def test_impossible_corners_are_refused(words: dict[str, str], names: str, remed
 def test_consistent_eccentricity_is_accepted_and_told() -> None:
     """The value that the refusal tells is accepted, one for each height as well."""
     line = refused(lambda: arc_part(more="eccentricity_mm = [1.5, 1.5, 1.5]"), GeometryError)
-    geometry = arc_part()
-    assert geometry.corner is not None
-    right = geometry.corner.joint(np.array([0.0, 30.0, 60.0])).arc().eccentricity_mm
+    right = sure(arc_part().corner).joint(np.array([0.0, 30.0, 60.0])).arc().eccentricity_mm
     assert "consistent value there is" in line and any(f"{e:.6f}" in line for e in right)
     arc_part(more=f"eccentricity_mm = {[round(float(e), 6) for e in right]}")

@@ -39,7 +39,7 @@ from tests.tools.cases.cut_cases import (
     tip_mm,
     written,
 )
-from tests.tools.cases.part_cases import changed, load_part, parse_part, refused
+from tests.tools.cases.part_cases import changed, load_part, parse_part, refused, sure
 
 SKIRTS = [
     path.stem for path in sorted(PARTS.glob("*.toml")) if isinstance(load(path).part, SkirtPart)
@@ -72,9 +72,8 @@ def test_equal_volume_evens_the_removal_rate(tmp_path: Path) -> None:
     coarse = ("--feed", "0.5")
     even = cut_made(Made(KIND, modulated), tmp_path / "even", *coarse).summary
     rough = cut_made(plain, tmp_path / "rough", *coarse).summary
-    assert modulated.speed is not None
     ripple = even["removal"]["rate_ripple"]["max"]
-    assert ripple == pytest.approx(modulated.speed.played.max(), abs=0.01)
+    assert ripple == pytest.approx(sure(modulated.speed).played.max(), abs=0.01)
     assert rough["removal"]["rate_ripple"]["max"] > 0.6
     forces = (one["removal"]["chip_force_ripple"]["mean"] for one in (even, rough))
     assert next(forces) == pytest.approx(next(forces), rel=0.05)
@@ -100,17 +99,17 @@ def test_spindle_stays_within_its_acceleration(tmp_path: Path) -> None:
     limit = modulated.part.machine.limits.alpha_rad_s2
     mean = omega_rad_s(230)
     ripple = 0.002 * 2 * mean**2 * 1.51**2  # of the simulated spindle's own
-    assert modulated.speed is not None
-    low, high = (law.peaks[0] * mean**2 for law in modulated.speed.laws[:2])  # at 0 and 3.9 mm
+    laws = sure(modulated.speed).laws[:2]  # at 0 and 3.9 mm
+    low, high = (law.peaks[0] * mean**2 for law in laws)
     assert low - ripple < float(np.abs(alpha).max()) < high + ripple < limit
 
 
 def test_eval_gives_the_speed_ratio(modulated: GeneratedSkirt, tmp_path: Path) -> None:
     """The firmware's own ratio is the law's, at the slices and in the sense of cutting."""
-    assert modulated.speed is not None
-    turn, z_mm = np.linspace(-1, 2, 61), float(modulated.speed.z_mm[4])
+    speed = sure(modulated.speed)
+    turn, z_mm = np.linspace(-1, 2, 61), float(speed.z_mm[4])
     values = evaluated(tmp_path, modulated.table, turn, np.full(61, z_mm))
-    law = modulated.speed.laws[4]
+    law = speed.laws[4]
     np.testing.assert_allclose(values["speed_ratio"], law.ratio(2 * np.pi * turn), atol=2e-6)
     times = 1 / law.ratio(np.linspace(0, np.pi, 20_000, endpoint=False))
     assert float(times.mean()) == pytest.approx(1.0, abs=1e-9)
@@ -187,7 +186,6 @@ def test_points_are_the_drawing_of_a_measured_part(tmp_path: Path) -> None:
     scan = joined(read_scan_text(PARTS / "scan90.csv"))[0]
     at_points = geometry.drawing.delta(np.radians(scan.angle_deg), scan.z_mm[:, None]).delta
     np.testing.assert_allclose(at_points, scan.reduction_mm, atol=1e-12)
-    assert geometry.off_points_um is not None
     found, rows = turns(made_of("scan90"), tmp_path)
     # the cut near the points of a height misses them by what filter and controller make together
     turn, z_mm, radius_mm, _, _ = rows.T
@@ -199,7 +197,7 @@ def test_points_are_the_drawing_of_a_measured_part(tmp_path: Path) -> None:
     inside = turn[near] < 357 / 360
     off_um = 1e3 * np.abs(radius_mm[near] - (a_mm[near] - points))[inside]
     assert off_um.max() < form_um(found) + 0.3
-    assert form_um(found) >= geometry.off_points_um - 0.05
+    assert form_um(found) >= sure(geometry.off_points_um) - 0.05
     assert found.summary["control_error_um"]["max"] < 0.05
 
 
@@ -207,18 +205,15 @@ def test_points_are_the_drawing_of_a_measured_part(tmp_path: Path) -> None:
 def test_optimise_obeys_the_deviation() -> None:
     """Of all within the bound it takes the least peak; by default 3/4 of form_error_um."""
     for bound_um, expected in ((4.6, (0, 3)), (9.5, (1, 1))):
-        corner = make_geometry(with_refit(deviation_um=bound_um)).corner
-        assert corner is not None
-        assert corner.recipe is not None
-        assert (corner.recipe.s1, corner.recipe.s2) == expected
+        corner = sure(make_geometry(with_refit(deviation_um=bound_um)).corner)
+        recipe = sure(corner.recipe)
+        assert (recipe.s1, recipe.s2) == expected
         within = [one for one in corner.candidates if one.deviation_um <= bound_um]
         chosen = next(one for one in within if (one.s1, one.s2) == expected)
         assert chosen.acceleration_mm_s2 == min(one.acceleration_mm_s2 for one in within)
-    corner = make_geometry(with_refit(form_error_um=14.0)).corner
-    assert corner is not None
+    corner = sure(make_geometry(with_refit(form_error_um=14.0)).corner)
     assert corner.off_limit_um == 10.5
-    assert corner.off is not None
-    assert corner.off.um <= 10.5
+    assert sure(corner.off).um <= 10.5
 
 
 @pytest.mark.parametrize(
@@ -276,8 +271,8 @@ def measure(result: GeneratedSkirt, folder: Path) -> tuple[float, float]:
     """Cut a part; return the largest differences of measured and promised ripple, in points."""
     found = cut_made(Made(KIND, result), folder, "--no-learning", tables=["removal"])
     z_mm, ripple = ripple_by_turn(removal_of(found.removal))
-    assert result.speed is not None
-    promised = np.interp(z_mm, result.speed.z_mm, result.speed.played)
+    speed = sure(result.speed)
+    promised = np.interp(z_mm, speed.z_mm, speed.played)
     off = 100 * (ripple - promised)[MADE_UP:-MADE_UP]
     return float(off.min()), float(off.max())
 
@@ -295,8 +290,7 @@ def measure(result: GeneratedSkirt, folder: Path) -> tuple[float, float]:
 def test_ripple_is_promised_within_a_point(text: str, most: float, tmp_path: Path) -> None:
     """At every height, whatever limits the spindle; the papers' own speed has less than 1 %."""
     result = made(text)
-    assert result.speed is not None
-    assert result.speed.played.max() < most
+    assert sure(result.speed).played.max() < most
     low, high = measure(result, tmp_path)
     assert low > -0.8
     assert high < 0.2  # it is promised with the worst phase of the spindle's own ripple
@@ -317,19 +311,16 @@ def test_ripple_beyond_the_accepted_is_refused_with_a_speed_that_keeps_it() -> N
 
 def test_motion_is_drawn_at_the_speed_that_is_played(modulated: GeneratedSkirt) -> None:
     """Velocity and acceleration are differences of U over the time that the law takes."""
-    result, height_mm, rpm = modulated, 6.0, 230.0
-    assert result.speed is not None
-    turns = np.linspace(0, 1, 20_001)
-    u_mm, velocity, acceleration = motion_played(
-        result.geometry, rpm, height_mm, turns, result.speed.channel
-    )
+    height_mm, rpm, turns = 6.0, 230.0, np.linspace(0, 1, 20_001)
+    place, channel = (modulated.geometry, rpm, height_mm, turns), sure(modulated.speed).channel
+    u_mm, velocity, acceleration = motion_played(*place, channel)
     z_nm = np.full(turns.size, height_mm * 1e6)
-    ratio = evaluate_at(result.speed.channel, turns, z_nm).value / RATIO_ONE
+    ratio = evaluate_at(channel, turns, z_nm).value / RATIO_ONE
     step_s = np.diff(turns) / ((ratio[1:] + ratio[:-1]) / 2 * rpm / 60)
     time_s = np.append(0.0, np.cumsum(step_s))
     slope = np.gradient(u_mm, time_s)
     assert np.abs(velocity - slope).max() < 2e-3 * np.abs(slope).max()
     bend = np.gradient(velocity, time_s)
     assert np.abs(acceleration - bend)[5:-5].max() < 5e-3 * np.abs(bend).max()
-    uniform = motion_played(result.geometry, rpm, height_mm, turns, None)[1]
+    uniform = motion_played(*place, None)[1]
     assert np.abs(velocity - uniform).max() > 0.1 * np.abs(uniform).max()

@@ -53,7 +53,7 @@ from camtools.skirt.report.report import (
 )
 from camtools.skirt.table.generate import GeneratedSkirt
 from tests.tools.cases.cut_cases import skirt_of
-from tests.tools.cases.part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT, sure
 from tests.tools.cases.report_cases import (
     LAST_CUT,
     TICK_S,
@@ -301,8 +301,7 @@ def test_joint_is_seen_from_all_quadrants() -> None:
 
 def test_lines_show_what_the_refit_costs(weichai: GeneratedSkirt) -> None:
     """Drawing and refit are apart by the deviation that mktables tells, at the joint."""
-    corner = weichai.geometry.corner
-    assert corner is not None
+    corner = sure(weichai.geometry.corner)
     lines = lines_at(weichai.geometry, corner, corner.worst_mm, 800.0)
     off_um = lines.refit_um - lines.drawn_um
     told = next(one for one in corner.candidates if (one.s1, one.s2) == (3, 3))
@@ -375,10 +374,10 @@ def test_equal_volume_part_shows_both_ways_of_turning(modulated: GeneratedSkirt)
     assert "mean 4.0 %, max 4.0 %" in rows["ripple of the removal rate"]
     assert "no speed law changes it" in rows["ripple of the chip force"]
     assert "spindle acceleration" in {margin.name for margin in margins_of(outcome)}
-    assert modulated.speed is not None
+    level, speed = made_up_even(0.0, 0.66), sure(modulated.speed)
     with drawing():
-        assert png_of(draw_even(made_up_even(0.0, 0.66), modulated.speed, 230.0))
-        assert png_of(draw_ripple(made_up_even(0.0, 0.66), modulated.speed))
+        assert png_of(draw_even(level, speed, 230.0))
+        assert png_of(draw_ripple(level, speed))
 
 
 def test_ripple_that_is_unknown_or_does_not_apply(

@@ -28,7 +28,7 @@ from camtools.skirt.table.generate import generate
 from camtools.table.points import parse_points
 from tests.tools.cases.camsim_cases import cut, form_um, plain
 from tests.tools.cases.cut_cases import PARTS, made_skirt, written
-from tests.tools.cases.part_cases import changed, load_part, points_part, points_text, refused
+from tests.tools.cases.part_cases import changed, load_part, points_part, points_text, refused, sure
 
 MEASURED = PARTS / "scan90.toml"
 SINGLE = "single_height = true"
@@ -230,8 +230,7 @@ def test_heights_may_have_angles_of_their_own(tmp_path: Path, more: str) -> None
     """The surface is the formula between the points too, within the stated error; filtered too."""
     geometry = points_of(tmp_path, mm_text(own), more)
     assert 0 < geometry.joined_um < 1e-3
-    assert geometry.off_points_um is not None
-    assert geometry.off_points_um < 2e-3
+    assert sure(geometry.off_points_um) < 2e-3
     deg = np.linspace(0, 360, 1441)
     got = geometry.delta(np.radians(deg), RISING_MM).delta
     assert 1e3 * np.abs(got - reduction_mm(deg, RISING_MM)).max() < 5e-3
@@ -406,8 +405,7 @@ def test_remedy_of_a_long_scan_makes_the_table(tmp_path: Path) -> None:
     part = scan_part(tmp_path, 360, [0.0], 0.05, single_height=True)
     line = refused(lambda: generate(part), GeometryError)
     assert "no table through all points of the scan" in line
-    told = re.search(r"set harmonics = (\d+): .* within ([\d.]+) um", line)
-    assert told is not None
+    told = sure(re.search(r"set harmonics = (\d+): .* within ([\d.]+) um", line))
     made = made_skirt(changed(part, {"piston.section.harmonics": int(told[1])}))
     geometry = made.table.geometry
     assert geometry.off_points_um == pytest.approx(float(told[2]), rel=0.01)

@@ -38,7 +38,7 @@ from tests.tools.cases.cut_cases import (
     written,
     written_skirt,
 )
-from tests.tools.cases.part_cases import changed, parse_part, refused
+from tests.tools.cases.part_cases import changed, parse_part, refused, sure
 
 A_MM = 46.0
 DEGREES = [0, 10, 15, 30, 45, 60, 75, 90]
@@ -190,8 +190,7 @@ def test_magnified_parts(perkins: SkirtPart) -> None:
     assert float(geometry.ovality_mm(62.0)) == pytest.approx(9.0, abs=1e-12)
     short_mm = float(geometry.radius_mm(62.0) - geometry.delta(np.pi / 2, 62.0).delta)
     assert short_mm == pytest.approx(91.737 / 2 - 4.5, abs=1e-12)
-    assert part.magnify is not None
-    assert part.magnify.words == "ovality enlarged 30 times"
+    assert sure(part.magnify).words == "ovality enlarged 30 times"
     part = changed(perkins, {"magnify": {"factor": 1000.0}})
     with pytest.raises(GeometryError, match=r"magnify\.factor.*half axis"):
         make_geometry(part)

@@ -36,7 +36,7 @@ from camtools.table.evaluate import evaluate_at, evaluate_x, jumps
 from camtools.table.image import pack, unpack
 from tests.tools.cases.camsim_cases import cut, refusal
 from tests.tools.cases.cut_cases import PARTS, evaluated, made_skirt, tip_mm, written
-from tests.tools.cases.part_cases import PERKINS, changed, load_part, refused
+from tests.tools.cases.part_cases import PERKINS, changed, load_part, refused, sure
 
 
 def random_points(result: GeneratedSkirt, n: int = 4000) -> tuple[np.ndarray, np.ndarray]:
@@ -363,8 +363,7 @@ def test_table_with_a_way_is_accepted_and_checked() -> None:
     image = pack(table)
     assert image[12:16] == b"\x01\x00\x01\x00"
     assert unpack(image).way is not None
-    way = table.way
-    assert way is not None
+    way = sure(table.way)
     for place, column in ((-1, 0), (3, 1)):
         knots = way.knots.copy()
         knots[place, 0, column] -= way.v_max * (1 if column == 0 else 3)

@@ -24,7 +24,7 @@ from camtools.table.image import pack
 from tests.tools.cases.camsim_cases import cut, form_um
 from tests.tools.cases.command_cases import job_of
 from tests.tools.cases.cut_cases import PARTS, made_skirt, skirt_of, written
-from tests.tools.cases.part_cases import PERKINS, changed, load_part, points_text, refused
+from tests.tools.cases.part_cases import PERKINS, changed, load_part, points_text, refused, sure
 
 NM = 1e6
 
@@ -371,9 +371,8 @@ def test_a_polygon_tells_what_it_needs_and_refuses_what_rubs() -> None:
     """P3G: tan of the needed angle is p' / p of its tangents; the default tool is refused, too."""
     alpha = np.linspace(0, 2 * np.pi, 100_001)
     part = example_polygon()
-    assert part.polygon.mean_diameter_mm is not None
     assert part.polygon.eccentricity_mm == 0.8
-    p = part.polygon.mean_diameter_mm / 2 - 0.8 * np.cos(3 * alpha)
+    p = sure(part.polygon.mean_diameter_mm) / 2 - 0.8 * np.cos(3 * alpha)
     steepest = float(np.degrees(np.arctan(2.4 * np.sin(3 * alpha) / p).max()))
     for tool in (Tool(), Tool(clearance_deg=steepest - 0.01)):
         with pytest.raises(CamtoolsError, match=r"rubs: at .* give a tool with at least 1"):
