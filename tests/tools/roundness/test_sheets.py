@@ -38,6 +38,7 @@ from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.part.part_file import SkirtPart
 from tests.tools.cases.camsim_cases import cut, refusal, while_in
 from tests.tools.cases.cut_cases import made_of, written
+from tests.tools.cases.part_cases import sure
 from tests.tools.cases.report_cases import made_up_summary
 
 A_MM, G_MM, PHASE_DEG = 46.0, 0.2, 12.0  # long half axis, ovality, direction of the long axis
@@ -108,9 +109,7 @@ def sheets_of(
     gauged: GaugedSections = GAUGED, tolerance_um: float = 5.0, **subject: object
 ) -> Sheets:
     """Make the sheets of a made-up cut of an oval, of which something else may be known."""
-    found = make_sheets(cut_of(gauged, tolerance_um), OVAL._replace(**cast(Any, subject)))
-    assert found is not None
-    return found
+    return sure(make_sheets(cut_of(gauged, tolerance_um), OVAL._replace(**cast(Any, subject))))
 
 
 @pytest.fixture(scope="module")
@@ -227,9 +226,9 @@ def test_stated_tolerance_decides_at_its_value(sheets: Sheets, key: str) -> None
 
     plain = features(sheets)
     one = plain[name]
-    off = one.deviation if has_nominal else one.actual
-    assert off is not None
-    size = abs(off) * (1e3 if one.unit == "mm" else 1)
+    size = abs(sure(one.deviation if has_nominal else one.actual)) * (
+        1e3 if one.unit == "mm" else 1
+    )
     for share, verdict in ((1.001, "good"), (0.999, "out of tolerance")):
         stated = ZonedTolerances.model_validate({key: share * size})
         judged = features(sheets_of(tolerances=stated))
@@ -337,9 +336,7 @@ def test_sections_without_roundness() -> None:
     names = of_section(found)
     assert not any("axis" in name or "as it is" in name for name in names)
     assert {one.quantity for one in names.values()} == {"along the normal"}
-    pages = sheet_pages(cut_of(alone), lobe)
-    assert pages is not None
-    assert pages.left_out == lobe.left_out
+    assert sure(sheet_pages(cut_of(alone), lobe)).left_out == lobe.left_out
 
 
 @pytest.mark.parametrize("is_fastest_told", [False, True])
@@ -353,8 +350,7 @@ def test_too_few_ticks_call_no_roundness_good(is_fastest_told: bool) -> None:
         else:
             cut.summary["cut"]["spindle_rpm"] = 6000.0
         stated = ZonedTolerances(roundness_um=tolerance_um)
-        found = make_sheets(cut, OVAL._replace(tolerances=stated))
-        assert found is not None
+        found = sure(make_sheets(cut, OVAL._replace(tolerances=stated)))
         assert of_section(found)[name].verdict == verdict
         points = {row.name: row.value for row in found.head}["points"]
         few = "from 200 ticks per turn; fewer than 7 ticks per wave at 50 UPR"
@@ -366,8 +362,7 @@ def test_what_is_out_is_told_by_the_verdict_of_the_part() -> None:
     """The form error is good, a stated tolerance is not: the part is out, and its data say why."""
     cut = cut_of(GAUGED, 9.0)
     oval = OVAL._replace(tolerances=ZonedTolerances(ovality_um=0.1))
-    sheets, pages = make_sheets(cut, oval), sheet_pages(cut, oval)
-    assert sheets is not None and pages is not None
+    pages = sure(sheet_pages(cut, oval))
     assert pages.out == ["height 20 mm: ovality: long less short axis"]
     assert out_of_tolerance(pages.files["sheets.json"]) == pages.out
     assert out_of_tolerance(None) == []
@@ -400,8 +395,8 @@ def test_uncertainty_of_a_forecast_decides(
     off = {WHOLE: whole_um, f"height 20 mm: {name} [µm]": section_um}
     values = {key: largest_um + um * signs for key, um in off.items() if um is not None}
     cut = replace(cut, drawn=DrawnParts(values, "there"))
-    sheets, pages = make_sheets(cut, OVAL), sheet_pages(cut, OVAL)
-    assert sheets is not None and pages is not None and pages.is_certified
+    sheets, pages = sure(make_sheets(cut, OVAL)), sure(sheet_pages(cut, OVAL))
+    assert pages.is_certified
     found = of_section(sheets)[name]
     assert found.expanded == (None if section_um is None else pytest.approx(section_um))
     assert found.verdict == verdict
@@ -417,8 +412,7 @@ def test_uncertainty_of_a_forecast_decides(
 def test_data_and_page_have_the_same_numbers(sheets: Sheets) -> None:
     """sheets.json has each feature in full, the page its digits; both name radius or diameter."""
     document = json.loads(sheets_json(sheets))
-    pages = sheet_pages(cut_of(GAUGED), OVAL)
-    assert pages is not None
+    pages = sure(sheet_pages(cut_of(GAUGED), OVAL))
     assert pages.files["sheets.json"] == sheets_json(sheets)
     told = document["sections"][0]["features"]
     assert [one["actual"] for one in told] == [one.actual for one in sheets.sections[0].features]

@@ -73,13 +73,10 @@ def test_splines_that_overshoot() -> None:
     for interpolation in ("pchip", "akima", "linear"):
         make_geometry(part_of(drawn(interpolation=interpolation)))
     ovality = {"height_mm": [0, 20, 25, 62], "ovality_mm": [0.2, 0.2, 0.3, 0.3]}
+    profile, key = drawn(interpolation="pchip"), "interpolation"
     with pytest.raises(GeometryError, match=r"piston\.ovality\.interpolation: between the points"):
-        make_geometry(
-            part_of(drawn(interpolation="pchip"), ovality=ovality | {"interpolation": "spline"})
-        )
-    make_geometry(
-        part_of(drawn(interpolation="pchip"), ovality=ovality | {"interpolation": "pchip"})
-    )
+        make_geometry(part_of(profile, ovality=ovality | {key: "spline"}))
+    make_geometry(part_of(profile, ovality=ovality | {key: "pchip"}))
 
 
 def test_ovality_at_any_heights_is_followed_as_well_as_possible() -> None:
@@ -362,13 +359,11 @@ def test_report_of_a_cut_has_residuals(tmp_path: Path, capsys: pytest.CaptureFix
 def test_smoothing_without_an_effect() -> None:
     """Lines and arcs are exact, three points have no third derivative, a parabola is smooth."""
     cone = {"to_mm": 62, "diameter_mm": 91.7}
-    start = {"interpolation": "segments", "height_mm": [0], "diameter_mm": [91], "smooth_um": 1}
     with pytest.raises(ValidationError, match="only points are smoothed"):
-        part_of(start | {"segment": [cone]})
+        part_of(START | {"smooth_um": 1, "segment": [cone]})
+    few = {"height_mm": [0, 31, 62], "diameter_mm": [91, 92, 91.5], "smooth_um": 1}
     with pytest.raises(ValidationError, match="changes nothing with 3 points, it needs 4"):
-        Profile.model_validate(
-            {"height_mm": [0, 31, 62], "diameter_mm": [91, 92, 91.5], "smooth_um": 1}
-        )
+        Profile.model_validate(few)
     parabola = (92 - 1e-4 * (Z_MM - 25) ** 2).tolist()
     found = smoothing_facts(part_of(listed(smooth_um=0.5, diameter_mm=parabola)).piston)
     [line] = smoothing_texts(found, {}, 5.0)

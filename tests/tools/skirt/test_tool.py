@@ -122,7 +122,6 @@ def test_on_a_cone_the_tip_stands_out_by_the_closed_form() -> None:
     assert np.abs(tip.delta(0.7, z).delta - drawing.delta(0.7, z).delta).max() * NM < 1e-3
     drawing = make_geometry(part_of([0, 20, 40, 60], [60, 70, 80, 90]))
     tip, z = tip_of(drawing, 0.8), np.array([0, 59.7, 59.9, 60.0])
-    out_mm = 0.8 * (np.hypot(1, 0.25) - 1)
     assert np.abs(tip.radius_mm(z) - drawing.radius_mm(z) - out_mm).max() * NM < 1e-3
 
 
