@@ -69,30 +69,19 @@ def test_ovality_in_um_or_mm(tmp_path: Path) -> None:
         assert words.startswith("o.csv: 2 points at 0 .. 62 mm") and words.endswith(kind)
 
 
-@pytest.mark.parametrize(
-    ("keys", "text", "words"),
-    [
-        ({}, "z,d\n0,92\n20,x\n", "a.csv: line 3: cell 2 (d) is no finite number"),
-        ({}, "z,d\n0,92\n20,9200\n", "line 3: cell 2, the diameter, is beyond 1 .. 4000 mm"),
-        ({}, "z,d\n0,92\n\n20,92\n10,92\n40,92\n", "line 5: the height is not 0.01 mm more"),
-        ({}, "z,d\n40,92\n20,92\n20,92\n10,92\n", "line 4: the height is not 0.01 mm less"),
-        ({}, "0,92\n20,92\n", "line 1: of 2 columns one must be the diameter or radius or drop"),
-        ({"values": "radius"}, "z,d\n0,92\n20,92\n", "line 1: of 2 columns one must be the radius"),
-        ({}, "z,d,r\n0,92,46\n20,92,46\n", "has 2 columns of that name; name it in the header"),
-        ({}, "z,drop\n0,1\n20,2\n", "profile.nominal_mm: is missing"),
-        ({"nominal_mm": 92.0}, "z,d\n0,92\n20,92\n", "nominal_mm = 92.0: has no meaning"),
-        ({"values": "D"}, "", "profile.values = 'D': Input should be"),
-        ({"height_mm": [0, 1]}, "z,d\n0,92\n20,92\n", "profile.height_mm: cannot be combined"),
-    ],
-)
-def test_a_wrong_table_is_refused_with_its_line(
-    keys: Table, text: str, words: str, tmp_path: Path
-) -> None:
-    """File, line, column and remedy."""
-    (tmp_path / "a.csv").write_text(text)
-    line = refused(lambda: piston(tmp_path, {"csv": "a.csv", **keys}))
-    assert line.startswith("p.toml: profile.")
-    assert words in line and "; " in line
+WRONG_CSV: list[tuple[Table, str, str]] = [
+    ({}, "z,d\n0,92\n20,x\n", "a.csv: line 3: cell 2 (d) is no finite number"),
+    ({}, "z,d\n0,92\n20,9200\n", "line 3: cell 2, the diameter, is beyond 1 .. 4000 mm"),
+    ({}, "z,d\n0,92\n\n20,92\n10,92\n40,92\n", "line 5: the height is not 0.01 mm more"),
+    ({}, "z,d\n40,92\n20,92\n20,92\n10,92\n", "line 4: the height is not 0.01 mm less"),
+    ({}, "0,92\n20,92\n", "line 1: of 2 columns one must be the diameter or radius or drop"),
+    ({"values": "radius"}, "z,d\n0,92\n20,92\n", "line 1: of 2 columns one must be the radius"),
+    ({}, "z,d,r\n0,92,46\n20,92,46\n", "has 2 columns of that name; name it in the header"),
+    ({}, "z,drop\n0,1\n20,2\n", "profile.nominal_mm: is missing"),
+    ({"nominal_mm": 92.0}, "z,d\n0,92\n20,92\n", "nominal_mm = 92.0: has no meaning"),
+    ({"values": "D"}, "", "profile.values = 'D': Input should be"),
+    ({"height_mm": [0, 1]}, "z,d\n0,92\n20,92\n", "profile.height_mm: cannot be combined"),
+]
 
 
 # A half profile: a hollow arc, a convex one, a line. Points and centres are (radius, height).
@@ -192,32 +181,34 @@ def test_lines_and_arcs_are_followed_exactly(form: str, tmp_path: Path) -> None:
 SPLINE = entity("SPLINE", "AcDbSpline", (70, 8), (71, 3), (72, 0), (73, 0))
 
 
-@pytest.mark.parametrize(
-    ("keys", "text", "words"),
-    [
-        (
-            {},
-            drawing(polyline(UP), SPLINE),
-            f"entity {SPLINE.split()[3]} (SPLINE) of layer Skirt: is none of lines",
-        ),
-        ({"layer": "B"}, drawing(polyline(UP), AXIS), 'layer "B" is empty; set layer to'),
-        ({}, drawing(polyline(UP), AXIS), "in model space: Axis, Skirt"),
-        ({}, drawing(polyline(UP), unit=6), 'neither mm nor inch; set unit = "mm"'),
-        ({}, drawing(line(POINTS[0], POINTS[1]), line(POINTS[2], POINTS[3])), "from the end of"),
-        ({}, drawing(polyline([*UP, (20.0, 70.0, 0.0)])), "rises by less than 0.01 mm at height"),
-        ({}, drawing(arc((45, 30), 5, 300, 60), arc((45, 30), 5, 60, 90)), "turns back over the"),
-        ({}, drawing(line((-1, 0), (45, 60))), ": height 0, radius -1 mm is beyond"),
-        ({}, "z,d\n0,92\n", "a.dxf: cannot be read: it is no DXF drawing; give"),
-        ({}, drawing(polyline(UP))[:-40], "a.dxf: cannot be read: it is no DXF drawing"),
-    ],
-)
-def test_a_wrong_drawing_is_refused_with_its_entity(
-    keys: Table, text: str, words: str, tmp_path: Path
+WRONG_DXF: list[tuple[Table, str, str]] = [
+    (
+        {},
+        drawing(polyline(UP), SPLINE),
+        f"entity {SPLINE.split()[3]} (SPLINE) of layer Skirt: is none of lines",
+    ),
+    ({"layer": "B"}, drawing(polyline(UP), AXIS), 'layer "B" is empty; set layer to'),
+    ({}, drawing(polyline(UP), AXIS), "in model space: Axis, Skirt"),
+    ({}, drawing(polyline(UP), unit=6), 'neither mm nor inch; set unit = "mm"'),
+    ({}, drawing(line(POINTS[0], POINTS[1]), line(POINTS[2], POINTS[3])), "from the end of"),
+    ({}, drawing(polyline([*UP, (20.0, 70.0, 0.0)])), "rises by less than 0.01 mm at height"),
+    ({}, drawing(arc((45, 30), 5, 300, 60), arc((45, 30), 5, 60, 90)), "turns back over the"),
+    ({}, drawing(line((-1, 0), (45, 60))), ": height 0, radius -1 mm is beyond"),
+    ({}, "z,d\n0,92\n", "a.dxf: cannot be read: it is no DXF drawing; give"),
+    ({}, drawing(polyline(UP))[:-40], "a.dxf: cannot be read: it is no DXF drawing"),
+]
+WRONG = [*(("csv", "", *row) for row in WRONG_CSV), *(("dxf", "dxf: a.dxf", *r) for r in WRONG_DXF)]
+
+
+@pytest.mark.parametrize(("key", "place", "keys", "text", "words"), WRONG)
+def test_a_wrong_file_is_refused_with_its_place(
+    key: str, place: str, keys: Table, text: str, words: str, tmp_path: Path
 ) -> None:
-    """File, handle, layer and remedy."""
-    (tmp_path / "a.dxf").write_text(text)
-    line = refused(lambda: piston(tmp_path, {"dxf": "a.dxf", **keys}))
-    assert line.startswith("p.toml: profile.dxf: a.dxf") and words in line
+    """File, line and column or handle and layer, and remedy."""
+    (tmp_path / f"a.{key}").write_text(text)
+    line = refused(lambda: piston(tmp_path, {key: f"a.{key}", **keys}))
+    assert line.startswith(f"p.toml: profile.{place}")
+    assert words in line and "; " in line
 
 
 def test_files_are_confined_and_step_is_out_of_scope(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 import os
 import re
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -41,9 +42,14 @@ def csv_of(heights: tuple[float, ...] = (0.0,), first: str = HEADER) -> str:
     return points_text(first, deg, z_mm, um)
 
 
-def geometry_of(folder: Path, scan: str, more: str = "") -> Geometry:
-    """Make the geometry of a part with this scan beside it."""
-    return make_geometry(points_part(folder, scan, more, "[0, 60]"))
+def points_of(
+    folder: Path, text: str, more: str = "", height_mm: str = "[0, 24]", direction: int = 1
+) -> Geometry:
+    """Return the geometry of a part with this scan beside it."""
+    return make_geometry(points_part(folder, text, more, height_mm, direction))
+
+
+geometry_of = partial(points_of, height_mm="[0, 60]")
 
 
 @settings(max_examples=20)
@@ -174,11 +180,6 @@ def own(i: int) -> Floats:
     n = (72, 80, 97, 120)[i]
     even = 360 * np.arange(n) / n
     return np.asarray(np.mod(even + 1.3 * i + np.sin(np.radians(2 * even)), 360))
-
-
-def points_of(folder: Path, text: str, more: str = "", direction: int = 1) -> Geometry:
-    """Return the geometry of a part with this scan beside it."""
-    return make_geometry(points_part(folder, text, more, direction=direction))
 
 
 EVERY_5_DEG, RISING_MM = np.arange(0.0, 360, 5), np.array(HEIGHTS_MM)[:, None]
@@ -356,30 +357,27 @@ def test_noise_waves_and_corners_are_no_outliers() -> None:
     assert outliers(sections_of([oval + 0.9 * (EVERY_3_DEG == 9)])) == []
 
 
+EXCEEDS = "  {}the surface exceeds the profile's diameter by up to {} mm, at {} degrees"
+
+
 @pytest.mark.parametrize(
-    ("sign", "caution"),
+    ("sign", "off_um", "told"),
     [
-        (-1.0, "  caution: the surface exceeds the profile's diameter by up to 0.3 mm, at 90 degr"),
-        (1.0, ""),
+        (-1.0, 0.0, EXCEEDS.format("caution: ", 0.3, 90)),  # 2 x 150 um
+        (1.0, 0.0, ""),
+        (1.0, -2.0, EXCEEDS.format("", 0.004, 0)),
+        (1.0, 20 * np.cos(np.radians(EVERY_3_DEG)), ""),  # beyond at one side, within at the other
     ],
 )
-def test_diameters_beyond_the_profile_are_named(sign: float, caution: str, tmp_path: Path) -> None:
-    """A scan with the wrong sign has 2 x 150 um more diameter than the profile."""
-    values = {z_mm: sign * oval_um(EVERY_3_DEG, z_mm) for z_mm in TENS_MM}
+def test_diameters_beyond_the_profile_are_named(
+    sign: float, off_um: Floats | float, told: str, tmp_path: Path
+) -> None:
+    """With a caution where a scan has the wrong sign, without one for 4 um of 100."""
+    values = {z_mm: sign * oval_um(EVERY_3_DEG, z_mm) + off_um for z_mm in TENS_MM}
     shown = made_skirt(oval_part(tmp_path, values)).text()
-    assert caution in shown and ("exceeds" in shown) == bool(caution)
-    if caution:
+    assert told in shown and ("exceeds" in shown) == bool(told)
+    if sign < 0:
         assert "height 30 mm; reductions are positive towards the axis\n" in shown
-
-
-def test_a_little_more_diameter_is_no_caution(tmp_path: Path) -> None:
-    """Of 4 um of 100; with one side beyond and the other as far within there is no more of it."""
-    low = {z_mm: oval_um(EVERY_3_DEG, z_mm) - 2 for z_mm in TENS_MM}
-    shown = made_skirt(oval_part(tmp_path, low)).text()
-    assert "  the surface exceeds the profile's diameter by up to 0.004 mm, at 0 degrees" in shown
-    aside = {z_mm: oval_um(EVERY_3_DEG, z_mm) for z_mm in TENS_MM}
-    aside = {z: um + 20 * np.cos(np.radians(EVERY_3_DEG)) for z, um in aside.items()}
-    assert "exceeds" not in made_skirt(oval_part(tmp_path, aside)).text()
 
 
 def true_um(phi: Floats, z_mm: Floats) -> Floats:
