@@ -174,9 +174,8 @@ def test_part_that_the_machine_cannot_cut_is_refused(tmp_path: Path, capsys: Cap
     for bandwidth, says in refusals.items():
         machine.write_text(f"[u]\nspeed_mm_per_s = 5\n{bandwidth}\n", "ascii")
         assert run("--machine", machine, PERKINS)[0] == 2
-        lines = capsys.readouterr().err.splitlines()
-        assert len(lines) == 1
-        assert says in lines[0]
+        [line] = capsys.readouterr().err.splitlines()
+        assert says in line
 
 
 # Over CAN: the firmware in a process of its own; its U is ideal, so records are a plant's.

@@ -18,7 +18,8 @@ from camtools.pipeline.load import Made
 from camtools.skirt.kind import KIND
 from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.summary import emit_header, emit_source, identifier
-from tests.tools.cases.part_cases import PERKINS, ROOT, Command, environment, listing
+from tests.tools.cases.cut_cases import written
+from tests.tools.cases.part_cases import PERKINS, ROOT, Command, environment, listing, sure
 
 STRICT_C = ["-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wpedantic", "-Werror"]
 NAMES = ["perkins240.camtab", "perkins240.json", "perkins240_table.c", "perkins240_table.h"]
@@ -110,10 +111,8 @@ def test_bad_part_leaves_nothing(
 
 def test_generated_c_is_the_image(tmp_path: Path, generated: GeneratedSkirt) -> None:
     """The C source compiles without a warning and holds the image's bytes, aligned to 32."""
-    compiler = shutil.which("gcc") or shutil.which("cc")
-    assert compiler is not None
-    for name, data in Made(KIND, generated).files(with_plots=False).items():
-        (tmp_path / name).write_bytes(data)
+    compiler = sure(shutil.which("gcc") or shutil.which("cc"))
+    written(Made(KIND, generated), tmp_path)
     (tmp_path / "main.c").write_text(
         '#include "perkins240_table.h"\n#include <stdio.h>\nint main(void)\n{\n'
         "    if (((uintptr_t)perkins240_table % 32u) != 0u) { return 1; }\n"

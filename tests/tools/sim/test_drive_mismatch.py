@@ -7,9 +7,9 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import omega_rad_s
-from camtools.pipeline.load import load, make
 from camtools.sim.drive_mismatch import mismatch
-from tests.tools.cases.part_cases import ROOT, sure
+from tests.tools.cases.cut_cases import made_of, written
+from tests.tools.cases.part_cases import sure
 
 
 def lag(hz: float, damping: float, delay_s: float, omega: float) -> complex:
@@ -40,19 +40,12 @@ def test_learning_takes_it_away(table: Path) -> None:
     assert found.text().endswith(" with it")
 
 
-def machine_of(path: Path, folder: Path) -> str:
-    """Write the table of a part; return the machine for which it is made."""
-    made = make(load(path), path)
-    for name, content in made.files(with_plots=False).items():
-        (folder / name).write_bytes(content)
-    return made.kind.machine(made.table.part)
-
-
 @pytest.mark.long
 def test_ripple_is_learned_on_a_flank_of_nine_mm_per_rad(tmp_path: Path) -> None:
     """A step of the learned angle moves U by its slope, and must not exceed its acceleration."""
-    machine = machine_of(ROOT / "tools" / "parts" / "p4c-35.toml", tmp_path)
-    found = mismatch(tmp_path / "p4c-35.camtab", machine, [], 150.0)
+    made = made_of("p4c-35")
+    machine = made.kind.machine(made.table.part)
+    found = mismatch(written(made, tmp_path), machine, [], 150.0)
     assert found.faults == ()
     assert sure(found.with_um) < 12.1 < 20 < sure(found.without_um)  # 12 um are the blends
 

@@ -78,11 +78,6 @@ def without_ovality() -> str:
     return head + tail[tail.index("[piston.section]") :]
 
 
-def tool(line: str) -> str:
-    """Return the good file with a line of [tool]."""
-    return f"{GOOD}\n[tool]\n{line}\n"
-
-
 def changed(name: str, old: str, new: str) -> str:
     """Return another part file with a change."""
     text = (PARTS / f"{name}.toml").read_text()
@@ -95,7 +90,7 @@ BOTH = "spindle_torque_nm = 5\nspindle_inertia_kgm2 = 1\n"
 OVAL = 'shape = "double-ellipse"\nbeta = [0.6, 1.0, 1.4]'
 ARC_SIDES, OTHER = ARC.replace("0.3", "0.1"), "piston.antithrust"
 PROFILE, OVALITY = "piston.profile", "piston.ovality"
-MACHINE = "machine.limits"
+MACHINE, TOOL = "machine.limits", f"{GOOD}\n[tool]\n"
 BAD = [
     # what the file says, the field that must be named, what to do about it
     (with_line("name", '"a b"'), "part.name = 'a b'", "use 1 to 31 letters"),
@@ -208,11 +203,11 @@ BAD = [
      f"{OVALITY}.height_mm = [5.0, 62.0]: must cover", "add points"),
     (formula("per_mm = 0.00238", "per_mm = 1 #"), f"{OVALITY}.fall_mm_per_mm = 1.0: makes", "less"),
     (formula("peak_diameter_mm", "diameter_mm"), f"{PROFILE}.peak_diameter_mm: is miss", "add it"),
-    (tool("nose_radius_mm = 0.005"), "tool.nose_radius_mm = 0.005: must be 0 or", "give 0"),
-    (tool("nose_radius_mm = -1"), "tool.nose_radius_mm = -1", "at least 0"),
-    (tool("clearance_deg = 0"), "tool.clearance_deg = 0", "at least 0.1"),
-    (tool("wear_um = -1"), "tool.wear_um = -1", "at least 0"),
-    (tool("radius = 1"), "tool.radius: unknown key", "remove it"),
+    (TOOL + "nose_radius_mm = 0.005\n", "tool.nose_radius_mm = 0.005: must be 0 or", "give 0"),
+    (TOOL + "nose_radius_mm = -1\n", "tool.nose_radius_mm = -1", "at least 0"),
+    (TOOL + "clearance_deg = 0\n", "tool.clearance_deg = 0", "at least 0.1"),
+    (TOOL + "wear_um = -1\n", "tool.wear_um = -1", "at least 0"),
+    (TOOL + "radius = 1\n", "tool.radius: unknown key", "remove it"),
     (with_process('path = "spiral"'), "process.path = 'spiral'", "'helix', 'ring-helix' or"),
     (with_process('path = "ring-helix"\nmode = "equal-volume"'), "process.path = 'ring-helix'",
      "or path"),
