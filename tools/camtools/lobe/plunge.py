@@ -1,13 +1,12 @@
 """Plunge grinding: the wheel stands in a lobe, X feeds in turn by turn and sparks out.
 
-The turns of the spindle are counted by a station s that advances by the feed as Z does on a plain
-helix (TABLE_FORMAT.md, "Stations"). Every lobe takes as many turns: X comes in, falls by the infeed
-per turn, eases out over a turn, stays for the spark-out, and goes off; then Z moves to the next.
+Every lobe takes as many turns: X comes in, falls by the infeed per turn, eases out over a turn,
+stays for the spark-out, and goes off; then Z moves to the next.
 
 >>> plan = Plan(10, 3, 4, 8, 300_000, 4, 9.5, 0.01)
 >>> plan.stay_turns, plan.turns(3)
 (22, 82)
->>> _sampled(_pieces(plan), np.array([4.0, 5.0, 14.5, 15.0, 18.0]))[:, 0].round(6).tolist()
+>>> sampled(_pieces(plan), np.array([4.0, 5.0, 14.5, 15.0, 18.0]))[:, 0].round(6).tolist()
 [0.105, 0.095, 0.000938, 0.0, 0.0]
 """
 
@@ -19,18 +18,16 @@ import numpy as np
 
 from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import NM_PER_MM, Floats
+from camtools.cut.stretch import AHEAD_MM, Stretch, is_gentle, over_turns, sampled
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.part import LobePart
 from camtools.table.channel import KIND_WAY, KIND_X, MAX_SLICES, MIN_SPACING_NM, Channel
-from camtools.table.header import TooLargeError, quantise, with_bounds
+from camtools.table.header import TooLargeError
 
 CLEAR_MM = 1.0  # between the wheel and all that stands out, while Z moves
-_AHEAD_MM = 40.0  # by which the station may run ahead of Z: a channel holds 67 mm of difference
 _FEED_MM = 9.9
 _LEAST_TURNS, _MOST_TURNS = 4, 400
 _KNOTS = 8  # at most, of a turn
-_BEND = 5.774  # largest second derivative of a quintic step of 1 over 1
-_MOST_BEND_PER_MM, _MOST_CHANGE = 3.8, 1.9  # of what the controller measures: cam_peaks.c
 
 
 class Plan(NamedTuple):
@@ -60,28 +57,6 @@ class Plan(NamedTuple):
         return (self.infeed_turns + 0.5) * self.infeed_mm
 
 
-class Stretch(NamedTuple):
-    """A quintic from the turn `at` on; value, slope per turn at both ends, no second derivative."""
-
-    at: float
-    turns: float
-    low: tuple[float, float]
-    high: tuple[float, float]
-
-
-def _quintic(piece: Stretch, turn: Floats) -> Floats:
-    """Return value and two derivatives per turn; shape (n, 3)."""
-    t, n = (turn - piece.at) / piece.turns, piece.turns
-    p0, v0 = piece.low[0], piece.low[1] * n
-    p1, v1 = piece.high[0], piece.high[1] * n
-    rise, bend = p1 - p0 - v0, v1 - v0
-    c3, c4, c5 = 10 * rise - 4 * bend, -15 * rise + 7 * bend, 6 * rise - 3 * bend
-    value = p0 + t * (v0 + t**2 * (c3 + t * (c4 + t * c5)))
-    first = v0 + t**2 * (3 * c3 + t * (4 * c4 + t * 5 * c5))
-    second = t * (6 * c3 + t * (12 * c4 + t * 20 * c5))
-    return np.stack([value, first / n, second / n**2], axis=-1)
-
-
 def _pieces(plan: Plan) -> list[Stretch]:
     """Return X above its last place over the turns of a lobe [mm]."""
     ends = ((plan.clear_mm, 0.0), (plan.first_mm, -plan.infeed_mm))
@@ -98,15 +73,6 @@ def _pieces(plan: Plan) -> list[Stretch]:
         if turns:
             found.append(Stretch(at, turns, low, high))
             at += turns
-    return found
-
-
-def _sampled(pieces: list[Stretch], turn: Floats) -> Floats:
-    """Return value and derivatives of pieces one after the other; shape (n, 3)."""
-    which = np.searchsorted([piece.at for piece in pieces], turn, side="right") - 1
-    found = np.zeros((turn.size, 3))
-    for i, piece in enumerate(pieces):
-        found[which == i] = _quintic(piece, turn[which == i])
     return found
 
 
@@ -138,12 +104,6 @@ def check_width(part: LobePart) -> None:
             raise GeometryError(field, problem, remedy)
 
 
-def _is_gentle(size_mm: float, turns: int, feed_mm: float, spacing_mm: float) -> bool:
-    """Return whether the controller measures the bend of a step rightly."""
-    bend = _BEND * size_mm / (turns * feed_mm) ** 2
-    return bend <= min(_MOST_BEND_PER_MM, _MOST_CHANGE / spacing_mm)
-
-
 def plan_of(part: LobePart, lobes: list[ShaftLobe]) -> Plan:
     """Return the plan of a part; refuse a bad wheel, too many turns, lobes too far apart."""
     check_width(part)
@@ -157,7 +117,7 @@ def plan_of(part: LobePart, lobes: list[ShaftLobe]) -> Plan:
     clear = lift + (turns + 0.5) * infeed + CLEAR_MM
     z_nm = middles_nm(lobes)
     pitch = max((high - low for low, high in pairwise(z_nm)), default=0) / NM_PER_MM
-    travel = (z_nm[-1] - z_nm[0]) / NM_PER_MM + _AHEAD_MM
+    travel = (z_nm[-1] - z_nm[0]) / NM_PER_MM + AHEAD_MM
     off, move = _LEAST_TURNS, _LEAST_TURNS
     while max(off, move) <= _MOST_TURNS:
         plan = Plan(turns, process.spark_out_turns, off, move, 0, 1, clear, infeed)
@@ -169,8 +129,8 @@ def plan_of(part: LobePart, lobes: list[ShaftLobe]) -> Plan:
             raise CamtoolsError([f"process.infeed_um = {process.infeed_um:g}: {problem}; {remedy}"])
         knots = min(_KNOTS, room)
         spacing = feed / knots
-        is_off = _is_gentle(clear, off, feed, spacing)
-        is_moved = _is_gentle(pitch, move, feed, spacing)
+        is_off = is_gentle(clear, off, feed, spacing)
+        is_moved = is_gentle(pitch, move, feed, spacing)
         if is_off and is_moved:
             feed_nm = int(feed * NM_PER_MM) // knots * knots
             return plan._replace(feed_nm=feed_nm, knots=knots)
@@ -188,9 +148,8 @@ def stations_of(plan: Plan, lobes: list[ShaftLobe]) -> list[tuple[int, int]]:
 
 def _channel(kind: int, plan: Plan, exact: Floats, range_nm: tuple[int, int]) -> Channel:
     """Return a channel over the station of triples per turn [nm]."""
-    knots = exact / np.array([1.0, plan.knots, 2.0 * plan.knots**2])
     try:
-        return with_bounds(quantise(kind, knots[:, None], 0, range_nm))
+        return over_turns(kind, exact, plan.knots, range_nm)
     except TooLargeError as error:
         problem = "lobes are too unevenly spaced, or the lift is too large"
         raise CamtoolsError([f"cam.lobe: {problem}; make tables of fewer lobes"]) from error
@@ -205,7 +164,7 @@ def _over_shaft(plan: Plan, stays: list[list[Stretch]], places: list[float]) -> 
             ends = (places[i], 0.0), (places[i + 1], 0.0)
             pieces.append(Stretch(i * every + plan.stay_turns, plan.move_turns, *ends))
     n = plan.turns(len(stays)) * plan.knots
-    return _sampled(pieces, np.arange(n + 1) / plan.knots)
+    return sampled(pieces, np.arange(n + 1) / plan.knots)
 
 
 def x_channel(plan: Plan, part: LobePart, lobes: list[ShaftLobe]) -> Channel:
