@@ -64,7 +64,7 @@
     X(u_retract,             -56, "the retract position is outside U's stroke") \
     X(spindle_loop,          -57, "the spindle's speed loop is too slow for its modulation") \
     X(spindle_set_point,     -58, "the set-point of the speed loop would exceed the highest speed") \
-    X(z_stations,            -59, "the table stops Z at each lobe, which a measured Z cannot do") \
+    X(z_stations,            -59, "the table stops Z at its lobes or lands, which a measured Z cannot do") \
     /* Recorder and excitation (cam_recorder.h, cam_machine.h) */ \
     X(scope_field,           -60, "there is no such field of the recorder, or it is read-only") \
     X(scope_range,           -61, "the value is out of the range of the recorder's field") \

@@ -132,7 +132,8 @@ static int64_t stop_ramp_q32(const cam_play_config_t *c, const cam_params_t *p,
     const uint32_t rpm = most_mrpm / 1000u + 1u;
     const uint64_t even = (uint64_t)c->feed_nm * rpm * rpm / UINT64_C(3600000000) + 1u; // [mm/s2]
     const uint64_t z = cam_scaled_up_u64(even, table->way_slope_ppm, 1000000);
-    const uint64_t x = cam_scaled_up_u64(z, table->x_slope_ppm, 1000000);
+    const uint64_t along = table->has_stations ? even : z; // the heights of the table
+    const uint64_t x = cam_scaled_up_u64(along, table->x_slope_ppm, 1000000);
     const uint64_t z_turns = 2u * z / (uint64_t)p->z_acceleration_mm_per_s2 + 1u;
     const uint64_t x_turns = 2u * x / (uint64_t)p->x_acceleration_mm_per_s2 + 1u;
     const uint64_t turns = cam_greater_u64(2u, cam_greater_u64(z_turns, x_turns));

@@ -243,7 +243,7 @@ static cam_demand_t x_speed_demand(const cam_cut_t *c)
 {
     const double clearing =
         15.0 / 8.0 * cam_demand_clearance_nm(c->t, c->p) * c->peak_mrpm / (depth_turns(c) * 6e7);
-    const double barrel = cam_z_coupling_x_um_per_s(c) * c->t->x_slope_ppm * 1e-6;
+    const double barrel = cam_z_coupling_along_um_per_s(c) * c->t->x_slope_ppm * 1e-6;
     return (cam_demand_t){cam_err_x_speed, c->p->x_speed_um_per_s,
                           cam_cut_up(cam_cut_most(barrel, clearing))};
 }
@@ -255,9 +255,9 @@ static cam_demand_t x_acceleration_demand(const cam_cut_t *c)
     const double per_s = c->peak_mrpm / (6e4 * depth_turns(c)); // n / t
     const double clearing =
         5.7735027e-6 * cam_demand_clearance_nm(c->t, c->p) * per_s * per_s; // 10 / root of 3
-    const double v_um_per_s = cam_z_coupling_x_um_per_s(c);
-    const double bend = v_um_per_s * v_um_per_s * c->t->x_bend_ppm_per_m * 1e-15;
-    const double along = cam_z_coupling_x_mm_per_s2(c) * c->t->x_slope_ppm * 1e-6;
+    const double v_um_per_s = cam_z_coupling_along_um_per_s(c);
+    const double bend = v_um_per_s * v_um_per_s * c->t->x_bend_ppm_per_mm * 1e-12;
+    const double along = cam_z_coupling_along_mm_per_s2(c) * c->t->x_slope_ppm * 1e-6;
     return (cam_demand_t){cam_err_x_acceleration, c->p->x_acceleration_mm_per_s2,
                           cam_cut_up(cam_cut_most(bend + along, clearing))};
 }

@@ -164,11 +164,11 @@ double cam_z_coupling_z_mm_per_s2(const cam_cut_t *c);
 ///         accelerated by this controller, and is taken as moving evenly.
 double cam_z_coupling_z_feeding_mm_per_s2(const cam_cut_t *c);
 
-/// @return [um/s] speed of X along its profile: with stations along the helix, not Z
-double cam_z_coupling_x_um_per_s(const cam_cut_t *c);
+/// @return [um/s] speed along the heights of the table: with stations that of the helix, not of Z
+double cam_z_coupling_along_um_per_s(const cam_cut_t *c);
 
 /// @return [mm/s2] its acceleration
-double cam_z_coupling_x_mm_per_s2(const cam_cut_t *c);
+double cam_z_coupling_along_mm_per_s2(const cam_cut_t *c);
 
 /// Bound the drift of a channel. Slices pass at the speed of Z over their spacing. The rate of
 /// change jumps from one slice to the next, and an axis takes the jump within one set-point; while

@@ -27,7 +27,7 @@ static double way_slope(const cam_cut_t *c)
 static double way_mm_per_s2(const cam_cut_t *c)
 {
     const double v_um_per_s = plain_um_per_s(c);
-    return c->t->way.knots != NULL ? v_um_per_s * v_um_per_s * c->t->way_bend_ppm_per_m * 1e-15
+    return c->t->way.knots != NULL ? v_um_per_s * v_um_per_s * c->t->way_bend_ppm_per_mm * 1e-12
                                    : 0.0;
 }
 
@@ -65,12 +65,12 @@ double cam_z_coupling_z_feeding_mm_per_s2(const cam_cut_t *c)
                                       : cam_z_coupling_z_mm_per_s2(c);
 }
 
-double cam_z_coupling_x_um_per_s(const cam_cut_t *c)
+double cam_z_coupling_along_um_per_s(const cam_cut_t *c)
 {
     return c->t->has_stations ? plain_um_per_s(c) : cam_z_coupling_z_um_per_s(c);
 }
 
-double cam_z_coupling_x_mm_per_s2(const cam_cut_t *c)
+double cam_z_coupling_along_mm_per_s2(const cam_cut_t *c)
 {
     return c->t->has_stations ? ramp_mm_per_s2(c) : cam_z_coupling_z_feeding_mm_per_s2(c);
 }
@@ -82,8 +82,8 @@ cam_z_coupling_t cam_z_coupling_of(const cam_cut_t *c, const cam_channel_t *ch,
         return (cam_z_coupling_t){0};
     }
     const double spacing_um = ch->span_nm * 1e-3 / (ch->n_slices - 1u);
-    const double per_s = cam_z_coupling_z_um_per_s(c) / spacing_um;
-    const double per_s2 = cam_z_coupling_z_feeding_mm_per_s2(c) * 1e3 / spacing_um;
+    const double per_s = cam_z_coupling_along_um_per_s(c) / spacing_um;
+    const double per_s2 = cam_z_coupling_along_mm_per_s2(c) * 1e3 / spacing_um;
     return (cam_z_coupling_t){
         .speed = change->most * per_s * 1e-3,
         .speed_per_rad = change->per_rad * per_s * 1e-3,

@@ -64,6 +64,14 @@ static cam_ilc_reason_t asked_of(const cam_machine_t *m)
     return m->table.n_lobes > 0u ? cam_ilc_lobes : cam_ilc_all;
 }
 
+/// @return whether the section changes at once from one band of the table to the next, where a
+/// round
+///         one shows nothing of the drive: the cut learns nothing of U then
+static bool has_bands(const cam_machine_t *m)
+{
+    return m->has_table && m->table.has_stations && m->table.n_lobes == 0u;
+}
+
 /// @return the encoder's error A sin(angle - phase) in the cutting direction: -j A e^(-j phase)
 static cam_complex_t eccentricity(const cam_machine_t *m)
 {
@@ -147,7 +155,7 @@ static cam_ilc_setup_t setup_of(const cam_machine_t *m)
         .reason = asked_of(m),
         .n_harmonics = (uint32_t)p->learn_harmonics,
         .gain_q16 = q16_of_ppm(p->learn_gain_ppm),
-        .cut_gain_q16 = q16_of_ppm(p->learn_cut_gain_ppm),
+        .cut_gain_q16 = has_bands(m) ? 0 : q16_of_ppm(p->learn_cut_gain_ppm),
         // at least three steps of the scale, within the range of the parameter
         .probe_q6 = cam_clamp_i32(3 * p->u_scale_nm, p->probe_nm, most_probe_nm) * 64,
         .ripple_turns = ripple_turns(m),

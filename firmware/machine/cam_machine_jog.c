@@ -302,8 +302,8 @@ cam_err_t cam_machine_check_positions(const cam_machine_t *m, const cam_status_t
         }
     }
     const bool is_z_in =
-        m->params.z_is_measured != 0 ||
-        is_in_travel(m, status, hal_axis_z, m->table.z_first_nm, m->table.z_last_nm);
+        m->params.z_is_measured != 0 || is_in_travel(m, status, hal_axis_z, m->table.z_first_nm,
+                                                     cam_feed_profile_z_last_nm(&m->table));
     return is_z_in && cam_machine_is_x_in_travel(m, status, m->params.x_trim_nm) ? cam_ok
                                                                                  : cam_err_travel;
 }

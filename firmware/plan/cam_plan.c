@@ -96,22 +96,24 @@ static int32_t u_height_nm(const cam_plan_t *p, const cam_play_config_t *cfg, in
 }
 
 /// Plan U's amplitude, and how far Z's set-point is ahead of its height.
-static void plan_u(cam_motion_t *m, const cam_play_config_t *cfg, int32_t scale_q30, int32_t z_nm,
-                   int32_t u_z_nm)
+static void plan_u(cam_motion_t *m, const cam_play_config_t *cfg, int32_t scale_q30,
+                   int32_t ahead_nm)
 {
-    m->z_ahead_nm = cam_sat_i32((int64_t)cfg->z_origin_nm + z_nm - u_z_nm);
+    m->z_ahead_nm = cam_sat_add(cfg->z_origin_nm, ahead_nm);
     m->scale_step_q30 = cam_plan_move_share(cfg, cam_sat_sub(scale_q30, m->scale_q30));
     m->scale_q30 = cam_sat_i32(scale_q30 - (int64_t)m->scale_step_q30 * cfg->plan_ticks);
 }
 
-/// Planned height of Z, height at which U is evaluated, and shares of the lobe.
+/// Height at which X is evaluated, how far Z's set-point is ahead of U's height, and shares of the
+/// lobe.
 typedef struct {
-    int32_t z_nm, u_z_nm;
+    int32_t z_nm, ahead_nm;
     cam_share_t share;
 } height_t;
 
 /// Plan Z and U's height for a skirt. With a feed profile Z deviates from the helix; U is so close
-/// to Z that the slope of the profile at Z holds for U as well.
+/// to Z that the slope of the profile at Z holds for U as well. With stations X and U stay on the
+/// helix.
 static height_t plan_skirt(const cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m,
                            int32_t helix_nm, int64_t u_q32)
 {
@@ -121,10 +123,17 @@ static height_t plan_skirt(const cam_plan_t *p, const cam_play_config_t *cfg, ca
         has_profile ? cam_feed_profile_at(cfg->table, helix_nm) : plain;
     cam_plan_move_line_isr(&m->axis[hal_axis_z], cfg, by_port_q10(cfg, profile.z_nm));
     const int32_t u_nm = u_height_nm(p, cfg, u_q32, helix_nm, m->axis[hal_axis_z].vel_q10);
-    const int64_t behind_q16 = (int64_t)cam_sat_sub(u_nm, helix_nm) * profile.slope_q16;
-    const int32_t u_z_nm = has_profile ? cam_sat_i32(profile.z_nm + (behind_q16 >> 16)) : u_nm;
+    height_t at = {helix_nm, cam_sat_sub(helix_nm, u_nm), {ONE_Q30, ONE_Q30}};
+    int32_t u_z_nm = u_nm;
+    if (has_profile) {
+        at.ahead_nm = cam_sat_i32(((int64_t)at.ahead_nm * profile.slope_q16) >> 16);
+    }
+    if (has_profile && !cfg->table->has_stations) {
+        at.z_nm = profile.z_nm;
+        u_z_nm = cam_sat_sub(profile.z_nm, at.ahead_nm);
+    }
     plan_height(m, cfg, slice_q32(cfg, u_z_nm));
-    return (height_t){profile.z_nm, u_z_nm, {ONE_Q30, ONE_Q30}};
+    return at;
 }
 
 /// Plan Z and U's pattern for a shaft of lobes. With stations, the helix selects lobes and X, and Z
@@ -134,16 +143,17 @@ static height_t plan_shaft(cam_plan_t *p, const cam_play_config_t *cfg, cam_moti
 {
     const cam_table_t *t = cfg->table;
     cam_axis_motion_t *z = &m->axis[hal_axis_z];
-    int32_t u_z_nm = helix_nm;
+    int32_t ahead_nm = 0;
     int32_t lobe_z_nm = helix_nm;
     if (t->has_stations) {
         cam_plan_move_line_isr(z, cfg, by_port_q10(cfg, cam_feed_profile_at(t, helix_nm).z_nm));
     } else {
         cam_plan_move_line_isr(z, cfg, by_port_q10(cfg, helix_nm));
-        u_z_nm = u_height_nm(p, cfg, u_q32, helix_nm, z->vel_q10);
-        lobe_z_nm = cfg->is_z_measured ? cam_shaft_smooth_isr(&p->shaft, u_z_nm) : u_z_nm;
+        const int32_t u_nm = u_height_nm(p, cfg, u_q32, helix_nm, z->vel_q10);
+        ahead_nm = cam_sat_sub(helix_nm, u_nm);
+        lobe_z_nm = cfg->is_z_measured ? cam_shaft_smooth_isr(&p->shaft, u_nm) : u_nm;
     }
-    return (height_t){helix_nm, u_z_nm, cam_shaft_plan_isr(&p->shaft, t, lobe_z_nm, m)};
+    return (height_t){helix_nm, ahead_nm, cam_shaft_plan_isr(&p->shaft, t, lobe_z_nm, m)};
 }
 
 /// @return [turn / 2^32] phase at the next plan
@@ -333,7 +343,7 @@ static void plan_axes(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tic
     const int64_t x_q10 = cam_plan_move_profile_q10(cfg, z_nm, x_envelope, p->x_trim_q4);
     cam_plan_move_line_isr(&m->axis[hal_axis_x], cfg, x_q10 + HALF_NM_Q10 + away_q10);
     plan_speed(p, cfg, angle, z_nm, cam_mul_shift(u_envelope, at.share.ratio_q30, 30), m);
-    plan_u(m, cfg, scale_q30, z_nm, at.u_z_nm);
+    plan_u(m, cfg, scale_q30, at.ahead_nm);
     if (cfg->swing.is_swung && !p->is_rehearsal) {
         const cam_swing_config_t *swing = &cfg->swing;
         const int64_t swing_q32 = ahead_q32(angle, swing->ahead_q16, m->alpha_q40, swing->ahead2);

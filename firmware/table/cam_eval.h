@@ -214,9 +214,9 @@ static inline cam_value_t cam_eval_profile(const cam_channel_t *ch, int32_t z_nm
 ///     Z = z + way(z),  z the height of the plain helix after the same number of turns
 ///
 /// way is 0 at both ends of the table, and 1 + dway/dz, the feed over its mean, is positive, so
-/// that Z never reverses. With stations z counts the turns, Z stands at each lobe while X feeds in,
-/// and Z ends at the last lobe. Source: TABLE_FORMAT.md, "Way" and "Stations"; MATHS.md (103),
-/// (104).
+/// that Z never reverses. With stations z counts the turns: Z stands while X feeds in or out, goes
+/// back between two passes, and stays between its first and its last height. Source:
+/// TABLE_FORMAT.md, "Way" and "Stations"; MATHS.md (103), (104).
 
 /// Position and feed on the profile.
 typedef struct {

@@ -146,12 +146,11 @@ static int64_t slope_ppm(const cam_channel_t *x, int64_t per_slice_lsb)
 }
 
 /// @param per_slice_ppm  [1e-6 per slice]
-/// @return               [1e-6 / m] UINT32_MAX where the product would overflow
-static int64_t bend_ppm_per_m(const cam_channel_t *x, int64_t per_slice_ppm)
+/// @return               [1e-6 / mm] rounded up
+static int64_t bend_ppm_per_mm(const cam_channel_t *x, int64_t per_slice_ppm)
 {
-    const int64_t most_ppm = INT64_C(1) << 21; // 2^21 10^9 2^12 < 2^63
-    return per_slice_ppm < most_ppm ? per_slice_ppm * 1000000000 * (x->n_slices - 1u) / x->span_nm
-                                    : UINT32_MAX;
+    const uint64_t per_mm = UINT64_C(1000000) * (x->n_slices - 1u);
+    return (int64_t)cam_scaled_up_u64((uint64_t)per_slice_ppm, per_mm, x->span_nm);
 }
 
 cam_x_slope_t cam_x_slope_of(const cam_channel_t *x)
@@ -164,7 +163,7 @@ cam_x_slope_t cam_x_slope_of(const cam_channel_t *x)
         const int64_t slope = slope_ppm(x, at.d1);
         raise_to(&most.slope_ppm, slope);
         raise_to(&most.rise_ppm, at.d1 > 0 ? slope : 0);
-        raise_to(&most.bend_ppm_per_m, bend_ppm_per_m(x, slope_ppm(x, at.d2)));
+        raise_to(&most.bend_ppm_per_mm, bend_ppm_per_mm(x, slope_ppm(x, at.d2)));
     }
     return most;
 }

@@ -219,8 +219,8 @@ static cam_err_t check_channel(const cam_entry_t *e, uint32_t i, uint64_t *used,
 }
 
 /// Check the channels together: u and x are present, a ring-helix has a uniform speed and no way, a
-/// way has the heights of the table, stations if and only if there are lobes, lobes have their
-/// patterns, and the version is that of the kinds.
+/// way has the heights of the table, and stations where there are lobes, lobes have their patterns,
+/// and the version is that of the kinds.
 static cam_err_t check_together(uint32_t largest_kind, cam_table_t *table)
 {
     const bool is_steady = table->speed.knots == NULL || !table->is_ring_helix;
@@ -230,7 +230,7 @@ static cam_err_t check_together(uint32_t largest_kind, cam_table_t *table)
     const cam_channel_t *way = &table->way;
     const bool is_way_sound =
         way->knots == NULL || (way->z_first_nm == table->z_first_nm && !table->is_ring_helix &&
-                               table->has_stations == (table->lobes != NULL) &&
+                               (table->has_stations || table->lobes == NULL) &&
                                (int64_t)way->z_first_nm + way->span_nm == table->z_last_nm);
     if (!is_complete || !is_known || !is_way_sound) {
         return is_newer || !is_complete ? cam_err_image_channel : cam_err_image_version;
@@ -270,7 +270,7 @@ static void measure(cam_table_t *table)
 {
     const cam_x_slope_t slope = cam_x_slope_of(&table->x);
     table->x_slope_ppm = slope.slope_ppm;
-    table->x_bend_ppm_per_m = slope.bend_ppm_per_m;
+    table->x_bend_ppm_per_mm = slope.bend_ppm_per_mm;
     table->spindle_demand = cam_peaks_of_speed(&table->speed);
     table->u3_peak_nm_per_rad3 = cam_peaks_third(&table->u);
     table->u2_rms_nm_per_rad2 = cam_peaks_rms_second(&table->u);

@@ -112,7 +112,7 @@ typedef struct {
     cam_channel_t angle; ///< of a lobe, whose u is minus its lift: normal at the contact; knots ==
                          ///< NULL: a skirt
     cam_channel_t way;   ///< lead of Z over a plain helix; knots == NULL: 0
-    bool has_stations;   ///< Z may stand; x and lobes are found on the plain helix
+    bool has_stations;   ///< Z may stand and go back; all else is found on the plain helix
     const cam_pass_t *passes;  ///< in the order of cutting; NULL: one, as the header has it
     uint32_t n_passes;         ///< 1 .. 16; 0 without passes
     const cam_lobe_t *lobes;   ///< rising; NULL: slices are heights, not patterns
@@ -145,9 +145,9 @@ typedef struct {
     cam_spindle_demand_t spindle_demand; ///< demand of speed on the spindle's loop
     int32_t x_min_nm, x_max_nm;          ///< [nm] bounds of x, between the knots too
     uint32_t x_slope_ppm;                ///< [1e-6] largest |dX/dZ|, measured by the check
-    uint32_t x_bend_ppm_per_m;           ///< [1e-6 / m] largest |d2X/dZ2|, measured too
-    uint32_t way_slope_ppm;              ///< [1e-6] largest feed over its mean; helix: 10^6
-    uint32_t way_bend_ppm_per_m;         ///< [1e-6 / m] largest change of that with the height
+    uint32_t x_bend_ppm_per_mm;          ///< [1e-6 / mm] largest |d2X/dZ2|, measured too
+    uint32_t way_slope_ppm;              ///< [1e-6] largest |dZ/dz| of the feed; helix: 10^6
+    uint32_t way_bend_ppm_per_mm;        ///< [1e-6 / mm] largest change of that with the height
     uint32_t crc32;                      ///< of the image's bytes from 24 on
     const void *image;                   ///< start of the image
     uint32_t image_size;                 ///< [bytes] of the whole image

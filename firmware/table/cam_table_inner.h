@@ -122,9 +122,9 @@ bool cam_entry_is_over_angle(const cam_entry_t *e);
 const void *cam_entry_data(const cam_entry_t *e, const cam_table_t *t);
 cam_channel_t cam_entry_channel(const cam_entry_t *e, const cam_table_t *t);
 
-/// Check that a way begins and ends with 0 and that Z rises everywhere (with stations: never
-/// falls), and fill in way_slope_ppm and way_bend_ppm_per_m, those of a plain helix without a way.
-/// Four evaluations per knot.
+/// Check that a way begins and ends with 0 and that Z rises everywhere (with stations: stays
+/// between its first and its last height), and fill in way_slope_ppm and way_bend_ppm_per_mm, those
+/// of a plain helix without a way. Four evaluations per knot.
 /// @return cam_ok or cam_err_image_channel
 CAM_MUST_USE cam_err_t cam_feed_profile_check(cam_table_t *table);
 
@@ -155,9 +155,9 @@ cam_change_t cam_peaks_of_change(const cam_channel_t *ch);
 
 /// Largest slope and curvature of a channel over height, saturated at UINT32_MAX.
 typedef struct {
-    uint32_t slope_ppm;      ///< [1e-6] magnitude of the slope
-    uint32_t rise_ppm;       ///< [1e-6] largest slope; 0 where none is above 0
-    uint32_t bend_ppm_per_m; ///< [1e-6 / m] magnitude of the second derivative
+    uint32_t slope_ppm;       ///< [1e-6] magnitude of the slope
+    uint32_t rise_ppm;        ///< [1e-6] largest slope; 0 where none is above 0
+    uint32_t bend_ppm_per_mm; ///< [1e-6 / mm] magnitude of the second derivative
 } cam_x_slope_t;
 
 /// Measure the slope and curvature that X and Z must be able to follow.

@@ -3,14 +3,16 @@
 #include "cam_config.h"        // cam_config_t
 #include "cam_machine_inner.h" // cam_machine_manual, cam_offsets_shift_nm
 #include "fixture_image.h"     // fixture_image_make
+#include "fixture_newer.h"     // fixture_newer_way
 #include "fixture_part.h"      // fixture_part_short
 #include "fuzz_expect.h"       // FUZZ_EXPECT
 #include "hal_host.h"          // hal_host
+#include <math.h>              // cos, sin
 #include <stdio.h>             // stderr
 #include <stdlib.h>            // getenv
 #include <string.h>            // memcpy, memset
 
-enum { skirt, modulated, camshaft };
+enum { skirt, modulated, camshaft, banded };
 enum { n_rates = fuzz_rig_n_rates, n_states = 4, mm = 1000000 };
 
 fuzz_rig_t fuzz_rig;
@@ -36,12 +38,29 @@ static const struct {
 static const cam_state_t states[n_states] = {cam_state_off, cam_state_ready, cam_state_cutting,
                                              cam_state_manual};
 
+/// Z goes back over a tenth of the height, in the middle of its way.
+static void there_and_back(double z_nm, double way[3])
+{
+    const double k = 2.0 * 3.14159265358979323846 / mm;
+    way[0] = 1.3 * (1.0 - cos(k * z_nm)) / k;
+    way[1] = 1.3 * sin(k * z_nm);
+    way[2] = 1.3 * k * cos(k * z_nm);
+}
+
 const void *fuzz_rig_image(uint32_t part, size_t *size)
 {
     if (images[part].size == 0u) {
-        const fixture_part_t parts[fuzz_rig_n_parts] = {
-            fixture_part_short(), fixture_part_modulated(), fixture_part_swung()};
-        fixture_image_make(&images[part], &parts[part]);
+        const fixture_part_t parts[fuzz_rig_n_parts] = {fixture_part_short(),
+                                                        fixture_part_modulated(),
+                                                        fixture_part_swung(), fixture_part_short()};
+        fixture_image_t *image = &images[part];
+        fixture_image_make(image, &parts[part]);
+        if (part == (uint32_t)banded) {
+            fixture_newer_way(image, there_and_back, 15, 4);
+            const uint32_t way = fixture_newer_last(image);
+            fixture_image_put(image, fixture_image_in(way, fixture_in_path), 1u);
+            fixture_image_seal(image);
+        }
     }
     *size = images[part].size;
     return images[part].bytes;

@@ -21,7 +21,7 @@ typedef struct {
     bool takes_force;  ///< U takes forces, from a loop that is weak, as the axes need none
 } fuzz_start_t;
 
-enum { fuzz_rig_n_parts = 3 }; ///< the short skirt, the modulated skirt, the camshaft
+enum { fuzz_rig_n_parts = 4 }; ///< short skirt, modulated skirt, camshaft, skirt with stations
 enum { fuzz_rig_n_rates = 8 }; ///< from 500 Hz to 100 kHz
 
 typedef struct {

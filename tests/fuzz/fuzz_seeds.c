@@ -78,6 +78,10 @@ static void put_images(void)
     fixture_image_make(&image, &few);
     fixture_newer_way(&image, way_of, 8, 4);
     put_image("way", &image);
+    const size_t path = fixture_image_in(fixture_newer_last(&image), fixture_in_path);
+    fixture_image_put(&image, path, 1u);
+    fixture_image_seal(&image);
+    put_image("stations", &image);
     const fixture_shaft_t shaft = fixture_shaft_three();
     fixture_shaft_make(&image, &shaft);
     put_image("shaft", &image);

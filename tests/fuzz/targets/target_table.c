@@ -21,6 +21,17 @@ static int64_t unit_of(const cam_channel_t *ch, int32_t y)
     return ch->value_offset + (int64_t)y / (INT64_C(1) << ch->frac_bits);
 }
 
+/// Z stays between its first and its last height, but for the rounding of knots.
+static void evaluate_way(const cam_table_t *t, int32_t z_nm)
+{
+    const cam_value_t w = cam_eval_profile(&t->way, z_nm);
+    FUZZ_EXPECT(w.y <= CAM_TABLE_SUM_MAX && w.y >= -CAM_TABLE_SUM_MAX, "way %d", (int)w.y);
+    const int64_t z = cam_feed_profile_at(t, z_nm).z_nm;
+    const bool is_far =
+        z < (int64_t)t->z_first_nm - 1002 || z > (int64_t)cam_feed_profile_z_last_nm(t) + 1002;
+    FUZZ_EXPECT(!is_far || z_nm < t->z_first_nm || z_nm > t->z_last_nm, "Z %lld", (long long)z);
+}
+
 static void evaluate(const cam_table_t *t, uint32_t theta_q32, int32_t z_nm)
 {
     const cam_value_t u = cam_eval_surface_at(&t->u, theta_q32, cam_eval_height(&t->u, z_nm));
@@ -50,8 +61,7 @@ static void evaluate(const cam_table_t *t, uint32_t theta_q32, int32_t z_nm)
     const int64_t x_nm = unit_of(&t->x, x.y);
     FUZZ_EXPECT(x_nm >= t->x_min_nm && x_nm <= t->x_max_nm, "x %lld", (long long)x_nm);
     if (t->way.knots != NULL) {
-        const cam_value_t w = cam_eval_profile(&t->way, z_nm);
-        FUZZ_EXPECT(w.y <= CAM_TABLE_SUM_MAX && w.y >= -CAM_TABLE_SUM_MAX, "way %d", (int)w.y);
+        evaluate_way(t, z_nm);
     }
 }
 

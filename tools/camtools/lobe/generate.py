@@ -223,6 +223,7 @@ def _plunged(table: Table, plunge: Plan, part: LobePart, lobes: list[ShaftLobe])
         feed_nm=plunge.feed_nm,
         depth_nm=round(part.process.stock_um * 1000),
         channels=(*table.channels, way_channel(plunge, lobes)),
+        has_stations=True,
     )
 
 

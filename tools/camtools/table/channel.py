@@ -225,7 +225,7 @@ ANGLE_TURN, ANGLE_MAX = 1 << 26, 1 << 24  # unit of swing and contact; a quarter
 DEG_PER_UNIT = 360 / ANGLE_TURN
 ALIGN = 32
 LEAST_FEED = 0.02  # of its mean: a way that falls below is refused
-LEAST_STANDING = -0.001  # with stations Z may stand, but for the rounding of a knot
+BEYOND_NM = 1000  # with stations: rounding of knots of a Z that stands
 MAX_HEIGHT_NM = 1_000_000_000
 MAX_CHANNEL_BYTES = 1 << 20  # the generators make no larger one
 SUM_LIMIT = 2**25 - 1
@@ -369,20 +369,33 @@ def check_entry(entry: dict[str, Any], ends_nm: tuple[int, int], *, has_patterns
 
 
 def check_way(way: Channel, *, has_stations: bool) -> None:
-    """Check that a way begins and ends with 0, and that Z rises; with stations it may stand."""
+    """Check that a way begins and ends with 0, and that Z rises.
+
+    With stations Z may stand and go back, but stays between its first and its last height.
+    """
     zero = -(way.value_offset << way.frac_bits)
     p, v, a = way.knots[:, 0].astype(np.int64).T
     is_ended = int(p[-1]) == zero
+    span_nm = way.z_last_nm - way.z_first_nm
+    risen_nm = span_nm + way.value_offset + (int(p[-1]) >> way.frac_bits)
     if has_stations:
-        risen_nm = way.z_last_nm - way.z_first_nm + way.value_offset + (int(p[-1]) >> way.frac_bits)
         is_ended = 0 <= risen_nm <= MAX_HEIGHT_NM - way.z_first_nm
     demand(int(p[0]) == zero and is_ended, "way: does not begin and end with 0")
+    if has_stations:
+        low, high = 10 * (p[:-1] - zero), 10 * (p[1:] - zero)  # Bernstein coefficients, times 10
+        from_low = [low, low + 2 * v[:-1], low + 4 * v[:-1] + a[:-1]]
+        tenfold = np.stack([*from_low, high - 4 * v[1:] + a[1:], high - 2 * v[1:], high], axis=1)
+        fifths = 5 * np.arange(p.size - 1)[:, None] + np.arange(6)
+        tenth_nm = 10 * fifths * span_nm // (5 * (p.size - 1)) + (tenfold >> way.frac_bits)
+        room_nm = 10 * BEYOND_NM
+        is_within = -room_nm <= tenth_nm.min() and tenth_nm.max() <= 10 * risen_nm + room_nm
+        demand(bool(is_within), "way: Z leaves the heights between its first and its last")
+        return
     inner = [v[:-1], v[:-1] + a[:-1] / 2, v[1:] - a[1:] / 2, v[1:]]
     middle = 5 * np.diff(p) - sum(inner)  # Bernstein coefficients of the slope: MATHS.md (51)
-    plain = ((way.z_last_nm - way.z_first_nm) << way.frac_bits) / (way.n_slices - 1)
+    plain = (span_nm << way.frac_bits) / (way.n_slices - 1)
     least = plain + float(np.min([*inner, middle]))
-    most_slow = LEAST_STANDING if has_stations else LEAST_FEED
-    demand(least >= most_slow * plain, "way: Z reverses or nearly stops")
+    demand(least >= LEAST_FEED * plain, "way: Z reverses or nearly stops")
 
 
 def check_knots(channel: Channel) -> None:

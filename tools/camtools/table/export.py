@@ -175,6 +175,9 @@ def _over_height(table: Table, form: str) -> str:
 
 def export_files(table: Table, export: Export) -> dict[str, bytes]:
     """Return the files of an export by name, or refuse a height outside of the table."""
+    if table.has_stations and table.angle is None:
+        problem = "the table of a part with [[piston.land]] is over the turns, not over heights"
+        raise CamtoolsError([f"--export: {problem}; export skirt and lands as parts of their own"])
     low, high = table.z_first_nm / NM_PER_MM, table.z_last_nm / NM_PER_MM
     for z_mm in export.heights_mm:
         if not low <= z_mm <= high:

@@ -69,6 +69,7 @@ class Table:
     is_ring_helix: bool = False  # a geared Z follows a ring-helix, not a helix
     lobes: tuple[LobePlace, ...] = ()  # upwards; channels over angle hold their patterns
     passes: tuple[PassRecord, ...] = ()  # in the order of cutting; without: one, of the header
+    has_stations: bool = False  # Z may stand and go back; all else is found by the turns of a helix
 
     def channel(self, kind: int) -> Channel:
         """Return the channel of this kind; `unpack` makes sure that u and x exist."""
@@ -85,9 +86,12 @@ class Table:
         return next((channel for channel in self.channels if channel.kind == KIND_WAY), None)
 
     @property
-    def has_stations(self) -> bool:
-        """Whether Z stands at each lobe, and X and lobes are found by the turns of a helix."""
-        return self.way is not None and bool(self.lobes)
+    def z_end_nm(self) -> int:
+        """Return where Z ends: with stations the highest place that it reaches."""
+        way = self.way
+        if way is None or not self.has_stations:
+            return self.z_last_nm
+        return self.z_last_nm + way.value_offset + (int(way.knots[-1, 0, 0]) >> way.frac_bits)
 
     @property
     def is_newer(self) -> bool:
@@ -207,10 +211,11 @@ def unpack(image: bytes) -> Table:
     found = _channels_of(image, table, entries, has_patterns=bool(lobes))
     passes = passes_of(image, ends_nm, entries)
     table = replace(table, channels=found, is_ring_helix=path, lobes=lobes, passes=passes)
+    table = replace(table, has_stations=stands)
     if table.way is not None:
         ends = (table.way.z_first_nm, table.way.z_last_nm)
         demand(ends == ends_nm, "way: not over the whole table")
-        demand(not path and stands == bool(lobes), "way: rings have none, lobes have stations")
+        demand(not path and (stands or not lobes), "way: rings have none, lobes have stations")
         check_way(table.way, has_stations=stands)
     demand(table.speed is None or not path, "path: a ring-helix is for one speed")
     _check_lobes(table)

@@ -78,7 +78,7 @@ static const struct {
     {"u2_rms_nm_per_rad2", &table.u2_rms_nm_per_rad2},
     {"z_last_nm", &table.z_last_nm},
     {"x_slope_ppm", &table.x_slope_ppm},
-    {"x_bend_ppm_per_m", &table.x_bend_ppm_per_m},
+    {"x_bend_ppm_per_mm", &table.x_bend_ppm_per_mm},
     {"spindle_peak_ppm_per_rad", &table.spindle_peak_ppm_per_rad},
     {"ratio_max_q20", &table.ratio_max_q20},
     {"log2_knots", &table.u.log2_knots},
@@ -188,10 +188,10 @@ static void test_limits_of_z_and_x(void)
         {"x_clearance_nm=100000000 x_speed_um_per_s=10000000 x_acceleration_mm_per_s2=2000 "
          "disengage_turns=5",
          2500000, cam_err_x_acceleration, 4.0 * 5.7735 * n * n, 2000, x_most / 2.0},
-        {"x_slope_ppm=200000 x_bend_ppm_per_m=100000000 feed_nm=1000000 feed_ramp_turns=10 "
+        {"x_slope_ppm=200000 x_bend_ppm_per_mm=100000 feed_nm=1000000 feed_ramp_turns=10 "
          "x_clearance_nm=100000 x_speed_um_per_s=8000",
          2500000, cam_err_x_speed, 200.0 * n, 8000, 8000.0 / 200.0 * 60000.0},
-        {"x_slope_ppm=200000 x_bend_ppm_per_m=100000000 feed_nm=1000000 feed_ramp_turns=10 "
+        {"x_slope_ppm=200000 x_bend_ppm_per_mm=100000 feed_nm=1000000 feed_ramp_turns=10 "
          "x_clearance_nm=100000 x_speed_um_per_s=10000000 x_acceleration_mm_per_s2=200",
          2500000, cam_err_x_acceleration, per_n2 * n * n, 200, sqrt(200.0 / per_n2) * 60000.0},
     };

@@ -27,11 +27,11 @@ void setUp(void)
                       .programmed_nm = 100000};
 }
 
-static void with_way(uint32_t slope_ppm, uint32_t bend_ppm_per_m)
+static void with_way(uint32_t slope_ppm, uint32_t bend_ppm_per_mm)
 {
     table.way.knots = &knot;
     table.way_slope_ppm = slope_ppm;
-    table.way_bend_ppm_per_m = bend_ppm_per_m;
+    table.way_bend_ppm_per_mm = bend_ppm_per_mm;
 }
 
 static void expect(double want, double found)
@@ -59,7 +59,7 @@ static void test_speed_of_z_is_feed_times_turns(void)
     expect(1000.0, speed(100000, 600000));
     expect(10000000.0, speed(10000000, 60000000));
     expect(7.0 * 42857143.0 / 6e7, speed(7, 42857143));
-    expect(7.0 * 42857143.0 / 6e7, cam_z_coupling_x_um_per_s(&cut));
+    expect(7.0 * 42857143.0 / 6e7, cam_z_coupling_along_um_per_s(&cut));
 }
 
 static void test_way_makes_z_faster_where_the_port_moves_it(void)
@@ -70,9 +70,9 @@ static void test_way_makes_z_faster_where_the_port_moves_it(void)
     expect(1000000.0, speed(1000000, 60000000));
     params.z_is_measured = 0;
     table.has_stations = true; // there X runs by the helix
-    expect(1000000.0, cam_z_coupling_x_um_per_s(&cut));
+    expect(1000000.0, cam_z_coupling_along_um_per_s(&cut));
     table.has_stations = false;
-    expect(1500000.0, cam_z_coupling_x_um_per_s(&cut));
+    expect(1500000.0, cam_z_coupling_along_um_per_s(&cut));
 }
 
 /// Ramps are made for the programmed feed and not longer than the part.
@@ -102,7 +102,7 @@ static void test_ramps_of_a_helix_need_an_acceleration(void)
 /// The change of a feed that the way has is that of its bend, times the square of the speed.
 static void test_way_adds_its_bend_to_the_acceleration(void)
 {
-    with_way(1000000, 1000000000);
+    with_way(1000000, 1000000);
     cut.peak_mrpm = 60000000; // 100 mm/s
     cut.feed_nm = 100000;
     const double plain = 10000.0;
@@ -110,9 +110,9 @@ static void test_way_adds_its_bend_to_the_acceleration(void)
     expect(plain + bent, cam_z_coupling_z_mm_per_s2(&cut));
     table.way_slope_ppm = 2000000;
     expect(2.0 * plain + bent, cam_z_coupling_z_mm_per_s2(&cut));
-    expect(2.0 * plain + bent, cam_z_coupling_x_mm_per_s2(&cut));
+    expect(2.0 * plain + bent, cam_z_coupling_along_mm_per_s2(&cut));
     table.has_stations = true;
-    expect(plain, cam_z_coupling_x_mm_per_s2(&cut));
+    expect(plain, cam_z_coupling_along_mm_per_s2(&cut));
     params.z_is_measured = 1;
     expect(plain + bent, cam_z_coupling_z_mm_per_s2(&cut));
     expect(0.0, cam_z_coupling_z_feeding_mm_per_s2(&cut));

@@ -43,19 +43,18 @@ static void test_way_is_measured(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
     TEST_ASSERT_UINT32_WITHIN(3000, 1500000, f.table.way_slope_ppm);
-    TEST_ASSERT_DOUBLE_WITHIN(0.02, 1.0, f.table.way_bend_ppm_per_m / (0.5 * 2.0 * PI * 1e9));
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, 1.0, f.table.way_bend_ppm_per_mm / (0.5 * 2.0 * PI * 1e6));
     fixture_image_make(&f.image, &part);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(f.image.bytes, f.image.size, &f.table));
     TEST_ASSERT_EQUAL_UINT32(1000000, f.table.way_slope_ppm);
-    TEST_ASSERT_EQUAL_UINT32(0, f.table.way_bend_ppm_per_m);
+    TEST_ASSERT_EQUAL_UINT32(0, f.table.way_bend_ppm_per_mm);
 }
 
 /// Check a way of bare knots.
-static cam_err_t check_bare(const cam_knot_t knots[n_knots], bool has_stations)
+static cam_err_t check_bare(const cam_knot_t knots[n_knots])
 {
     cam_table_t table = {
-        .way = {.knots = knots, .n_slices = n_knots, .span_nm = 1000000, .frac_bits = 4},
-        .has_stations = has_stations};
+        .way = {.knots = knots, .n_slices = n_knots, .span_nm = 1000000, .frac_bits = 4}};
     return cam_feed_profile_check(&table);
 }
 
@@ -68,15 +67,13 @@ static void test_a_way_that_falls_in_one_slice_is_refused(void)
         for (int i = 1; i < n_knots - 1; i++) {
             knots[i].p = fallen < 0 ? 0 : drop * i / (n_knots - 1) - (i > fallen ? drop : 0);
         }
-        TEST_ASSERT_EQUAL_INT(fallen < 0 ? cam_ok : cam_err_image_channel,
-                              check_bare(knots, false));
+        TEST_ASSERT_EQUAL_INT(fallen < 0 ? cam_ok : cam_err_image_channel, check_bare(knots));
     }
 }
 
 /// Between two knots each of the five Bernstein coefficients of the slope bounds it: the slopes at
 /// both knots and the curvatures there, which count from the slope of their knot. Of a feed that
-/// falls to a fiftieth of its mean one LSB more is refused; with stations, of a feed that falls to
-/// 0 and a thousandth of its mean beyond.
+/// falls to a fiftieth of its mean one LSB more is refused.
 static void test_a_way_is_bounded_by_slopes_and_curvatures_of_its_knots(void)
 {
     enum { plain = 1000000 * 16 / (n_knots - 1), deepest = plain - plain * 2 / 100 };
@@ -101,11 +98,50 @@ static void test_a_way_is_bounded_by_slopes_and_curvatures_of_its_knots(void)
             knots[rows[i].at[0]] = rows[i].knot[0];
             knots[rows[i].at[1]] = rows[i].knot[1];
             TEST_ASSERT_EQUAL_INT_MESSAGE(more == 0 ? cam_ok : cam_err_image_channel,
-                                          check_bare(knots, false), rows[i].name);
+                                          check_bare(knots), rows[i].name);
         }
-        const cam_knot_t standing[n_knots] = {[7] = {.v = -plain - plain / 1000 - more}};
-        TEST_ASSERT_EQUAL_INT(more == 0 ? cam_ok : cam_err_image_channel,
-                              check_bare(standing, true));
+    }
+}
+
+/// Check a way with stations that brings Z to 14 heights [um] one after the other, at rest at each.
+static cam_err_t check_rests(const double z_um[n_knots], cam_table_t *table)
+{
+    static cam_knot_t knots[n_knots];
+    for (int i = 0; i < n_knots; i++) {
+        knots[i].p = (int32_t)(z_um[i] * 16000.0 - 16e6 * i / (n_knots - 1));
+        knots[i].v = -16000000 / (n_knots - 1);
+    }
+    *table = (cam_table_t){
+        .way = {.knots = knots,
+                .n_slices = n_knots,
+                .span_nm = 1000000,
+                .slices_per_nm_q48 = (uint32_t)(((n_knots - UINT64_C(1)) << 48) / 1000000u),
+                .frac_bits = 4},
+        .has_stations = true};
+    return cam_feed_profile_check(table);
+}
+
+/// With stations Z stands and goes back, up to a micrometre beyond its first and last height. From
+/// one rest to the next it is fastest in the middle: 15/8 of its mean.
+static void test_with_stations_z_stays_between_its_first_and_its_last_height(void)
+{
+    static const struct {
+        double z_um[n_knots];
+        cam_err_t err;
+        double fastest_um; ///< in a slice
+    } rows[] = {
+        {{0, 0, 0, 0, 0, 0, 0, 500, 500, 500, 500, 500, 500, 500, 500}, cam_ok, 500.0},
+        {{0, 99, 199, 299, 399, 499, 599, 699, 799, 499, 199, 399, 599, 799, 1000}, cam_ok, 300.0},
+        {{0, 200.9, 0, 0, -0.9, 0, 0, 0, 0, 0, 0, 0, 200, 200, 200}, cam_ok, 200.9},
+        {{0, 201.1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 200, 200, 200}, cam_err_image_channel, 0.0},
+        {{0, 200, 0, 0, -1.1, 0, 0, 0, 0, 0, 0, 0, 200, 200, 200}, cam_err_image_channel, 0.0}};
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        cam_table_t table;
+        TEST_ASSERT_EQUAL_INT(rows[i].err, check_rests(rows[i].z_um, &table));
+        if (rows[i].err == cam_ok) {
+            const double most = 1.875 * rows[i].fastest_um * (n_knots - 1) * 1e3;
+            TEST_ASSERT_DOUBLE_WITHIN(2e-3 * most, most, table.way_slope_ppm);
+        }
     }
 }
 
@@ -147,6 +183,34 @@ static void test_z_follows_the_way_over_the_turns(void)
         sine(helix_nm, w);
         TEST_ASSERT_DOUBLE_WITHIN(30.0, helix_nm + w[0], z_at(turns));
     }
+}
+
+/// The same with stations: Z goes back, and U's section is found on the helix.
+static void test_with_stations_z_goes_back_and_the_section_does_not(void)
+{
+    share = 1.3;
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_way(n_knots));
+    fixture_image_put(&f.image, fixture_image_in(fixture_newer_last(&f.image), fixture_in_path),
+                      1u);
+    fixture_image_seal(&f.image);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(f.image.bytes, f.image.size, &f.table));
+    fixture_play_configure(&f);
+    engage();
+    const double fed = 1e6 / part.feed_nm;
+    double last_nm = 0.0;
+    double most_back_nm = 0.0;
+    for (double turns = 0.0; turns < fed + 2.5; turns += 0.0417) {
+        const double helix_nm = part.z_first_nm + eased(turns, 2.0, fed) * part.feed_nm;
+        double w[3];
+        sine(helix_nm, w);
+        const double z_nm = z_at(turns);
+        TEST_ASSERT_DOUBLE_WITHIN(80.0, helix_nm + w[0], z_nm);
+        const double slices = ldexp((double)f.motion.height_q32, -32) / (part.n_slices - 1u);
+        TEST_ASSERT_DOUBLE_WITHIN(30.0, helix_nm, part.z_first_nm + slices * 1e6);
+        most_back_nm = fmax(most_back_nm, last_nm - z_nm);
+        last_nm = z_nm;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(300.0, 0.3 * 0.0417 * part.feed_nm, most_back_nm);
 }
 
 /// @return the verdict on the present image

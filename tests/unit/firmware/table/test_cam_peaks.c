@@ -341,17 +341,17 @@ static void test_slope_and_bend_of_x_are_those_of_the_profile(void)
 {
     const struct {
         fixture_profile_fn *x;
-        uint32_t frac_bits, slope_ppm, bend_ppm_per_m;
-    } rows[] = {{part.x, 8, 24000, 40000000},
-                {part.x, 4, 24000, 40000000},
+        uint32_t frac_bits, slope_ppm, bend_ppm_per_mm;
+    } rows[] = {{part.x, 8, 24000, 40000},
+                {part.x, 4, 24000, 40000},
                 {fixture_cylinder, 8, 0, 0},
-                {step, 4, 11250, 135000000}};
+                {step, 4, 11250, 135000}};
     for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         part.x = rows[i].x;
         part.x_frac_bits = rows[i].frac_bits;
         make();
         TEST_ASSERT_UINT32_WITHIN(rows[i].slope_ppm / 500u, rows[i].slope_ppm, table.x_slope_ppm);
-        TEST_ASSERT_UINT32_WITHIN(rows[i].bend_ppm_per_m / 66u, rows[i].bend_ppm_per_m,
-                                  table.x_bend_ppm_per_m);
+        TEST_ASSERT_UINT32_WITHIN(rows[i].bend_ppm_per_mm / 66u, rows[i].bend_ppm_per_mm,
+                                  table.x_bend_ppm_per_mm);
     }
 }
