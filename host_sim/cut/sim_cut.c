@@ -39,7 +39,7 @@ bool sim_cut_is_gauged(const sim_cut_t *cut)
     }
     return s->design.shape == sim_shape_lobes
                ? sim_cut_lobe_without_turn(cut) == s->design.lobes.n_lobes
-               : sim_session_zone_without_sample(s) == NULL;
+               : sim_session_zone_without_sample(s) == NULL && sim_bands_are_done(&s->design.bands);
 }
 
 bool sim_cut_is_good(const sim_cut_t *cut)
@@ -87,6 +87,7 @@ static bool measure_removal(sim_cut_t *cut)
                          s->cut_turns < cut->full_last_turn;
     const double sense = s->table.direction; // the measurement needs a rising angle
     cut->removal.config.blank_mm = s->work.blank_mm;
+    cut->removal.config.feed_mm = s->band_feed_mm > 0.0 ? s->band_feed_mm : sim_cut_feed_mm(cut);
     const double radius_mm = s->place == sim_place_air ? s->work.blank_mm : s->radius_mm;
     const bool has_slice = sim_removal_touch(&cut->removal, s->at.t_s, sense * sim_session_turn(s),
                                              s->z_mm, radius_mm, is_full && !cut->is_stopped);

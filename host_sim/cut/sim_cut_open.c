@@ -57,6 +57,14 @@ static bool check_rings(const sim_cut_t *cut, common_error_t *e)
                         field, least_mm, least_mm);
 }
 
+/// Refuse one feed for all bands: it would scale those of the table.
+static bool check_feed(const sim_cut_t *cut, common_error_t *e)
+{
+    return cut->session.design.bands.n == 0 || cut->options.feed_mm == 0.0 ||
+           common_error(e, "--feed %.12g: each band has a feed of its own; leave it out",
+                        cut->options.feed_mm);
+}
+
 #define UNIT(error, unit, units_per, parameter) {cam_err_##error, unit, units_per},
 
 static const char *unit_of(cam_err_t err, double *per_unit)
@@ -238,7 +246,7 @@ static void plan(sim_cut_t *cut)
 static bool prepare_pass(sim_cut_t *cut, common_error_t *e)
 {
     sim_cut_first_pass(cut);
-    return check_rings(cut, e) && place(cut, e);
+    return check_rings(cut, e) && check_feed(cut, e) && place(cut, e);
 }
 
 static bool prepare(sim_cut_t *cut, const void *image, size_t size, const char *name,

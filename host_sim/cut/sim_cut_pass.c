@@ -29,7 +29,9 @@ static double feed_nm_of(const cam_table_t *table, const cam_params_t *here)
 
 double sim_cut_feed_mm(const sim_cut_t *cut)
 {
-    return feed_nm_of(&cut->session.table, &cut->here) / SIM_NM_PER_MM;
+    const double of_bands_mm = sim_bands_feed_mm(&cut->session.design.bands);
+    return of_bands_mm > 0.0 ? of_bands_mm
+                             : feed_nm_of(&cut->session.table, &cut->here) / SIM_NM_PER_MM;
 }
 
 bool sim_cut_has_rings(const sim_cut_t *cut)

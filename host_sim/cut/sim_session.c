@@ -34,7 +34,8 @@ bool sim_session_load_design(sim_session_t *s, common_error_t *e)
                sim_design_load_target(&s->target, &s->has_target, path, &s->table, e);
     }
     sim_design_from_table(&s->design, &s->table);
-    return true;
+    return s->table.lobes != NULL || !s->table.has_stations ||
+           common_error(e, "a table with bands is gauged by its report; give NAME.json beside it");
 }
 
 sim_design_t *sim_session_played(sim_session_t *s)
@@ -72,6 +73,7 @@ void sim_session_place(sim_session_t *s, double *x_nm, double *z_nm)
     const sim_lathe_config_t *lathe = &s->options.config.lathe;
     // The blank is a cylinder: largest radius of the part plus depth of cut.
     const double blank_mm = s->design.largest_mm + s->table.depth_nm / SIM_NM_PER_MM;
+    s->blank_mm = blank_mm;
     const double tool_mm = s->design.lobes.follower_mm; // X holds the centre of a lobe's follower
     *x_nm = (blank_mm + tool_mm + lathe->x_start_mm) * SIM_NM_PER_MM;
     *z_nm = s->table.z_first_nm - lathe->z_start_mm * SIM_NM_PER_MM;
@@ -92,7 +94,8 @@ static void gauge_skirt(sim_session_t *s)
     s->exact_mm = drawn_mm + s->allowance_mm;
     s->work.blank_mm = s->has_stock ? drawn_mm + s->stock_mm + sprung_mm : s->work.blank_mm;
     const bool is_made = !is_beside || s->radius_mm < s->exact_mm;
-    const bool is_counted = s->is_cutting && is_made;
+    const bool is_too_deep = s->is_rough && s->radius_mm < s->exact_mm;
+    const bool is_counted = (s->is_cutting || is_too_deep) && is_made;
     s->place = sim_areas_kind(&s->design.areas, s->part_turn, s->z_mm, s->exact_mm);
     sim_work_remove(&s->work, s->z_mm, s->place == sim_place_air ? s->work.blank_mm : s->radius_mm,
                     is_counted);
@@ -120,6 +123,7 @@ void sim_session_begin_pass(sim_session_t *s)
 {
     init_work(s, s->work.blank_mm);
     sim_areas_restart(&s->design.areas);
+    sim_bands_restart(&s->design.bands);
     const sim_sections_t *sections = &s->sections;
     sim_sections_init(&s->sections, sections->z_mm, sections->n, s->design.z_first_mm,
                       s->design.z_last_mm);
@@ -145,6 +149,20 @@ double sim_session_turn(const sim_session_t *s)
     return s->at.turn - s->phase_turn;
 }
 
+/// Follow the cutting tool through the bands of the part: of each the last pass is judged, and
+/// whatever else cuts below the drawing.
+static void follow_band(sim_session_t *s)
+{
+    const sim_band_t *band = sim_bands_follow(&s->design.bands, s->z_mm);
+    s->is_on_part = band != NULL;
+    s->is_cutting = band != NULL && sim_band_is_last(band);
+    s->is_rough = band != NULL && !s->is_cutting;
+    s->stock_mm = band != NULL ? sim_band_stock_mm(band) : -1.0;
+    s->has_stock = s->stock_mm >= 0.0;
+    s->work.blank_mm = s->blank_mm;
+    s->band_feed_mm = band != NULL && band->n_begun > 0 ? band->feed_mm[band->n_begun - 1] : 0.0;
+}
+
 void sim_session_touch(sim_session_t *s, const sim_sample_t *at, bool is_cutting,
                        double following_nm)
 {
@@ -152,6 +170,10 @@ void sim_session_touch(sim_session_t *s, const sim_sample_t *at, bool is_cutting
     s->z_mm = at->z_nm * 1e-6;
     s->is_on_part = sim_design_is_on_part(&s->design, s->z_mm);
     s->is_cutting = is_cutting && s->is_on_part;
+    s->is_rough = false;
+    if (s->design.bands.n > 0 && is_cutting) {
+        follow_band(s);
+    }
     const double turn = sim_session_turn(s);
     s->part_turn = sim_fraction(turn);
     if (s->is_cutting && !s->has_touched) {

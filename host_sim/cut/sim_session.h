@@ -50,6 +50,7 @@ typedef struct {
     sim_sections_t sections; ///< only on request
     double phase_turn;       ///< [turn] rotation of the oval on the part
     double mean_rad_s;       ///< [rad/s] commanded mean spindle speed; 0: unknown
+    double blank_mm;         ///< radius of the blank, a cylinder
     // several passes
     double allowance_mm; ///< stock on the radius left by this pass
     double stock_mm;     ///< stock left by the pass before, if has_stock
@@ -68,6 +69,8 @@ typedef struct {
     bool is_on_part;        ///< at a height of the part, not in the air before or after it
     sim_place_kind_t place; ///< what the surface is there
     bool is_cutting;        ///< the sample belongs to the judged surface
+    bool is_rough;          ///< the tool cuts at a band, but not in its last pass
+    double band_feed_mm;    ///< feed per turn of the pass over a band; 0: of the table
     bool has_touched;       ///< a sample has belonged to the judged surface
     double touched_at_turn; ///< angle of the first one in the sense of cutting
     double part_turn, z_mm, radius_mm, exact_mm;

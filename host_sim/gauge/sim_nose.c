@@ -83,9 +83,12 @@ double sim_nose_radius_mm(const sim_nose_t *n, sim_design_t *design, double turn
     if (n->nose_mm <= 0.0) {
         return sim_design_radius_mm(design, turn, z_mm);
     }
-    const place_t place = {n, design, turn, sim_clamp(z_mm, design->z_first_mm, design->z_last_mm)};
-    const double low_mm = sim_clamp(z_mm - n->reach_mm, design->z_first_mm, design->z_last_mm);
-    const double high_mm = sim_clamp(z_mm + n->reach_mm, design->z_first_mm, design->z_last_mm);
+    double first_mm;
+    double last_mm;
+    sim_design_ends(design, z_mm, &first_mm, &last_mm);
+    const place_t place = {n, design, turn, sim_clamp(z_mm, first_mm, last_mm)};
+    const double low_mm = sim_clamp(z_mm - n->reach_mm, first_mm, last_mm);
+    const double high_mm = sim_clamp(z_mm + n->reach_mm, first_mm, last_mm);
     const double step_mm = (high_mm - low_mm) / n_steps;
     int best = 0;
     double best_mm = tip_mm(&place, low_mm);
@@ -100,6 +103,6 @@ double sim_nose_radius_mm(const sim_nose_t *n, sim_design_t *design, double turn
     const double found_mm =
         golden_mm(&place, low_mm + below * step_mm, low_mm + above * step_mm, &at_mm);
     at_mm = found_mm > best_mm ? at_mm : low_mm + best * step_mm;
-    *is_beside = at_mm < design->z_first_mm + END_MM || at_mm > design->z_last_mm - END_MM;
+    *is_beside = at_mm < first_mm + END_MM || at_mm > last_mm - END_MM;
     return found_mm > best_mm ? found_mm : best_mm;
 }

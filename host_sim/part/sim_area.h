@@ -18,7 +18,7 @@
 #include <stdbool.h> // bool
 #include <stdint.h>  // uint64_t
 
-enum { sim_areas_most_windows = 64, sim_areas_most_zones = 16, sim_area_name_size = 32 };
+enum { sim_areas_most_windows = 80, sim_areas_most_zones = 16, sim_area_name_size = 32 };
 
 typedef struct {
     double middle_deg, width_deg; ///< of the drawing

@@ -81,6 +81,19 @@ bool sim_design_is_on_part(const sim_design_t *d, double z_mm)
            (!d->is_run_out_of || z_mm <= d->z_last_mm);
 }
 
+void sim_design_ends(const sim_design_t *d, double z_mm, double *first_mm, double *last_mm)
+{
+    *first_mm = d->z_first_mm;
+    *last_mm = d->z_last_mm;
+    for (int i = 0; i < d->bands.n; i++) {
+        const sim_band_t *band = &d->bands.band[i];
+        if (z_mm >= band->low_mm && z_mm <= band->high_mm) {
+            *first_mm = band->low_mm;
+            *last_mm = band->high_mm;
+        }
+    }
+}
+
 void sim_design_free(sim_design_t *d)
 {
     sim_cubics_free(&d->radius_mm);

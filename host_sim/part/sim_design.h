@@ -22,6 +22,7 @@
 #include "cam_table.h"       // cam_table_t
 #include "common_error.h"    // common_error_t
 #include "sim_area.h"        // sim_areas_t
+#include "sim_band.h"        // sim_bands_t
 #include "sim_json.h"        // sim_cubics_t
 #include "sim_lobe_design.h" // sim_lobe_design_t
 #include "sim_surface.h"
@@ -74,6 +75,7 @@ typedef struct {
     sim_cubics_t phase_rad;
     sim_correction_t correction;  ///< empty: none
     sim_areas_t areas;            ///< windows and zones of a skirt's drawing
+    sim_bands_t bands;            ///< turned one after the other; n = 0: the part is one
     sim_lobe_design_t lobes;      ///< sim_shape_lobes only
     const cam_table_t *table;     ///< sim_shape_table only
     double nose_mm;               ///< nose of the tool for which the table is made; 0: a point
@@ -103,6 +105,9 @@ bool sim_design_load_target(sim_design_t *d, bool *is_there, const char *path,
 /// Use the table itself as the design, its knots evaluated in double.
 /// @param table  checked; must outlive the design
 void sim_design_from_table(sim_design_t *d, const cam_table_t *table);
+
+/// Find the ends of the band at a height: those of the part where it has none there.
+void sim_design_ends(const sim_design_t *d, double z_mm, double *first_mm, double *last_mm);
 
 void sim_design_free(sim_design_t *d);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_design.h"
+#include "cam_eval.h"  // cam_feed_profile_z_last_nm
 #include "sim_file.h"  // sim_file_read
 #include "sim_json.h"  // sim_json_cubics
 #include "sim_units.h" // SIM_NM_PER_MM
@@ -157,14 +158,15 @@ static bool read_design(sim_design_t *d, const cJSON *root, const char *path, co
         return sim_lobe_design_read(&d->lobes, from.tree, path, e);
     }
     return read_tool(d, root, path, e) && read_gauge(d, from.tree, path, e) &&
-           sim_areas_read(&d->areas, from.tree, path, e) && read_skirt(d, &from);
+           sim_areas_read(&d->areas, from.tree, path, e) &&
+           sim_bands_read(&d->bands, from.tree, path, e) && read_skirt(d, &from);
 }
 
 static void begin(sim_design_t *d, const cam_table_t *table)
 {
     *d = (sim_design_t){.at_z_mm = NAN, .table = table};
     d->z_first_mm = table->z_first_nm / SIM_NM_PER_MM;
-    d->z_last_mm = table->z_last_nm / SIM_NM_PER_MM;
+    d->z_last_mm = cam_feed_profile_z_last_nm(table) / SIM_NM_PER_MM;
 }
 
 /// @return the report as a tree, which the caller deletes; NULL and *e on failure

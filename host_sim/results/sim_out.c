@@ -166,9 +166,11 @@ static bool finish(sim_out_t *o, common_error_t *e)
     if (o->name == NULL) {
         return true;
     }
-    const bool is_file = o->temporary[0] != '\0';
-    if (o->error == 0 &&
-        (fflush(o->stream) != 0 || (is_file && fsync(fileno(o->stream)) != 0))) {
+    flush(o);
+    if (o->error == 0 && fflush(o->stream) != 0) {
+        o->error = errno;
+    }
+    if (o->error == 0 && o->temporary[0] != '\0' && fsync(fileno(o->stream)) != 0) {
         o->error = errno;
     }
     if (fclose(o->stream) != 0 && o->error == 0) {

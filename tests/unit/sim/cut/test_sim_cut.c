@@ -189,6 +189,26 @@ static void test_following_error_counts_while_cutting_only(void)
     TEST_ASSERT_EQUAL_DOUBLE(1.0, session.cut_s);
 }
 
+/// A tool that goes back over a band, which it has not entered from below, must not touch it.
+static void test_what_cuts_on_the_way_back_counts(void)
+{
+    open_session();
+    const double first_mm = session.table.z_first_nm * 1e-6;
+    session.design.bands.n = 1;
+    session.design.bands.band[0] = (sim_band_t){.low_mm = first_mm,
+                                                .high_mm = first_mm + 0.5,
+                                                .run_mm = 0.2,
+                                                .n_passes = 1,
+                                                .feed_mm = {0.1}};
+    sim_sample_t at = {.turn = 0.0, .x_nm = 47e6, .z_nm = session.table.z_first_nm};
+    sim_session_touch(&session, &at, true, 0.0);
+    TEST_ASSERT_EQUAL_UINT64(0, session.work.n);
+    at.x_nm = 45e6;
+    sim_session_touch(&session, &at, true, 0.0);
+    TEST_ASSERT_EQUAL_UINT64(1, session.work.n);
+    TEST_ASSERT_DOUBLE_WITHIN(10.0, 1000.0, session.work.max_um);
+}
+
 static void test_injections_are_due_once_by_the_clock_or_by_the_cut(void)
 {
     inject("estop@0.5");

@@ -150,7 +150,7 @@ static void test_what_is_malformed_is_refused(void)
     static const struct {
         const char *text, *message;
     } cases[] = {
-        {"{\"windows\":7}", "part.json: design.windows: must be a list of at most 64"},
+        {"{\"windows\":7}", "part.json: design.windows: must be a list of at most 80"},
         {"{\"windows\":[{}]}", "design.windows[0].angle_deg: must be a number of -360 .. 360"},
         {"{\"zones\":[{" PLACE ",\"low_mm\":3,\"high_mm\":2}]}", "zones[0].high_mm: must be a"},
         {"{\"zones\":[{" PLACE ",\"low_mm\":1,\"high_mm\":2,\"tolerance_um\":0}]}",
