@@ -156,7 +156,7 @@ def test_data_of_pictures_are_those_of_the_cut(good: SkirtOutcome) -> None:
     assert degrees.size == 360
     for curve in (least, most, mean):
         assert curve == pytest.approx(0.02)
-    rows = hardest_turn(good.trace, good.generated.geometry)
+    rows = hardest_turn(good.trace, good.generated.geometry, (0.0, 62.0))
     turns = good.trace.turn[rows]
     assert np.ptp(turns) == pytest.approx(1, abs=2 * TURNS_PER_TICK)
     assert np.floor(turns[0]) == np.floor(LAST_CUT * TURNS_PER_TICK) - 1

@@ -18,7 +18,8 @@ from camtools.base.quantities import Floats
 from camtools.cut.correction import Correction, correction_of, nodes_of
 from camtools.part.common import FeedLaw
 from camtools.pipeline.load import Made, load, make
-from camtools.skirt.geometry.run_in import continued, with_run
+from camtools.skirt.geometry.belt import continued
+from camtools.skirt.geometry.run_in import with_run
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.kind import KIND
 from camtools.skirt.part.part_file import SkirtPart, example_part

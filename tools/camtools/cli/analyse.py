@@ -101,6 +101,9 @@ def analyse(part: PartFile, output: Folder, wishes: AnalysisWishes) -> int:
             text, files = lobe_products(loaded, _lobe_wishes(wishes))
         else:
             assert isinstance(loaded, SkirtPart)
+            if loaded.piston.lands:
+                problem = "is not analysed: it is not one helix from end to end"
+                raise CamtoolsError([f"piston.land: {problem}; leave the lands out"])
             text, files = skirt_products(loaded, wishes)
     except CamtoolsError as error:
         raise CamtoolsError([f"{part}: {line}" for line in error.lines]) from error

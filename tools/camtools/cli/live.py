@@ -118,7 +118,7 @@ def _bus_of(given: Mapping[str, Any]) -> dict[str, Any]:
 
 def _files(made: Made, machine: str | None) -> dict[str, bytes]:
     """Return what both processes read."""
-    z_last_mm = made.table.table.z_last_nm / NM_PER_MM
+    z_last_mm = made.table.table.z_end_nm / NM_PER_MM
     own = with_home_switches(made.kind.machine(made.table.part), z_last_mm)
     text = own.encode("ascii") if machine is None else machine_bytes(machine)
     return made.files(with_plots=False) | {_MACHINE: text}

@@ -79,14 +79,17 @@ def _lobe_job(part: LobePart, wishes: ProgramWishes) -> LobeJob:
 
 
 def _skirt_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
-    for key, given in (("pass", part.process.passes), ("feed_law", part.process.feed_law)):
+    process = part.process
+    played = {"process.pass": process.passes, "process.feed_law": process.feed_law}
+    for key, given in (played | {"piston.land": part.piston.lands}).items():
         if given:
             problem = "is played by the controller alone: a program is one pass with one feed"
-            raise CamtoolsError([f"process.{key}: {problem}; give depth_mm and feed_mm of it"])
+            remedy = "leave it out" if key == "piston.land" else "give depth_mm and feed_mm of it"
+            raise CamtoolsError([f"{key}: {problem}; {remedy}"])
     check_feed(part)
     drawing = make_geometry(part)
     check_heel(drawing, part.tool, part.process.direction)
-    geometry = with_run(drawing, part.process.run_in_mm, part.process.run_out_mm)
+    geometry = with_run(drawing, *process.runs_mm)
     low, high = geometry.ends_mm
     first = low if wishes.from_mm is None else wishes.from_mm
     last = high if wishes.to_mm is None else wishes.to_mm

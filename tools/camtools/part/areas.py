@@ -26,7 +26,7 @@ from camtools.part.model import HeightMm, Points, TomlTable, wrong
 
 LINES_DEG = (0.0, 90.0, 180.0, 270.0)  # profiles along the axis that the gauge takes
 _SAME_DEG = 1e-9
-MAX_WINDOWS = 32  # two areas each at most, host_sim/part/sim_area.h
+MAX_WINDOWS = 32  # two areas each at most, and grooves: host_sim/part/sim_area.h
 MAX_ZONES = 16
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _-]{0,29}")
 
@@ -109,7 +109,7 @@ class Window(TomlTable):
             remedy = f"give {' and '.join(bore)} for a bore, or {', '.join(box)} for a box"
             raise wrong("window", problem, remedy, value=None)
         if self.from_mm is not None and self.to_mm is not None:
-            _check_ends(self.from_mm, self.to_mm)
+            check_ends(self.from_mm, self.to_mm)
         if self.offset_mm and self.diameter_mm is None:
             context = {"field": "offset_mm", "value": self.offset_mm}
             raise wrong("offset", "has no meaning for a box", "remove it", **context)
@@ -129,7 +129,8 @@ class Window(TomlTable):
         )
 
 
-def _check_ends(from_mm: float, to_mm: float) -> None:
+def check_ends(from_mm: float, to_mm: float) -> None:
+    """Refuse ends that do not rise."""
     if not from_mm < to_mm:
         context = {"field": "to_mm", "value": to_mm}
         raise wrong("ends", f"must be above from_mm = {from_mm:g}", "exchange them", **context)
@@ -176,7 +177,7 @@ class Zone(SectionTolerances):
 
     @model_validator(mode="after")
     def _check_zone(self) -> Self:
-        _check_ends(self.from_mm, self.to_mm)
+        check_ends(self.from_mm, self.to_mm)
         if self.straightness_um is not None and not any(map(self.has_line, LINES_DEG)):
             context = {"field": "straightness_um", "value": self.straightness_um}
             problem = "needs a profile that is gauged: at 0, 90, 180 or 270 degrees"

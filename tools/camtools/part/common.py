@@ -323,6 +323,11 @@ class SectionProcess(Process):
         default_factory=list, max_length=16, validation_alias=AliasChoices("pass", "passes")
     )  # TOML calls it "pass", which is no name in Python
 
+    @property
+    def runs_mm(self) -> tuple[float, float]:
+        """Return run-in and run-out."""
+        return self.run_in_mm, self.run_out_mm
+
     @field_validator("passes")
     @classmethod
     def _check_passes(cls, value: list[Pass], info: ValidationInfo) -> list[Pass]:

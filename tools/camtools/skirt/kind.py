@@ -6,6 +6,7 @@
 
 import numpy as np
 
+from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM, Floats
 from camtools.cut.correction import Drawing
 from camtools.cut.path import ToolPath
@@ -45,7 +46,10 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
     machine = staticmethod(section_machine)
 
     def drawing(self, part: SkirtPart) -> Drawing:
-        """See `Kind.drawing`."""
+        """See `Kind.drawing`; a correction is smooth over the height, several bands are not."""
+        if part.piston.lands:
+            problem = "has no meaning with [[piston.land]], whose bands do not err alike"
+            raise CamtoolsError([f"--measured: {problem}; correct diameters by X"])
         geometry = make_geometry(part)
 
         def radius_mm(turn: Floats, z_mm: Floats) -> Floats:
@@ -64,6 +68,9 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
 
     def check_feed(self, part: SkirtPart, feed_mm: float) -> None:
         """See `Kind.check_feed`."""
+        if part.piston.lands:
+            problem = "has no meaning with [[piston.land]], whose bands have feeds of their own"
+            raise CamtoolsError([f"--feed: {problem}; leave it out"])
         check_texture(part, feed_mm)
 
     def proposed_feed(self, part: SkirtPart) -> str:
@@ -73,17 +80,19 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
     def turns(self, made: GeneratedSkirt, feed_mm: float) -> float:
         """See `Kind.turns`."""
         ends = made.table.z_first_nm / NM_PER_MM, made.table.z_last_nm / NM_PER_MM
+        feed_mm = made.table.feed_nm / NM_PER_MM if made.part.piston.lands else feed_mm
         return ToolPath(made.part.process.path, *ends, feed_mm).turns
 
     def sections_mm(self, made: GeneratedSkirt, feed_mm: float) -> list[float]:
-        """See `Kind.sections_mm`: at heights that profile and ovality name."""
+        """See `Kind.sections_mm`: at heights that profile and ovality name, and in each land."""
         named_mm = {float(z) for z in made.geometry.breaks_mm()}
         piston = made.part.piston
-        if piston.has_fit:  # growth and coating have breaks that the drawing does not name
+        if piston.has_fit or piston.lands:  # which have breaks that the drawing does not name
             ovality = piston.ovality.height_mm if piston.ovality is not None else ()
             named_mm = {float(z) for z in (*piston.profile.height_mm, *ovality)}
-        found = spread(sorted(named_mm), made.geometry.skirt_mm, margin_mm(feed_mm))
-        return with_zones(found, made.part.tolerances, made.part.piston.window_areas)
+        found = spread(sorted(named_mm), piston.skirt_mm, margin_mm(feed_mm))
+        found += [(land.from_mm + land.to_mm) / 2 for land in piston.lands]
+        return with_zones(sorted(found), made.part.tolerances, piston.window_areas)
 
     def taken_um(self, made: GeneratedSkirt) -> float:
         """See `Kind.taken_um`."""

@@ -13,16 +13,15 @@ The correction is part of the surface that a nose leaves, MATHS.md (161).
 (['0.0020', '0.0010'], 1)
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import PPoly
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats, FloatsLike, SectionValues
 from camtools.cut.correction import Correction
-from camtools.skirt.geometry.corrected import CorrectedSurface, minus, piece_from
+from camtools.skirt.geometry.belt import PLACES, continued
+from camtools.skirt.geometry.corrected import CorrectedSurface, minus
 from camtools.skirt.geometry.sections import SkirtSurface
 from camtools.skirt.geometry.skirt_geometry import Geometry, OvalSurface
 
@@ -41,9 +40,6 @@ def corrected(geometry: Geometry, correction: Correction) -> Geometry:
         drawn_radius=geometry.radius,
         correction=correction,
     )
-
-
-_PLACES = 65  # of a run, where it is looked at
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,42 +62,6 @@ class HeldSurface(SkirtSurface):
     def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
         """See `SkirtSurface`."""
         return self.inner.delta(phi_rad, np.clip(z_mm, self.first_mm, self.last_mm))
-
-
-def _fading(spline: PPoly, end_mm: float, run_mm: float) -> Floats:
-    """Return the run's cubic from its lower end on: tangent, its curvature fades to 0, (102)."""
-    value, slope, bend = (float(spline(end_mm, nu=n)) for n in range(3))
-    run = abs(run_mm)
-    d = np.poly1d([1.0, min(run_mm, 0.0)])  # from the end, over the height above the lower end
-    sign = 1.0 if run_mm > 0 else -1.0
-    found = value + slope * d + bend * (d**2 / 2 - sign * d**3 / (6 * run))
-    return np.pad(found.coeffs, (4 - len(found.coeffs), 0))
-
-
-def continued(
-    spline: PPoly,
-    ends_mm: tuple[float, float],
-    runs_mm: Sequence[float],
-    *,
-    is_ovality: bool = False,
-) -> PPoly:
-    """Return a curve over height, continued beyond its ends.
-
-    Tangentially, with a curvature that fades; an ovality that would fall below 0 stays.
-    """
-    inside = (spline.x > ends_mm[0]) & (spline.x < ends_mm[1])
-    x = np.concatenate([ends_mm[:1], spline.x[inside], ends_mm[1:]])
-    columns = [piece_from(spline, float(low)) for low in x[:-1]]
-    for end_mm, run_mm in zip(ends_mm, (-runs_mm[0], runs_mm[1]), strict=True):
-        if run_mm == 0:
-            continue
-        piece = _fading(spline, end_mm, run_mm)
-        along_mm = np.linspace(0, abs(run_mm), _PLACES)
-        if is_ovality and np.polyval(piece, along_mm).min() < 0:
-            piece = np.array([0.0, 0.0, 0.0, float(spline(end_mm))])
-        x = np.append(x, end_mm + run_mm) if run_mm > 0 else np.append(end_mm + run_mm, x)
-        columns = [*columns, piece] if run_mm > 0 else [piece, *columns]
-    return PPoly(np.array(columns).T, x)
 
 
 def with_run(geometry: Geometry, run_in_mm: float, run_out_mm: float) -> Geometry:
@@ -138,7 +98,7 @@ def with_run(geometry: Geometry, run_in_mm: float, run_out_mm: float) -> Geometr
 def _check_runs(air: Geometry, ends_mm: tuple[float, float], runs_mm: tuple[float, float]) -> None:
     runs = ("run_in_mm", ends_mm[0], -runs_mm[0]), ("run_out_mm", ends_mm[1], runs_mm[1])
     for key, end_mm, run_mm in runs:
-        z_mm = np.linspace(end_mm, end_mm + run_mm, _PLACES)
+        z_mm = np.linspace(end_mm, end_mm + run_mm, PLACES)
         short_mm = air.radius_mm(z_mm) - np.maximum(air.ovality_mm(z_mm), air.deepest_mm(end_mm))
         thinnest = int(np.argmin(short_mm))
         if short_mm[thinnest] <= 0:

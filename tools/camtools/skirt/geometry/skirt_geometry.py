@@ -22,6 +22,7 @@ from camtools.base.errors import CamtoolsError, GeometryError, InputError
 from camtools.base.quantities import DEG_PER_TURN, UM_PER_MM, Floats, FloatsLike, SectionValues
 from camtools.cut.correction import Correction
 from camtools.cut.removal import QUARTER_RAD, TURN_RAD, SectionCut
+from camtools.skirt.geometry.belt import belted, on_heights
 from camtools.skirt.geometry.corner import Corner, make_corner
 from camtools.skirt.geometry.corrected import CorrectedSurface, minus
 from camtools.skirt.geometry.growth import expansion, shrinkage, thickness, thrust_rad
@@ -307,7 +308,7 @@ def make_geometry(part: SkirtPart) -> Geometry:
     drawn = profile_spline(piston.profile)
     check_drawn(piston.profile, drawn)
     radius = magnified(drawn, of_profile, largest_mm)
-    ends = float(piston.profile.height_mm[0]), float(piston.profile.height_mm[-1])
+    ends = piston.ends_mm
     if piston.section.shape == "table":
         geometry = _measured(part, radius, factor)
     elif piston.section.shape == "points":
@@ -316,6 +317,8 @@ def make_geometry(part: SkirtPart) -> Geometry:
         assert piston.ovality is not None
         curve = ovality_spline(piston.ovality)
         oval = magnified(curve, factor, 0.0)
+        if piston.lands:
+            radius, oval = _with_lands(piston, radius, oval)
         geometry = Geometry(radius, oval, _oval(piston, radius, oval, (factor, of_profile)), *ends)
         _check_ovality(geometry, factor)
         check_drawn(piston.ovality, curve)
@@ -331,6 +334,19 @@ def make_geometry(part: SkirtPart) -> Geometry:
     deepest_mm = np.array([geometry.deepest_mm(float(z)) for z in z_mm])
     _check_half_axis(z_mm, geometry.radius_mm(z_mm) - deepest_mm, factor)
     return geometry
+
+
+def _with_lands(piston: Piston, radius: PPoly, oval: PPoly) -> tuple[PPoly, PPoly]:
+    """Return half axis and ovality of skirt and lands; both jump in the middle of the grooves."""
+    bands = [(on_heights(radius, piston.skirt_mm), on_heights(oval, piston.skirt_mm))]
+    for land in piston.lands:
+        slope = (land.upper_mm - land.diameter_mm) / 2 / (land.to_mm - land.from_mm)
+        long_axis = np.array([[0.0], [0.0], [slope], [land.diameter_mm / 2]])
+        ends = float(land.from_mm), float(land.to_mm)
+        bands.append((PPoly(long_axis, ends), constant_spline(land.ovality_mm, *ends)))
+    bands.sort(key=lambda band: float(band[0].x[0]))
+    long_axes, ovals = zip(*bands, strict=True)
+    return belted(long_axes), belted(ovals, is_ovality=True)
 
 
 def _cold(geometry: Geometry, piston: Piston) -> Geometry:

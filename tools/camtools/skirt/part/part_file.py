@@ -6,11 +6,13 @@
 """
 
 from collections.abc import Sequence
+from operator import attrgetter
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import AliasChoices, Field, Tag, ValidationInfo, field_validator, model_validator
 
+from camtools.base.quantities import UM_PER_MM
 from camtools.part.areas import MAX_WINDOWS, Area, Window, ZonedTolerances, in_any
 from camtools.part.common import FeedLaw, Machine, PartInfo, SectionProcess, Tool
 from camtools.part.datum import Datum
@@ -25,6 +27,9 @@ from camtools.skirt.part.keys import (
     SectionShape,
     check_sides,
 )
+from camtools.skirt.part.land import MAX_LANDS, Band, BandPass, Land, extended, grooves
+
+_OF_LANDS = ("ellipse", "cosine", "double-ellipse")  # shapes
 
 
 class Piston(TomlTable):
@@ -48,6 +53,9 @@ class Piston(TomlTable):
         max_length=MAX_WINDOWS,
         validation_alias=AliasChoices("window", "windows"),
     )
+    lands: list[Land] = Field(
+        default_factory=list, max_length=MAX_LANDS, validation_alias=AliasChoices("land", "lands")
+    )
     growth: Growth | None = None
     coating: Coating | None = None
     bore: Bore | None = None
@@ -69,15 +77,32 @@ class Piston(TomlTable):
 
     @property
     def window_areas(self) -> tuple[Area, ...]:
-        """Return all windows, those on opposite sides apart."""
-        return tuple(area for window in self.windows for area in window.areas)
+        """Return all windows, those on opposite sides apart, and the grooves beside lands."""
+        own = tuple(area for window in self.windows for area in window.areas)
+        return (*own, *(Area(0.0, 360.0, *groove) for groove in self.grooves_mm))
+
+    @property
+    def grooves_mm(self) -> list[tuple[float, float]]:
+        """Return the heights between skirt and lands, which are not turned, rising."""
+        return grooves(self.lands, *self.skirt_mm)
+
+    @property
+    def skirt_mm(self) -> tuple[float, float]:
+        """Return the ends of the profile."""
+        return float(self.profile.height_mm[0]), float(self.profile.height_mm[-1])
+
+    @property
+    def ends_mm(self) -> tuple[float, float]:
+        """Return the ends of the part: of the profile and all lands."""
+        return extended(self.lands, *self.skirt_mm)
 
     @model_validator(mode="after")
     def _check_together(self) -> Self:
-        first, last = self.profile.height_mm[0], self.profile.height_mm[-1]
+        first, last = self.skirt_mm
         if self.antithrust is not None:
             check_sides(self.antithrust, self.section.shape, (first, last))
-        self._check_windows(first, last)
+        self._check_lands()
+        self._check_windows(*self.ends_mm)
         check_fit(self.growth, self.coating, self.bore, self.section.shape, (first, last))
         if self.ovality is None:
             return self
@@ -96,7 +121,10 @@ class Piston(TomlTable):
 
     def _check_windows(self, first: float, last: float) -> None:
         """Refuse windows beside the part, and bores wider than it."""
-        radius_mm = min(self.profile.diameter_mm) / 2
+        lands_mm = [
+            diameter for land in self.lands for diameter in (land.diameter_mm, land.upper_mm)
+        ]
+        radius_mm = min(*self.profile.diameter_mm, *lands_mm) / 2
         for i, area in ((i, area) for i, w in enumerate(self.windows) for area in w.areas):
             reach_mm, field = area.diameter_mm / 2, f"window.{i}"
             if abs(area.offset_mm) + reach_mm >= radius_mm:
@@ -106,6 +134,28 @@ class Piston(TomlTable):
             if area.high_mm + reach_mm <= first or area.low_mm - reach_mm >= last:
                 problem = f"lies beside the part's heights, {first:g} .. {last:g} mm"
                 raise wrong("place", problem, "correct its height", field=field, value=None)
+
+    def _check_lands(self) -> None:
+        """Refuse lands without a groove, and shapes that do not go on beside the skirt."""
+        if not self.grooves_mm:
+            return
+        foreign = "antithrust", "growth", "coating", "bore"
+        found = next((name for name in foreign if getattr(self, name) is not None), None)
+        if found is not None:
+            problem = "has no meaning with [[piston.land]], which is drawn cold, bare and plain"
+            raise wrong("land_fit", problem, "remove one of the two", field=found, value=None)
+        lists = any(isinstance(value, list) for _, value in self.section)
+        if self.section.shape not in _OF_LANDS or lists:
+            problem = f'needs an oval alike at all heights, not shape = "{self.section.shape}"'
+            problem += " with lists" if lists else ""
+            remedy = f"set shape to one of {', '.join(_OF_LANDS)}, with one number each"
+            raise wrong("land_shape", problem, remedy, field="land", value=None)
+        for i, land in enumerate(self.lands):
+            if land.ovality_mm >= min(land.diameter_mm, land.upper_mm):
+                context = {"field": f"land.{i}.ovality_mm", "value": land.ovality_mm}
+                raise wrong(
+                    "ovality", "must be smaller than its diameters", "correct it", **context
+                )
 
     @property
     def has_fit(self) -> bool:
@@ -224,10 +274,13 @@ class SkirtPart(TomlTable):
 
     @model_validator(mode="after")
     def _check_zones(self) -> Self:
-        first, last = self.piston.profile.height_mm[0], self.piston.profile.height_mm[-1]
+        first, last = self.piston.ends_mm
         for i, zone in enumerate(self.tolerances.zones):
-            if not first <= zone.from_mm < zone.to_mm <= last:
+            grooves = self.piston.grooves_mm
+            is_in_groove = any(a <= zone.from_mm and zone.to_mm <= b for a, b in grooves)
+            if is_in_groove or not first <= zone.from_mm < zone.to_mm <= last:
                 problem = f"must lie within the part's heights, {first:g} .. {last:g} mm"
+                problem += ", and not in a groove" if is_in_groove else ""
                 context = {"field": f"tolerances.zone.{i}", "value": None}
                 raise wrong("zone", problem, "correct from_mm and to_mm", **context)
             form_um = zone.tolerance_um(self.process.form_error_um)
@@ -245,8 +298,8 @@ class SkirtPart(TomlTable):
         """Make process.feed_mm the mean of a law over all that is fed."""
         process, law = self.process, self.process.feed_law
         if law is not None:
-            heights_mm = self.piston.profile.height_mm
-            ends = heights_mm[0] - process.run_in_mm, heights_mm[-1] + process.run_out_mm
+            first, last = self.piston.skirt_mm
+            ends = first - process.run_in_mm, last + process.run_out_mm
             mean = process.model_copy(update={"feed_mm": law.mean_mm(*ends)})
             object.__setattr__(self, "process", mean)  # the model is frozen, and this is its making
         return self
@@ -258,6 +311,55 @@ class SkirtPart(TomlTable):
             problem += "demonstration fit no bore"
             raise wrong("magnified", problem, "remove one of them", field="magnify", value=None)
         return self
+
+    @model_validator(mode="after")
+    def _check_program(self) -> Self:
+        """Refuse what a program of skirt and lands cannot do."""
+        process = self.process
+        problems = {
+            "path": process.path != "helix" and 'needs path = "helix"',
+            "mode": process.mode != "uniform" and 'needs mode = "uniform"',
+            "feed_law": process.feed_law and "has a feed for each band instead: feed_mm",
+            "run_in_mm": process.run_in_mm and "runs into each band by itself",
+            "run_out_mm": process.run_out_mm and "runs out of each band by itself",
+            "pass": any(p.spindle_rpm for p in process.passes) and "has one spindle_rpm for all",
+            "magnify": self.magnify and "is not magnified",
+        }
+        for key, problem in problems.items():
+            if self.piston.lands and problem:
+                field = key if key == "magnify" else f"process.{key}"
+                problem = f"a part with [[piston.land]] {problem}"
+                raise wrong("program", problem, "remove it", field=field, value=None)
+        return self
+
+    @model_validator(mode="after")
+    def _check_stock(self) -> Self:
+        """Refuse a first pass over a land that leaves more than the blank has there."""
+        lands, diameters = self.piston.lands, list(self.piston.profile.diameter_mm)
+        outer_mm = max([*diameters, *(max(land.diameter_mm, land.upper_mm) for land in lands)]) / 2
+        for i, land in enumerate(lands):
+            room_um = outer_mm + self.process.depth_mm - max(land.diameter_mm, land.upper_mm) / 2
+            room_um *= UM_PER_MM
+            if land.allowance_um and land.allowance_um[0] >= max(room_um, 1e-9):
+                context = {"field": f"piston.land.{i}.allowance_um", "value": land.allowance_um}
+                problem = f"must be below {room_um:g}, the stock of the blank there"
+                raise wrong("stock", problem, "give less, or a larger process.depth_mm", **context)
+        return self
+
+    @property
+    def bands(self) -> tuple[Band, ...]:
+        """Return skirt and lands of a part with lands, rising; nothing of any other."""
+        if not self.piston.lands:
+            return ()
+        process, skirt_mm = self.process, self.piston.skirt_mm
+        passes = [
+            BandPass(planned.allowance_um / UM_PER_MM, planned.feed_mm or process.feed_mm)
+            for planned in process.passes
+        ] or [BandPass(0.0, process.feed_mm)]
+        bands = [land.band(passes) for land in self.piston.lands]
+        return tuple(
+            sorted([Band("skirt", *skirt_mm, tuple(passes)), *bands], key=attrgetter("low_mm"))
+        )
 
     @property
     def tightest_um(self) -> float:
@@ -272,8 +374,8 @@ class SkirtPart(TomlTable):
     @property
     def height_mm(self) -> float:
         """Return the height over which the tool is fed [mm], run-in and run-out included."""
-        heights_mm = self.piston.profile.height_mm
-        return heights_mm[-1] - heights_mm[0] + self.process.run_in_mm + self.process.run_out_mm
+        first, last = self.piston.ends_mm
+        return last - first + self.process.run_in_mm + self.process.run_out_mm
 
 
 def example_part() -> SkirtPart:

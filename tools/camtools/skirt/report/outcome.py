@@ -133,7 +133,9 @@ def what_was_cut(outcome: SkirtOutcome) -> str:
     geometry, magnify = outcome.generated.geometry, outcome.generated.part.magnify
     span_mm = geometry.z_last_mm - geometry.z_first_mm
     enlarged = f", {magnify.words}" if magnify else ""
-    return f"skirt of {span_mm:g} mm {turns_text(outcome)}{enlarged}"
+    lands = len(outcome.generated.part.piston.lands)
+    belt = f" with {lands} land{'s' * (lands > 1)}" if lands else ""
+    return f"skirt{belt} of {span_mm:g} mm {turns_text(outcome)}{enlarged}"
 
 
 def pass_rows(outcome: AnyCut) -> list[ReportRow]:

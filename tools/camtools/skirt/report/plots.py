@@ -32,6 +32,7 @@ from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
 from camtools.skirt.report.fit import on_metal_um, states_at
 from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.skirt.table.speed import motion_played
+from camtools.skirt.tool.program import program_of
 
 _N_ANGLES = 1441
 _N_SECTIONS = 4
@@ -117,6 +118,8 @@ def draw_profile(result: GeneratedSkirt) -> Figure:
     figure = titled_figure(8.5, 6.0, _title(result, "profile and ovality"))
     left, right = figure.subplots(1, 2, sharey=True)
     z_mm = dense_heights_mm(geometry, 32)
+    for low, high in piston.grooves_mm:
+        z_mm[(z_mm > low) & (z_mm < high)] = np.nan
     heights_mm = geometry.ovality.x if piston.ovality is None else piston.ovality.height_mm
     of_profile, of_ovality = (np.asarray(z, float) for z in (piston.profile.height_mm, heights_mm))
     long_mm: Callable[[Floats], Floats] = geometry.radius_mm
@@ -189,9 +192,29 @@ def draw_clearance(result: GeneratedSkirt) -> Figure:
     return figure
 
 
+def draw_program(result: GeneratedSkirt) -> Figure:
+    """Return Z and X over the turns of a part with lands, each band shaded."""
+    part = result.part
+    program = program_of(part, result.geometry, part.tool)
+    turn = np.linspace(0, program.turns, 20 * program.turns + 1)
+    z_mm, x_mm = program.z(turn)[:, 0], program.x(turn)[:, 0]
+    figure = titled_figure(8.5, 6.0, _title(result, "Z and X over the turns"))
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    upper.plot(turn, z_mm, color=_colour(1))
+    lower.plot(turn, x_mm, color=_colour(2))
+    for band in part.bands:
+        upper.axhspan(band.low_mm, band.high_mm, color=GREY, alpha=0.2, lw=0)
+    for axes, name in ((upper, "Z, mm (grey: bands)"), (lower, "X, radius at the long axis, mm")):
+        axes.set_ylabel(name)
+        axes.grid(alpha=0.3)
+    lower.set_xlabel("turns of the spindle at full feed")
+    return figure
+
+
 def draw_all(result: GeneratedSkirt) -> dict[str, bytes]:
     """Return all pictures by topic."""
     drawers = {"smoothing": draw_smoothing} if smoothed_curves(result.part.piston) else {}
     drawers |= {"clearance": draw_clearance} if result.part.piston.has_fit else {}
+    drawers |= {"program": draw_program} if result.part.piston.lands else {}
     drawers |= {"section": draw_section, "motion": draw_motion, "profile": draw_profile}
     return pictures({topic: partial(draw, result) for topic, draw in drawers.items()})

@@ -85,9 +85,9 @@ def draw_own(outcome: SkirtOutcome) -> Figure:
     return figure
 
 
-def hardest_turn(trace: CutTrace, geometry: Geometry) -> Ints:
+def hardest_turn(trace: CutTrace, geometry: Geometry, ends_mm: tuple[float, float]) -> Ints:
     """Return the ticks of the whole turn of the last pass on the skirt in which U moves most."""
-    low, high = geometry.skirt_mm
+    low, high = ends_mm
     on_skirt = (trace.z_mm >= low) & (trace.z_mm <= high)
     cutting = np.flatnonzero((trace.state == CUTTING) & on_skirt)
     if not cutting.size:
@@ -118,7 +118,7 @@ def motion_of(outcome: SkirtOutcome) -> TurnOfU:
     generated, trace, geometry = outcome.generated, outcome.trace, outcome.generated.geometry
     law = generated.speed.channel if generated.speed is not None else None
     speed_rpm = outcome.summary["cut"]["spindle_rpm"]
-    rows = hardest_turn(trace, geometry)
+    rows = hardest_turn(trace, geometry, generated.part.piston.skirt_mm)
     z_mm = float(trace.z_mm[rows].mean()) if rows.size else geometry.z_last_mm
     turns = np.linspace(0, 1, _N_ANGLES)
     u_mm, velocity, acceleration = motion_played(geometry, speed_rpm, z_mm, turns, law)

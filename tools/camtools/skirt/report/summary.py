@@ -7,7 +7,7 @@ The gauge compares a cut skirt with the drawing, and with its refit or filter, n
 {}
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import isinf
 
 import numpy as np
@@ -45,6 +45,7 @@ from camtools.skirt.report.fit import fit_facts, fit_text
 from camtools.skirt.table.accuracy import Accuracy
 from camtools.skirt.table.generate import GeneratedSkirt, peaks_of_table
 from camtools.skirt.table.speed import summary_of
+from camtools.skirt.tool.program import bands_document
 from camtools.skirt.tool.turning import Heel
 from camtools.table.channel import KIND_U, KIND_X
 from camtools.table.evaluate import jumps
@@ -96,10 +97,11 @@ def _zone(zone: Zone) -> Json:
 
 
 def _areas_of(part: SkirtPart) -> Json:
-    """Return windows and zones, where a part has any; layout: host_sim/part/sim_area.h."""
+    """Return windows, zones and bands, where a part has any; layout: sim_area.h, sim_band.h."""
     lists = {
         "windows": [area.document() for area in part.piston.window_areas],
         "zones": [_zone(zone) for zone in tolerances_left(part).zones],
+        "bands": bands_document(part.bands),
     }
     return {name: found for name, found in lists.items() if found}
 
@@ -123,12 +125,21 @@ _PEAK_HEIGHTS_PER_PIECE = 16
 
 
 def motion_at(
-    geometry: Geometry, grid: tuple[Floats, Floats], spindle_rpm: float, feed_mm: float
+    geometry: Geometry,
+    grid: tuple[Floats, Floats],
+    spindle_rpm: float,
+    feed_mm: float,
+    grooves: Sequence[tuple[float, float]] = (),
 ) -> Json:
-    """Return the peaks of U on a grid of angles [rad] and heights [mm] at a spindle speed."""
+    """Return the peaks of U on a grid of angles [rad] and heights [mm] at a spindle speed.
+
+    Nothing is fed through grooves, between two heights each.
+    """
     phi_rad, z_mm = grid
     u, omega = geometry.delta(phi_rad, z_mm[:, None]), omega_rad_s(spindle_rpm)
     rise = np.diff(u.delta, axis=0) / np.diff(z_mm)[:, None]
+    for low, high in grooves:
+        rise = np.where(((z_mm[:-1] < high) & (z_mm[1:] > low))[:, None], 0.0, rise)
     return {
         "stroke_mm": float(np.ptp(u.delta)),
         "velocity_mm_s": float(np.abs(u.d1).max()) * omega,
@@ -329,7 +340,10 @@ def make_summary(made: GeneratedSkirt) -> Json:
             "process": _process(made),
             "tool": tool_of(made.part.tool, made.heel),
             **about_channels(table, made.accuracy_u, made.accuracy_x),
-            "motion": motion_at(made.geometry, grid, process.spindle_rpm, process.feed_mm),
+            "motion": motion_at(
+                *(made.geometry, grid, process.spindle_rpm, process.feed_mm),
+                made.part.piston.grooves_mm,
+            ),
             "feasibility": feasibility_of(
                 peaks_of_table(table, made.speed),
                 *(made.part.machine.limits, process.spindle_rpm, made.highest_speed),
@@ -360,6 +374,7 @@ def emit_text(summary: Json) -> str:
         f"  highest speed {tenth_below(feasible['highest_spindle_rpm'])} r/min, "
         f"limited by {feasible['decided_by']}\n"
         + _room_text(summary)
+        + "".join(map(_band_text, summary["design"].get("bands", [])))
         + tool_text(summary["tool"])
         + "".join(f"  {name} from {how}\n" for name, how in summary.get("imported", {}).items())
         + _segments_text(summary.get("segments", {}))
@@ -374,6 +389,12 @@ def emit_text(summary: Json) -> str:
         + _speed_text(summary)
         + (round_text(summary["correction"]) if "correction" in summary else "")
     )
+
+
+def _band_text(band: Json) -> str:
+    passes = zip(band["feed_mm"], band["allowance_mm"], strict=True)
+    words = (f"feed {feed:.4g} mm leaves {1000 * mm:g} um" for feed, mm in passes)
+    return f"  {band['name']} {band['low_mm']:g} .. {band['high_mm']:g} mm: {', '.join(words)}\n"
 
 
 def clearance_text(clearance_deg: float, heel: Heel) -> str:

@@ -23,15 +23,23 @@ from camtools.base.quantities import NM_PER_MM, NM_PER_UM
 from camtools.cut.correction import Correction
 from camtools.cut.feasibility import HighestSpeed, Peaks, drift_of, highest_speed, peaks_of
 from camtools.cut.passes import checked_passes, judge_passes, records_of
+from camtools.part.common import Tool
 from camtools.skirt.geometry.corner import refuse_deviation
 from camtools.skirt.geometry.outliers import REMEDY_OF_OUTLIERS, outliers
 from camtools.skirt.geometry.run_in import corrected, with_run
 from camtools.skirt.geometry.skirt_geometry import Geometry, keeping
 from camtools.skirt.part.part_file import SkirtPart
-from camtools.skirt.table.accuracy import Accuracy, UnreachableError, choose_u, choose_x
+from camtools.skirt.table.accuracy import (
+    Accuracy,
+    UnreachableError,
+    choose_u,
+    choose_x,
+    measure_x,
+)
 from camtools.skirt.table.speed import SpeedTable, make_speed
 from camtools.skirt.tool.exact_shape import geometry_of, law_key, way_key
 from camtools.skirt.tool.nose import tip_geometry
+from camtools.skirt.tool.program import StationGeometry, program_of
 from camtools.skirt.tool.texture import check_texture
 from camtools.skirt.tool.turning import (
     Heel,
@@ -137,17 +145,31 @@ def _u_of(
     part: SkirtPart, geometry: Geometry, tip: Geometry, tolerance_nm: float, most_nm: float = 0.0
 ) -> tuple[Channel, Accuracy]:
     """Return the u channel for the way of the tip; of a long scan with a remedy when none fits."""
-    runs = part.process.run_in_mm, part.process.run_out_mm
-
-    def followed(surface: Geometry) -> Geometry:
-        return tip_geometry(with_run(surface, *runs), part.tool)
-
-    sieve = with_run(geometry, *runs) if part.tool.is_round else None
+    sieve = followed(part, geometry, Tool()) if part.tool.is_round else None
     try:
         return choose_u(tip, tolerance_nm, sieve, most_nm)
     except UnreachableError as error:
-        refuse_scan(part, geometry, followed, tolerance_nm, error)
+        way = partial(followed, part, tool=part.tool)
+        refuse_scan(part, geometry, way, tolerance_nm, error)
         raise
+
+
+def followed(part: SkirtPart, geometry: Geometry, tool: Tool) -> Geometry:
+    """Return what the tip of a tool follows; of a part with lands over the station."""
+    if part.piston.lands:
+        return program_of(part, geometry, tool).geometry()
+    return tip_geometry(with_run(geometry, *part.process.runs_mm), tool)
+
+
+def _x_of(tip: Geometry, tolerance_nm: float, most_nm: float) -> tuple[Channel, Accuracy]:
+    """Return the x channel for the path of the tip; a program has a knot for each turn."""
+    if not isinstance(tip, StationGeometry):
+        return choose_x(tip, tolerance_nm, most_nm)
+    channel = tip.program.x_channel()
+    accuracy = measure_x(tip, channel)
+    if accuracy.value_nm > max(tolerance_nm, most_nm):
+        raise UnreachableError("x", tolerance_nm, accuracy.value_nm)
+    return channel, accuracy
 
 
 def _within(
@@ -223,15 +245,14 @@ def _generated(
     """Return the table of a geometry, see `generate`."""
     process, correction = part.process, geometry.correction
     heel = check_heel(geometry, part.tool, process.direction)
-    air = with_run(geometry, process.run_in_mm, process.run_out_mm)
-    tip = tip_geometry(air, part.tool)
+    tip = followed(part, geometry, part.tool)
     most_nm = 0.0 if tolerance_nm else part.tightest_um * NM_PER_UM * CORNER_SHARE
     key = way_key(part, tolerance_nm), correction
     tolerance_u_nm, (u, accuracy_u) = recall(
         ("skirt u", key), lambda: _within(part, geometry, tip, tolerance_nm, most_nm)
     )
     x, accuracy_x = recall(
-        ("skirt x", key), lambda: choose_x(tip, tolerance_nm or DEFAULT_TOLERANCE_NM, most_nm)
+        ("skirt x", key), lambda: _x_of(tip, tolerance_nm or DEFAULT_TOLERANCE_NM, most_nm)
     )
     middle = middle_nm(tip, process.u_zero)
     u, x = moved(u, middle), moved(x, middle)
@@ -240,9 +261,17 @@ def _generated(
     if process.mode != "uniform":
         uniform = highest_speed(peaks_of(u_bounds(u, error_nm)), part.machine.limits)
         law = "skirt law", law_key(part, tolerance_nm), correction
+        air = with_run(geometry, *process.runs_mm)
         speed = recall(law, lambda: make_speed(part, air, u, uniform.rpm))
-    table = with_passes(make_table(passes[-1], u, x, error_nm, speed), part, passes)
-    best = judge_passes(passes, table, partial(_judge, geometry))
+    table = make_table(passes[-1], u, x, error_nm, speed)
+    if isinstance(tip, StationGeometry):
+        way, feed_nm = tip.program.way_channel(), tip.program.feed_nm
+        channels = (*table.channels, way)
+        table = replace(table, feed_nm=feed_nm, channels=channels, has_stations=True)
+        best = _judge(geometry, part, table)
+    else:
+        table = with_passes(table, part, passes)
+        best = judge_passes(passes, table, partial(_judge, geometry))
     return GeneratedSkirt(
         part, geometry, tolerance_u_nm, table, accuracy_u, accuracy_x, best, heel, speed, middle
     )
@@ -261,8 +290,10 @@ def with_passes(table: Table, part: SkirtPart, passes: list[SkirtPart]) -> Table
 def peaks_of_table(table: Table, speed: SpeedTable | None) -> Peaks:
     """Return what the axes need of the table of a skirt."""
     ratio = speed.peaks.ratio if speed else 1.0
-    feed_mm = table.feed_nm / NM_PER_MM * largest_share(table.way)
-    drift = drift_of(table.channels[0], 1 / NM_PER_MM, feed_mm)
+    along_mm = table.feed_nm / NM_PER_MM
+    feed_mm = along_mm * largest_share(table.way)
+    along_mm = along_mm if table.has_stations else feed_mm
+    drift = drift_of(table.channels[0], 1 / NM_PER_MM, along_mm)
     return peaks_of(table.bounds, ratio)._replace(u_drift=drift.at(ratio), feed_mm=feed_mm)
 
 

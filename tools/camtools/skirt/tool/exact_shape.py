@@ -13,6 +13,7 @@ import numpy as np
 
 from camtools.base.cache import file_state, recall
 from camtools.base.quantities import NM_PER_MM
+from camtools.part.common import Tool
 from camtools.pipeline.kind import Exact, ExactTurn, HeightCurve, ProfileOver, even_angles
 from camtools.skirt.geometry.profile import smoothed_curves
 from camtools.skirt.geometry.run_in import with_run
@@ -37,8 +38,9 @@ def shape_key(part: SkirtPart) -> Hashable:
 def way_key(part: SkirtPart, tolerance_nm: float | None) -> Hashable:
     """Return what the channels of u and x follow from."""
     process = part.process
-    runs = process.run_in_mm, process.run_out_mm, part.tightest_um
-    return shape_key(part), runs, part.tool.nose_radius_mm, tolerance_nm
+    runs = (*process.runs_mm, part.tightest_um, part.bands)
+    program = (process.feed_mm, process.depth_mm) if part.bands else None
+    return shape_key(part), runs, program, part.tool.nose_radius_mm, tolerance_nm
 
 
 def law_key(part: SkirtPart, tolerance_nm: float | None) -> Hashable:
@@ -86,7 +88,11 @@ class ExactGeometry(Exact):
 
 
 def exact_skirt(part: SkirtPart) -> ExactGeometry:
-    """Return the exact shape of a skirt, or refuse numbers or a nose that do not fit."""
+    """Return the exact shape of a skirt, or refuse numbers or a nose that do not fit.
+
+    With lands the motion is that of a tool with a point: a nose would touch two bands at once.
+    """
     geometry, process = geometry_of(part), part.process
-    tip = tip_geometry(with_run(geometry, process.run_in_mm, process.run_out_mm), part.tool)
+    tool = Tool() if part.piston.lands else part.tool
+    tip = tip_geometry(with_run(geometry, *process.runs_mm), tool)
     return ExactGeometry(geometry, tip, middle_nm(tip, process.u_zero) / NM_PER_MM)

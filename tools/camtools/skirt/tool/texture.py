@@ -18,6 +18,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM, UM_PER_MM
 from camtools.part.areas import Zone
 from camtools.part.common import MAX_FEED_MM, FeedLaw, SectionTolerances
+from camtools.skirt.part.land import Band
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.tool.turning import way_channel
 
@@ -68,11 +69,11 @@ def largest_feed_mm(stated: SectionTolerances, nose_mm: float) -> float | None:
 
 def stretches(part: SkirtPart) -> list[Stretch]:
     """Return the part from its first height to its last by zones that hold all round."""
-    heights_mm, nose_mm = part.piston.profile.height_mm, part.tool.nose_radius_mm
-    low_mm, high_mm = heights_mm[0], heights_mm[-1]
+    nose_mm, (low_mm, high_mm) = part.tool.nose_radius_mm, part.piston.ends_mm
     ends = {
         end for z in part.tolerances.zones for end in (z.from_mm, z.to_mm) if z.width_deg == 360
     }
+    ends |= {end for band in part.bands for end in (band.low_mm, band.high_mm)}
     breaks = [low_mm, *sorted(end for end in ends if low_mm < end < high_mm), high_mm]
     found = []
     for from_mm, to_mm in pairwise(breaks):
@@ -98,6 +99,7 @@ def check_texture(part: SkirtPart, feed_mm: float | None = None) -> None:
     own_mm, law = part.process.feed_mm, part.process.feed_law
     key = "process.feed_mm" if law is None else "process.feed_law"
     key = "feed_mm of the last process.pass" if part.process.passes else key
+    key = "feed_mm of a band" if part.bands else key
     key = "--feed" if feed_mm else key
     share = (feed_mm or own_mm) / own_mm
     lines = [line for stretch in stretches(part) if (line := _refusal(part, stretch, share))]
@@ -105,9 +107,15 @@ def check_texture(part: SkirtPart, feed_mm: float | None = None) -> None:
         raise CamtoolsError([f"{key} = {line}" for line in lines])
 
 
+def _meet(band: Band, stretch: Stretch) -> bool:
+    return band.low_mm < stretch.to_mm and band.high_mm > stretch.from_mm
+
+
 def _feed_mm(part: SkirtPart, stretch: Stretch) -> float:
     """Return the largest feed of a stretch, by the law or without one."""
     law = part.process.feed_law
+    if part.bands:  # in a groove nothing is turned
+        return max((b.passes[-1].feed_mm for b in part.bands if _meet(b, stretch)), default=0.0)
     if law is None:
         return part.process.feed_mm
     inside = [z for z in law.height_mm if stretch.from_mm < z < stretch.to_mm]
@@ -128,7 +136,7 @@ def _refusal(part: SkirtPart, stretch: Stretch, share: float) -> str:
     problem = f"leaves {found} in {where}, heights {heights}, more than [tolerances] accept"
     return (
         f"{feed_mm:.4g}: {problem}; feed at most {_shown(stretch.most_mm):g} mm there, or "
-        "use a larger nose; mktables --propose-feed shows a law"
+        f"use a larger nose{'' if part.bands else '; mktables --propose-feed shows a law'}"
     )
 
 
@@ -143,6 +151,9 @@ def proposed_law(part: SkirtPart) -> str:
     A law where Z can follow it, else the feed that all stretches accept. Raises CamtoolsError: no
     nose radius, or no stretch has a limit.
     """
+    if part.bands:
+        problem = "proposes one law, a part with [[piston.land]] has a feed for each band"
+        raise CamtoolsError([f"--propose-feed: {problem}; the refusal of a feed has the largest"])
     found = stretches(part)
     limited = [stretch.most_mm for stretch in found if stretch.most_mm is not None]
     if not limited or not part.tool.is_round:

@@ -208,7 +208,7 @@ def largest_share(channel: Channel | None) -> float:
     if channel is None:
         return 1.0
     slopes = evaluate_x(channel, np.linspace(channel.z_first_nm, channel.z_last_nm, _DENSE)).d1
-    return 1.0 + float(slopes.max())
+    return float(np.abs(1.0 + slopes).max())
 
 
 _ANGLES, _HEIGHTS = 3600, 17
