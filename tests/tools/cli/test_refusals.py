@@ -147,3 +147,14 @@ def test_nothing_of_a_wrong_file_is_shown(
     done = command(f"camtools.cli.{name}", *rest)
     assert done.returncode == 2 and done.stderr
     assert "hunter2" not in done.stdout + done.stderr
+
+
+TOOLS = "analyse camctl flash forecast identify live mkgcode mktables panel papers run tune"
+
+
+@pytest.mark.parametrize("name", TOOLS.split())
+def test_help_is_shown(name: str) -> None:
+    """A sign of percent in a text is not taken for a format."""
+    done = command(f"camtools.cli.{name}", "--help")
+    assert done.returncode == 0
+    assert done.stdout.startswith("usage: ")

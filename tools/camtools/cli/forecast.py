@@ -60,7 +60,7 @@ class Options:
         tuple[str, ...], Option("value of a controller parameter; repeatable", "P=V")
     ] = ()
     sections: Annotated[
-        bool, Option("also bound each feature of the sheets: what 95 % of all parts keep")
+        bool, Option("also bound each feature of the sheets: what 95 %% of all parts keep")
     ] = False
     workers: Annotated[
         int | None, Option("parallel processes on this computer (default: one per core)", "N")
