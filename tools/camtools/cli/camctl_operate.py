@@ -181,7 +181,8 @@ def jog_axis(
             raise CamtoolsError([f"{problem}; leave them out"])
         control.say(_to_its_end(link, "step", axis, "jog", step=step))
         return
-    mm_per_s = speed or min(1.0, operator.parameter(link, f"{axis}_jog_um_per_s") / 1000)
+    usual_mm_per_s = min(1.0, operator.parameter(link, f"{axis}_jog_um_per_s") / 1000)
+    mm_per_s = usual_mm_per_s if speed is None else speed
     end = "done"
     try:
         end = operator.jog(
