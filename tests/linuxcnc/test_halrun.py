@@ -103,12 +103,16 @@ def test_what_cannot_work_is_refused(box: Halbox, table_of: TableOf) -> None:
         assert f"camturn: {said}" in box.said()
 
 
-def set_and_wait(box: Halbox, pin: str, status: str) -> None:
-    """Give a command by its rising edge, and wait for its end."""
-    for value in (0, 1):
-        assert box.load(f"setp camturn.{pin} {value}\n") == 0
-        time.sleep(limit_s(0.05))  # a hundred rounds of the slow side
-    box.wait(f"camturn.{status}", "FALSE")
+def set_and_wait(box: Halbox, pin: str, status: str, says: str = "") -> None:
+    """Give a command by its rising edge, again if a busy machine misses it; wait for its end."""
+    for _ in range(20):
+        for value in (0, 1):
+            assert box.load(f"setp camturn.{pin} {value}\n") == 0
+            time.sleep(limit_s(0.05))  # a hundred rounds of the slow side
+        box.wait(f"camturn.{status}", "FALSE")
+        if says in box.said():
+            return
+    raise AssertionError(box.said())
 
 
 @pytest.mark.long
@@ -123,11 +127,9 @@ def test_table_is_changed_while_hal_runs(box: Halbox, table_of: TableOf) -> None
     set_and_wait(box, "reload-table", "reloading")
     assert box.get("camturn.error-number") == "0"
     part.write_bytes(good[:-1])
-    set_and_wait(box, "reload-table", "reloading")
-    box.wait_said("camturn: table: refused: ")
+    set_and_wait(box, "reload-table", "reloading", "camturn: table: refused: ")
     part.unlink()
-    set_and_wait(box, "reload-table", "reloading")
-    box.wait_said("No such file or directory")
+    set_and_wait(box, "reload-table", "reloading", "No such file or directory")
 
 
 def names_in_documents() -> set[str]:
