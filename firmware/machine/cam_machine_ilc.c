@@ -64,9 +64,8 @@ static cam_ilc_reason_t asked_of(const cam_machine_t *m)
     return m->table.n_lobes > 0u ? cam_ilc_lobes : cam_ilc_all;
 }
 
-/// @return whether the section changes at once from one band of the table to the next, where a
-/// round
-///         one shows nothing of the drive: the cut learns nothing of U then
+/// @return whether a table has bands with sections of their own. A round band shows nothing of U's
+///         drive, so that the cut learns nothing of it then.
 static bool has_bands(const cam_machine_t *m)
 {
     return m->has_table && m->table.has_stations && m->table.n_lobes == 0u;

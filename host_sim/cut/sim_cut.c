@@ -87,7 +87,9 @@ static bool measure_removal(sim_cut_t *cut)
                          s->cut_turns < cut->full_last_turn;
     const double sense = s->table.direction; // the measurement needs a rising angle
     cut->removal.config.blank_mm = s->work.blank_mm;
-    cut->removal.config.feed_mm = s->band_feed_mm > 0.0 ? s->band_feed_mm : sim_cut_feed_mm(cut);
+    if (s->band_feed_mm > 0.0) {
+        cut->removal.config.feed_mm = s->band_feed_mm;
+    }
     const double radius_mm = s->place == sim_place_air ? s->work.blank_mm : s->radius_mm;
     const bool has_slice = sim_removal_touch(&cut->removal, s->at.t_s, sense * sim_session_turn(s),
                                              s->z_mm, radius_mm, is_full && !cut->is_stopped);

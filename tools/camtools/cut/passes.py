@@ -47,10 +47,7 @@ def checked_passes(part: PartT, tool: Tool, tolerance_nm: float | None) -> list[
         }
         passes.append(part.model_copy(update={"process": process.model_copy(update=own)}))
         check_feed(passes[-1])
-    bands = getattr(part, "bands", ())
-    feeds = [band.passes[-1].feed_mm for band in bands] or [passes[-1].process.feed_mm]
-    for feed_mm in feeds:
-        check_tracks(tool, feed_mm)
+    check_tracks(tool, passes[-1].process.feed_mm)
     return passes
 
 

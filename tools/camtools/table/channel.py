@@ -368,6 +368,19 @@ def check_entry(entry: dict[str, Any], ends_nm: tuple[int, int], *, has_patterns
         demand(is_angle, "p_min, p_max: beyond a quarter turn")
 
 
+def _check_within(way: Channel, zero: int, span_nm: int, risen_nm: int) -> None:
+    """Check that Z stays between its first and its last height, by its Bernstein coefficients."""
+    p, v, a = way.knots[:, 0].astype(np.int64).T
+    low, high = 10 * (p[:-1] - zero), 10 * (p[1:] - zero)  # the coefficients, times 10
+    from_low = [low, low + 2 * v[:-1], low + 4 * v[:-1] + a[:-1]]
+    tenfold = np.stack([*from_low, high - 4 * v[1:] + a[1:], high - 2 * v[1:], high], axis=1)
+    fifths = 5 * np.arange(p.size - 1)[:, None] + np.arange(6)
+    tenth_nm = 10 * fifths * span_nm // (5 * (p.size - 1)) + (tenfold >> way.frac_bits)
+    room_nm = 10 * BEYOND_NM
+    is_within = -room_nm <= tenth_nm.min() and tenth_nm.max() <= 10 * risen_nm + room_nm
+    demand(bool(is_within), "way: Z leaves the heights between its first and its last")
+
+
 def check_way(way: Channel, *, has_stations: bool) -> None:
     """Check that a way begins and ends with 0, and that Z rises.
 
@@ -375,21 +388,13 @@ def check_way(way: Channel, *, has_stations: bool) -> None:
     """
     zero = -(way.value_offset << way.frac_bits)
     p, v, a = way.knots[:, 0].astype(np.int64).T
-    is_ended = int(p[-1]) == zero
     span_nm = way.z_last_nm - way.z_first_nm
     risen_nm = span_nm + way.value_offset + (int(p[-1]) >> way.frac_bits)
-    if has_stations:
-        is_ended = 0 <= risen_nm <= MAX_HEIGHT_NM - way.z_first_nm
+    is_reached = 0 <= risen_nm <= MAX_HEIGHT_NM - way.z_first_nm
+    is_ended = is_reached if has_stations else int(p[-1]) == zero
     demand(int(p[0]) == zero and is_ended, "way: does not begin and end with 0")
     if has_stations:
-        low, high = 10 * (p[:-1] - zero), 10 * (p[1:] - zero)  # Bernstein coefficients, times 10
-        from_low = [low, low + 2 * v[:-1], low + 4 * v[:-1] + a[:-1]]
-        tenfold = np.stack([*from_low, high - 4 * v[1:] + a[1:], high - 2 * v[1:], high], axis=1)
-        fifths = 5 * np.arange(p.size - 1)[:, None] + np.arange(6)
-        tenth_nm = 10 * fifths * span_nm // (5 * (p.size - 1)) + (tenfold >> way.frac_bits)
-        room_nm = 10 * BEYOND_NM
-        is_within = -room_nm <= tenth_nm.min() and tenth_nm.max() <= 10 * risen_nm + room_nm
-        demand(bool(is_within), "way: Z leaves the heights between its first and its last")
+        _check_within(way, zero, span_nm, risen_nm)
         return
     inner = [v[:-1], v[:-1] + a[:-1] / 2, v[1:] - a[1:] / 2, v[1:]]
     middle = 5 * np.diff(p) - sum(inner)  # Bernstein coefficients of the slope: MATHS.md (51)

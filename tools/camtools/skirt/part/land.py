@@ -75,6 +75,11 @@ class Land(TomlTable):
         """Return its long-axis diameter at the upper end."""
         return self.diameter_mm - self.taper_um / UM_PER_MM
 
+    @property
+    def diameters_mm(self) -> tuple[float, float]:
+        """Return the least and the largest long-axis diameter."""
+        return min(self.diameter_mm, self.upper_mm), max(self.diameter_mm, self.upper_mm)
+
     def band(self, skirt: Sequence[BandPass]) -> Band:
         """Return the land and its passes, by those of the skirt where it has none."""
         passes = [BandPass(um / UM_PER_MM, skirt[-1].feed_mm) for um in self.allowance_um] or skirt

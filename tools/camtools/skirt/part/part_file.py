@@ -121,9 +121,7 @@ class Piston(TomlTable):
 
     def _check_windows(self, first: float, last: float) -> None:
         """Refuse windows beside the part, and bores wider than it."""
-        lands_mm = [
-            diameter for land in self.lands for diameter in (land.diameter_mm, land.upper_mm)
-        ]
+        lands_mm = [land.diameters_mm[0] for land in self.lands]
         radius_mm = min(*self.profile.diameter_mm, *lands_mm) / 2
         for i, area in ((i, area) for i, w in enumerate(self.windows) for area in w.areas):
             reach_mm, field = area.diameter_mm / 2, f"window.{i}"
@@ -151,7 +149,7 @@ class Piston(TomlTable):
             remedy = f"set shape to one of {', '.join(_OF_LANDS)}, with one number each"
             raise wrong("land_shape", problem, remedy, field="land", value=None)
         for i, land in enumerate(self.lands):
-            if land.ovality_mm >= min(land.diameter_mm, land.upper_mm):
+            if land.ovality_mm >= land.diameters_mm[0]:
                 context = {"field": f"land.{i}.ovality_mm", "value": land.ovality_mm}
                 raise wrong(
                     "ovality", "must be smaller than its diameters", "correct it", **context
@@ -335,11 +333,11 @@ class SkirtPart(TomlTable):
     @model_validator(mode="after")
     def _check_stock(self) -> Self:
         """Refuse a first pass over a land that leaves more than the blank has there."""
-        lands, diameters = self.piston.lands, list(self.piston.profile.diameter_mm)
-        outer_mm = max([*diameters, *(max(land.diameter_mm, land.upper_mm) for land in lands)]) / 2
+        lands = self.piston.lands
+        lands_mm = [land.diameters_mm[1] for land in lands]
+        blank_mm = max(*self.piston.profile.diameter_mm, *lands_mm) / 2 + self.process.depth_mm
         for i, land in enumerate(lands):
-            room_um = outer_mm + self.process.depth_mm - max(land.diameter_mm, land.upper_mm) / 2
-            room_um *= UM_PER_MM
+            room_um = (blank_mm - lands_mm[i] / 2) * UM_PER_MM
             if land.allowance_um and land.allowance_um[0] >= max(room_um, 1e-9):
                 context = {"field": f"piston.land.{i}.allowance_um", "value": land.allowance_um}
                 problem = f"must be below {room_um:g}, the stock of the blank there"

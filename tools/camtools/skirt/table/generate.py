@@ -165,7 +165,7 @@ def _x_of(tip: Geometry, tolerance_nm: float, most_nm: float) -> tuple[Channel, 
     """Return the x channel for the path of the tip; a program has a knot for each turn."""
     if not isinstance(tip, StationGeometry):
         return choose_x(tip, tolerance_nm, most_nm)
-    channel = tip.program.x_channel()
+    channel = tip.program.x_channel
     accuracy = measure_x(tip, channel)
     if accuracy.value_nm > max(tolerance_nm, most_nm):
         raise UnreachableError("x", tolerance_nm, accuracy.value_nm)
@@ -265,7 +265,7 @@ def _generated(
         speed = recall(law, lambda: make_speed(part, air, u, uniform.rpm))
     table = make_table(passes[-1], u, x, error_nm, speed)
     if isinstance(tip, StationGeometry):
-        way, feed_nm = tip.program.way_channel(), tip.program.feed_nm
+        way, feed_nm = tip.program.way_channel, tip.program.feed_nm
         channels = (*table.channels, way)
         table = replace(table, feed_nm=feed_nm, channels=channels, has_stations=True)
         best = _judge(geometry, part, table)

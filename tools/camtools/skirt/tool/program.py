@@ -13,15 +13,15 @@ The program begins and ends where the coarsest pass of its first and of its last
 them take multiples of five turns, so that few slices and knots lie at their ends. The
 controller itself comes in before the first pass and goes off after the last one.
 
->>> from camtools.skirt.part.land import BandPass
 >>> band = Band("land", 52.0, 56.0, (BandPass(0.1, 0.15), BandPass(0.0, 0.1)))
->>> [(step.turns, f"{step.run_mm:.3f}") for step in steps_of([band])]
+>>> [(step.turns, f"{step.run_mm:.3f}") for step in steps_of([band])[0]]
 [(30, '0.333'), (40, '0.250')]
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
-from itertools import count
+from functools import cached_property
+from itertools import chain, count
 from math import ceil, sqrt
 from typing import NamedTuple
 
@@ -31,11 +31,11 @@ from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import NM_PER_MM, Floats, FloatsLike, Ints, SectionValues
 from camtools.base.text import Json
 from camtools.cut.stretch import Stretch, is_gentle, over_turns, sampled
-from camtools.part.common import Tool
+from camtools.part.common import Tool, check_tracks
 from camtools.skirt.geometry.run_in import with_run
 from camtools.skirt.geometry.sections import SkirtSurface
 from camtools.skirt.geometry.skirt_geometry import Geometry
-from camtools.skirt.part.land import Band
+from camtools.skirt.part.land import Band, BandPass
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.tool.nose import tip_geometry
 from camtools.table.channel import (
@@ -80,19 +80,18 @@ def _fives(turns: float) -> int:
     return _EVERY_TURNS * max(1, ceil(turns / _EVERY_TURNS - 1e-9))
 
 
-def steps_of(bands: Sequence[Band]) -> list[Step]:
-    """Return all passes in their order: band by band, upwards."""
-    steps = []
-    for i, band in enumerate(bands):
-        for own in band.passes:
-            turns = _fives((band.high_mm - band.low_mm) / own.feed_mm)
-            steps.append(Step(i, band.low_mm, band.high_mm, own.allowance_mm, turns))
-    return steps
+def steps_of(bands: Sequence[Band]) -> list[list[Step]]:
+    """Return the passes of each band in their order."""
+
+    def step(i: int, band: Band, own: BandPass) -> Step:
+        turns = _fives((band.high_mm - band.low_mm) / own.feed_mm)
+        return Step(i, band.low_mm, band.high_mm, own.allowance_mm, turns)
+
+    return [[step(i, band, own) for own in band.passes] for i, band in enumerate(bands)]
 
 
 def bands_document(bands: Sequence[Band]) -> list[Json]:
     """Return bands as the gauge reads them, host_sim/part/sim_band.h, with their names."""
-    steps = steps_of(bands)
     return [
         {
             "name": band.name,
@@ -102,8 +101,7 @@ def bands_document(bands: Sequence[Band]) -> list[Json]:
             "allowance_mm": [step.allowance_mm for step in own],
             "feed_mm": [step.feed_mm for step in own],
         }
-        for i, band in enumerate(bands)
-        for own in ([step for step in steps if step.band == i],)
+        for band, own in zip(bands, steps_of(bands), strict=True)
     ]
 
 
@@ -204,15 +202,17 @@ class Program:
         if not is_short or spacing_nm < MIN_SPACING_NM:
             return False
         try:
-            return bool(self.x_channel() and self.way_channel())
+            return bool(self.x_channel and self.way_channel)
         except TooLargeError:
             return False
 
+    @cached_property
     def x_channel(self) -> Channel:
         """Return X over the station."""
         exact = self.x(self.knots_turn()) * NM_PER_MM
         return over_turns(KIND_X, exact, 1 / self.per_knot, self.range_nm)
 
+    @cached_property
     def way_channel(self) -> Channel:
         """Return how far Z is ahead of the station."""
         exact = self.ahead(self.knots_turn())
@@ -311,10 +311,13 @@ def program_of(part: SkirtPart, geometry: Geometry, tool: Tool) -> Program:
     """Return the program of a part with lands, for a tool; `geometry` is over its heights.
 
     The feed of the station is the one nearest to that of the skirt which a table holds. Raises
-    CamtoolsError: a groove is too narrow, or no table holds the program.
+    CamtoolsError: tracks do not meet, a groove is too narrow, or no table holds the program.
     """
-    bands, steps = part.bands, steps_of(part.bands)
-    runs = [max(step.run_mm for step in steps if step.band == i) for i in range(len(bands))]
+    bands, by_band = part.bands, steps_of(part.bands)
+    for band in bands:
+        check_tracks(tool, band.passes[-1].feed_mm)
+    steps = list(chain.from_iterable(by_band))
+    runs = [max(step.run_mm for step in own) for own in by_band]
     tips = tuple(_tip(geometry, *own, tool) for own in zip(bands, runs, strict=True))
     _check_grooves(bands, tips, runs, tool.nose_radius_mm)
     ends = [(tip, z) for tip in tips for z in tip.breaks_mm()]
